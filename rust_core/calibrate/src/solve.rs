@@ -149,13 +149,9 @@ pub(super) fn judge(
 /// Prints the figures that matter.
 pub(super) fn summarise(report: &Report) {
     let solution = &report.solution;
-    let verdict = match report.verdict {
-        Verdict::Good => "good",
-        Verdict::Usable => "usable",
-        Verdict::Again => "again",
-    };
     eprintln!(
-        "verdict: {verdict}. {:.2} px RMS, {:.2} px for points that were left out, {:.2} mm; {} of {} points",
+        "verdict: {}. RMS error {:.2} px, held out {:.2} px, {:.2} mm; {} of {} points are inliers",
+        report.verdict.name(),
         solution.rms_px,
         solution.held_out_rms_px,
         1000.0 * report.rms_m,

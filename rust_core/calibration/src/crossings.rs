@@ -1,36 +1,33 @@
-//! Points where edges of coarse stripes cross: few, but known long before a scan is over.
+//! Samples at the crossings of coarse stripes' edges: few, but available early in a scan.
 //!
-//! Of a pair of stripes and their inverse, the difference changes its sign at each edge, and the Gray code of the other
-//! stripes says which edge it is. Where in a square of four camera pixels an edge of a column and one of a row are
-//! seen, both differences are interpolated between the pixels, and the place where both vanish is the place of the
-//! projector's corner.
+//! The difference of stripes and their inverse changes its sign at each edge, and the other stripes' Gray code
+//! identifies the edge. Where a column's and a row's edge both pass between four camera pixels, both differences are
+//! interpolated, and the place where both vanish sees the corner between the projector pixels.
 
 use nalgebra::{Matrix2, Point2, Point3, Vector2};
 use rayon::prelude::*;
 
-use crate::decode::channels::{Channel, Channels};
+use crate::decode::channels::{Channels, StripeChannel};
 use crate::decode::response::Response;
-use crate::points::{inverse_depths, Window};
+use crate::points::{inverse_depths, DepthWindow};
 use crate::{DecodeError, Lens, Pictures, Sample};
 
-/// White is so many levels brighter than black where something is looked at.
+/// Minimum difference of white and black, levels.
 const LIT_LEVELS: u8 = 12;
-/// Other stripes differ from their inverse by at least this share of white and black, on all four pixels.
+/// Minimum contrast of the other stripes at all four pixels, as a share of white minus black.
 const CLEAR: f32 = 0.3;
-/// How far off a crossing is, roughly, projector pixels.
+/// Rough deviation of a crossing, projector pixels.
 const SIGMA_PX: f64 = 0.5;
-/// Inverse depths err by at least this, 1/m.
+/// Minimum noise of inverse depths, 1/m.
 const LEAST_NOISE: f32 = 1e-4;
 /// Steps of Newton's method.
 const STEPS: usize = 4;
 
-/// The crossings that are seen at points with a depth. `depth_m` is as for [`crate::points`]. Their deviations are
-/// rough.
+/// Crossings at points with a depth, with rough deviations; `depth_m` as for [`crate::points`]. Empty if depth image,
+/// camera and images differ in size.
 ///
 /// # Errors
-/// [`DecodeError`]: pictures are missing.
-///
-/// Nothing is found where depth image, camera and pictures differ in size.
+/// [`DecodeError`]: images are missing.
 pub(crate) fn crossings(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DecodeError> {
     let channels = Channels::new(pictures.patterns)?;
     let [width, height] = pictures.size_px.map(|side| side as usize);
@@ -40,13 +37,13 @@ pub(crate) fn crossings(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens)
         return Ok(Vec::new());
     }
     let response = Response::find(pictures, &channels);
-    let seen = Seen { pictures, channels: &channels, response: &response, width };
+    let finder = CrossingFinder { pictures, channels: &channels, response: &response, width };
     let inverse = inverse_depths(depth_m);
     let row = |y: usize| -> Vec<Sample> {
         let crossing = |x: usize| {
-            let (at, pixel) = seen.crossing(x, y)?;
+            let (at, pixel) = finder.crossing(x, y)?;
             let (near_x, near_y) = (at.x.round() as usize, at.y.round() as usize);
-            let window = Window::new(&inverse, width, near_x, near_y)?;
+            let window = DepthWindow::new(&inverse, width, near_x, near_y)?;
             let off = [at.x - near_x as f64, at.y - near_y as f64];
             let inverse =
                 f64::from(window.inverse) + f64::from(window.by_px[0]) * off[0] + f64::from(window.by_px[1]) * off[1];
@@ -64,24 +61,24 @@ pub(crate) fn crossings(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens)
     Ok((0..height.saturating_sub(1)).into_par_iter().flat_map_iter(row).collect())
 }
 
-/// The pictures in linear light.
-struct Seen<'a> {
+/// Images in linear light, searched for crossings.
+struct CrossingFinder<'a> {
     pictures: &'a Pictures<'a>,
     channels: &'a Channels,
     response: &'a Response,
     width: usize,
 }
 
-/// An edge of a column or row: where it lies in the projector's picture, pixels, and the differences of its stripes at
-/// the four camera pixels.
+/// Stripe edge between four camera pixels.
 struct Edge {
+    /// Column or row of the edge in the projector's image, pixels.
     place_px: f64,
+    /// Normalised differences of stripes and inverse at the four pixels.
     differences: [f32; 4],
 }
 
-impl Seen<'_> {
-    /// The crossing between the camera pixels from (x, y) to the next ones to the right and below: where it is in the
-    /// camera's picture and in the projector's.
+impl CrossingFinder<'_> {
+    /// Crossing between the camera pixels (x, y) and (x + 1, y + 1), in camera and in projector pixels.
     fn crossing(&self, x: usize, y: usize) -> Option<(Point2<f64>, Point2<f64>)> {
         let first = y * self.width + x;
         let square = [first, first + 1, first + self.width, first + self.width + 1];
@@ -98,7 +95,7 @@ impl Seen<'_> {
         is_inside.then(|| (camera, Point2::new(edges[0].place_px, edges[1].place_px)))
     }
 
-    /// The light of white less that of black at four pixels; none where one is hardly lit.
+    /// White minus black at four pixels, in linear light; `None` if one is hardly lit.
     fn contrast(&self, square: [usize; 4]) -> Option<[f32; 4]> {
         let (white, black) = (self.pictures.levels[self.channels.white], self.pictures.levels[self.channels.black]);
         let is_lit = |pixel: &usize| white[*pixel].saturating_sub(black[*pixel]) >= LIT_LEVELS;
@@ -106,8 +103,7 @@ impl Seen<'_> {
         square.iter().all(is_lit).then(|| square.map(contrast))
     }
 
-    /// The edge of an axis's stripes that runs between four pixels: one pair of stripes changes its sign there, all
-    /// others are clear.
+    /// Edge of an axis's stripes between four pixels: exactly one pair changes its sign, all others are clear.
     fn edge(&self, axis: usize, square: [usize; 4], contrast: [f32; 4]) -> Option<Edge> {
         let axis = &self.channels.axes[axis];
         let code_bits = &axis.all[..axis.code_bits];
@@ -138,13 +134,13 @@ impl Seen<'_> {
         (high == low + 1).then_some(Edge { place_px, differences })
     }
 
-    fn differences(&self, channel: &Channel, square: [usize; 4], contrast: [f32; 4]) -> [f32; 4] {
+    fn differences(&self, channel: &StripeChannel, square: [usize; 4], contrast: [f32; 4]) -> [f32; 4] {
         let light = |picture: usize, pixel: usize| self.response.light(self.pictures.levels[picture][pixel]);
         std::array::from_fn(|i| (light(channel.lit, square[i]) - light(channel.inverse, square[i])) / contrast[i])
     }
 }
 
-/// What four values at the corners of a unit square are at a place between them, and the gradient there.
+/// Bilinear interpolation of the corners of a unit square, with its gradient.
 fn interpolated([a, b, c, d]: &[f32; 4], at: Vector2<f64>) -> (f64, Vector2<f64>) {
     let [a, b, c, d] = [a, b, c, d].map(|value| f64::from(*value));
     let (above, below) = (a + (b - a) * at.x, c + (d - c) * at.x);

@@ -1,35 +1,35 @@
-//! Lens distortion as a CameraInfo describes it: a model's name, and so many coefficients as the model has.
+//! Lens distortion models of `sensor_msgs/CameraInfo`.
 //!
-//! The names are those of `sensor_msgs/distortion_models.h`; numbers of coefficients and formulas are those that OpenCV
-//! documents for its functions ("Camera Calibration and 3D Reconstruction", and the fisheye module), which
-//! image_geometry hands the coefficients to. All of it works on the plane z = 1 of the optical frame (x right, y down).
+//! Names are those of `sensor_msgs/distortion_models.h`; formulas and numbers of coefficients are OpenCV's ("Camera
+//! Calibration and 3D Reconstruction", and the fisheye module), which image_geometry calls. Everything works on the
+//! plane z = 1 of the optical frame (x right, y down).
 
 use std::fmt;
 
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
 
-/// The largest distance from the optical axis on the plane z = 1 that is looked at: 87° off the axis.
+/// Maximum distance from the optical axis on the plane z = 1: 87° off the axis.
 const FARTHEST: f64 = 20.0;
-/// Newton steps of an inverse; four are enough for lenses that exist.
+/// Maximum Newton steps of an inverse; real lenses need four.
 const MOST_STEPS: usize = 50;
 
-/// How a lens deviates from a pinhole.
+/// Distortion model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DistortionModel {
-    /// Brown and Conrady's: k1, k2, p1, p2 and, mostly, k3. With 8 coefficients or more it is the next one.
+    /// Brown and Conrady's: k1, k2, p1, p2 and mostly k3. With 8 coefficients or more it is the rational polynomial.
     PlumbBob,
-    /// Radial distortion as a quotient of two polynomials: k1, k2, p1, p2, k3 to k6; then, if there are 12, the thin
-    /// prism's s1 to s4, and with 14 the tilt of the sensor.
+    /// Quotient of two polynomials: k1, k2, p1, p2, k3 to k6; with 12 coefficients the thin prism's s1 to s4, with 14
+    /// also the sensor's tilt.
     RationalPolynomial,
     /// Kannala and Brandt's, for fisheye lenses: k1 to k4.
     Equidistant,
 }
 
 impl DistortionModel {
-    /// All of them.
+    /// All models.
     pub const ALL: [Self; 3] = [Self::PlumbBob, Self::RationalPolynomial, Self::Equidistant];
 
-    /// The name in a CameraInfo.
+    /// Name in a CameraInfo.
     pub const fn name(self) -> &'static str {
         match self {
             Self::PlumbBob => "plumb_bob",
@@ -38,14 +38,13 @@ impl DistortionModel {
         }
     }
 
-    /// The model of this name, or of OpenCV's and camera_calibration's name for it.
+    /// Model of a CameraInfo's name; `fisheye`, as OpenCV and camera_calibration say, is `equidistant`.
     pub fn from_name(name: &str) -> Option<Self> {
         let name = if name == "fisheye" { Self::Equidistant.name() } else { name };
         Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
-    /// The model that OpenCV takes for so many coefficients of this one: in its functions the number alone tells a
-    /// plumb bob from a rational polynomial.
+    /// Model that OpenCV uses for this number of coefficients, which alone tells a plumb bob from a rational polynomial.
     fn with_coefficients(self, count: usize) -> Self {
         match (self, count) {
             (Self::PlumbBob, 8 | 12 | 14) => Self::RationalPolynomial,
@@ -54,7 +53,7 @@ impl DistortionModel {
         }
     }
 
-    /// The numbers of coefficients that it can have.
+    /// Valid numbers of coefficients.
     pub const fn coefficient_counts(self) -> &'static [usize] {
         match self {
             Self::PlumbBob | Self::RationalPolynomial => &[4, 5, 8, 12, 14],
@@ -69,18 +68,18 @@ impl fmt::Display for DistortionModel {
     }
 }
 
-/// What is wrong with the distortion of a CameraInfo.
+/// Invalid distortion of a CameraInfo.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DistortionProblem {
-    /// The model is none of those that ROS's packages know.
+    /// Unknown model name.
     #[error("'{0}' is not known (plumb_bob, rational_polynomial, equidistant or fisheye)")]
     UnknownModel(String),
-    /// The model has another number of coefficients.
+    /// Invalid number of coefficients for the model.
     #[error("{count} coefficients, but {model} has {}", any_of(.model.coefficient_counts()))]
     Coefficients {
         /// The model.
         model: DistortionModel,
-        /// How many coefficients there are.
+        /// Given number of coefficients.
         count: usize,
     },
     /// A coefficient is not a finite number.
@@ -89,7 +88,7 @@ pub enum DistortionProblem {
 }
 
 impl DistortionProblem {
-    /// The key of a CameraInfo that has the problem.
+    /// Key of the CameraInfo with the problem.
     pub fn key(&self) -> &'static str {
         match self {
             Self::UnknownModel(_) => "distortion_model",
@@ -106,22 +105,22 @@ fn any_of(counts: &[usize]) -> String {
     }
 }
 
-/// A lens's distortion: maps the plane z = 1, as a pinhole sees it, onto what the lens makes of it, and back.
+/// Lens distortion: maps undistorted points of the plane z = 1 to distorted ones, and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distortion {
     model: DistortionModel,
-    /// In the order of the message, padded with zeros, with which they have no effect.
+    /// In the message's order, padded with zeros, which have no effect.
     coefficients: [f64; 14],
     is_none: bool,
     valid_radius: f64,
 }
 
-/// A place on the plane z = 1 where a ray passes the distortion, and how it follows the undistorted place.
+/// Distorted point of the plane z = 1, with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distorted {
-    /// The distorted place.
+    /// Distorted point.
     pub place: Point2<f64>,
-    /// Derivatives of the distorted place by the undistorted one.
+    /// Derivatives by the undistorted point.
     pub jacobian: Matrix2<f64>,
 }
 
@@ -132,16 +131,15 @@ impl Default for Distortion {
 }
 
 impl Distortion {
-    /// A pinhole's.
+    /// No distortion.
     pub const NONE: Self =
         Self { model: DistortionModel::PlumbBob, coefficients: [0.0; 14], is_none: true, valid_radius: f64::INFINITY };
 
-    /// The distortion of a CameraInfo's `distortion_model` and `D`. Without coefficients there is no distortion,
-    /// whatever the model's name, and none if all are zero, except that an equidistant lens bends then, too: its radius
-    /// is the angle.
+    /// Creates the distortion of a CameraInfo's `distortion_model` and `D`. There is none without coefficients, whatever
+    /// the model, and none if all are zero, except for equidistant lenses, whose radius then is the angle.
     ///
     /// # Errors
-    /// [`DistortionProblem`]: an unknown model, or one with another number of coefficients.
+    /// [`DistortionProblem`]: unknown model or invalid coefficients.
     pub fn from_message(model: &str, coefficients: &[f64]) -> Result<Self, DistortionProblem> {
         if !Self::bends(model, coefficients) {
             return Ok(Self::NONE);
@@ -149,19 +147,19 @@ impl Distortion {
         let known =
             DistortionModel::from_name(model).ok_or_else(|| DistortionProblem::UnknownModel(model.to_owned()))?;
         match coefficients.iter().all(|coefficient| *coefficient == 0.0) {
-            // Zeros are written in any number.
+            // Tools write any number of zeros.
             true => Self::new(known, &[0.0; 4]),
             false => Self::new(known, coefficients),
         }
     }
 
-    /// Whether [`Self::from_message`] is a distortion, or wrong: cheap enough for each picture.
+    /// `true` if [`Self::from_message`] returns a distortion or an error. Cheap enough for each image.
     pub fn bends(model: &str, coefficients: &[f64]) -> bool {
         let is_equidistant = || DistortionModel::from_name(model) == Some(DistortionModel::Equidistant);
         coefficients.iter().any(|coefficient| *coefficient != 0.0) || (!coefficients.is_empty() && is_equidistant())
     }
 
-    /// A distortion of this model with these coefficients, in the order of the message.
+    /// Creates a distortion from coefficients in the message's order.
     ///
     /// # Errors
     /// [`DistortionProblem::Coefficients`], [`DistortionProblem::NotFinite`].
@@ -179,12 +177,12 @@ impl Distortion {
         let is_none = model != DistortionModel::Equidistant && padded.iter().all(|coefficient| *coefficient == 0.0);
         let mut distortion = Self { model, coefficients: padded, is_none, valid_radius: f64::INFINITY };
         if !is_none {
-            distortion.valid_radius = distortion.radius_of_first_turn();
+            distortion.valid_radius = distortion.first_fold_radius();
         }
         Ok(distortion)
     }
 
-    /// Brown and Conrady's distortion with k1, k2, p1, p2, k3; what is not finite counts as zero.
+    /// Brown and Conrady's distortion with k1, k2, p1, p2, k3; values that are not finite count as zero.
     pub fn plumb_bob(coefficients: [f64; 5]) -> Self {
         let finite = coefficients.map(|coefficient| if coefficient.is_finite() { coefficient } else { 0.0 });
         Self::new(DistortionModel::PlumbBob, &finite).unwrap_or(Self::NONE)
@@ -195,7 +193,7 @@ impl Distortion {
         self.model
     }
 
-    /// The coefficients as the message has them: 5, 8, 12, 14 or 4 of them.
+    /// Coefficients in the message's order: 5, 8, 12, 14 or 4.
     pub fn coefficients(&self) -> &[f64] {
         let given = &self.coefficients;
         match self.model {
@@ -207,19 +205,18 @@ impl Distortion {
         }
     }
 
-    /// Whether it leaves everything where it is.
+    /// `true` if no point moves.
     pub fn is_none(&self) -> bool {
         self.is_none
     }
 
-    /// How far from the optical axis, on the undistorted plane z = 1, the model is valid: up to there, what is farther
-    /// out is drawn farther out. Beyond, a polynomial folds the picture back over itself. Infinite if it never does
-    /// within 87° of the axis.
+    /// Radius on the undistorted plane z = 1 up to which the distorted radius grows; beyond, the polynomial folds the
+    /// image over itself. Infinite if that does not happen within 87° of the axis.
     pub fn valid_radius(&self) -> f64 {
         self.valid_radius
     }
 
-    /// Where the lens puts an undistorted place; none beyond [`Self::valid_radius`].
+    /// Distorts a point; `None` beyond [`Self::valid_radius`].
     pub fn distort(&self, undistorted: Point2<f64>) -> Option<Point2<f64>> {
         if self.is_none {
             return Some(undistorted);
@@ -235,7 +232,7 @@ impl Distortion {
         (undistorted.coords.norm() <= self.valid_radius).then(|| self.follow(undistorted.coords))
     }
 
-    /// The undistorted place that the lens puts here; none if nothing is put here within the valid radius.
+    /// Inverse of [`Self::distort`]; `None` if no point within the valid radius maps here.
     pub fn undistort(&self, distorted: Point2<f64>) -> Option<Point2<f64>> {
         if self.is_none {
             return Some(distorted);
@@ -244,17 +241,17 @@ impl Distortion {
         let mut place = self.undistort_radially(target)?;
         for _ in 0..MOST_STEPS {
             let reached = self.follow(place);
-            let miss = target - reached.place.coords;
-            if miss.norm_squared() < 1e-28 {
+            let error = target - reached.place.coords;
+            if error.norm_squared() < 1e-28 {
                 break;
             }
-            place += reached.jacobian.try_inverse()? * miss;
+            place += reached.jacobian.try_inverse()? * error;
         }
         let is_reached = (self.follow(place).place.coords - target).norm() < 1e-9 * (1.0 + target.norm());
         (is_reached && place.norm() <= self.valid_radius).then(|| place.into())
     }
 
-    /// The inverse of the radial part, along the ray from the axis, from which the full inverse starts.
+    /// Inverse of the radial part, the start of the full inverse.
     fn undistort_radially(&self, target: Vector2<f64>) -> Option<Vector2<f64>> {
         let distorted_radius = target.norm();
         if distorted_radius == 0.0 {
@@ -276,7 +273,7 @@ impl Distortion {
         Some(target * (0.5 * (near + far) / distorted_radius))
     }
 
-    /// The distorted radius of an undistorted one, by the radial terms alone.
+    /// Distorted radius by the radial terms alone.
     fn radius(&self, r: f64) -> f64 {
         match self.model {
             DistortionModel::Equidistant => equidistant_angle(r.atan(), &self.coefficients).0,
@@ -284,8 +281,8 @@ impl Distortion {
         }
     }
 
-    /// The radius from which on the radial part no longer grows.
-    fn radius_of_first_turn(&self) -> f64 {
+    /// Radius from which on the radial part stops growing.
+    fn first_fold_radius(&self) -> f64 {
         let slope = |r: f64| match self.model {
             DistortionModel::Equidistant => equidistant_angle(r.atan(), &self.coefficients).1,
             _ => {
@@ -296,20 +293,20 @@ impl Distortion {
         const STEPS: u32 = 4000;
         let at = |step: u32| (f64::from(step) / f64::from(STEPS) * FARTHEST.atan()).tan();
         let is_fine = |r: f64| slope(r) > 0.0 && self.radius(r).is_finite() && self.is_before_pole(r * r);
-        let Some(turned) = (1..=STEPS).find(|step| !is_fine(at(*step))) else { return f64::INFINITY };
-        let (mut fine, mut turned) = (at(turned - 1), at(turned));
+        let Some(folded) = (1..=STEPS).find(|step| !is_fine(at(*step))) else { return f64::INFINITY };
+        let (mut fine, mut folded) = (at(folded - 1), at(folded));
         for _ in 0..60 {
-            let middle = 0.5 * (fine + turned);
+            let middle = 0.5 * (fine + folded);
             if is_fine(middle) {
                 fine = middle;
             } else {
-                turned = middle;
+                folded = middle;
             }
         }
         fine
     }
 
-    /// The factor of the radial distortion at a squared radius, and its derivative by that.
+    /// Radial factor at a squared radius, and its derivative by it.
     fn radial(&self, r2: f64) -> (f64, f64) {
         let [k1, k2, _, _, k3, k4, k5, k6, ..] = self.coefficients;
         let (above, above_slope) = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
@@ -320,13 +317,13 @@ impl Distortion {
         (above / below, (above_slope * below - above * below_slope) / (below * below))
     }
 
-    /// Whether the quotient of the rational model is not beyond one of its poles.
+    /// `true` if the rational model's quotient has no pole up to here.
     fn is_before_pole(&self, r2: f64) -> bool {
         let [.., k4, k5, k6] = self.coefficients[..8] else { return true };
         self.model != DistortionModel::RationalPolynomial || 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)) > 0.0
     }
 
-    /// The formulas, without a check of the radius.
+    /// Distorts without checking the radius.
     fn follow(&self, place: Vector2<f64>) -> Distorted {
         let (x, y) = (place.x, place.y);
         let r2 = x * x + y * y;
@@ -371,7 +368,7 @@ impl Distortion {
     }
 }
 
-/// The distorted angle of an angle from the axis, and its derivative.
+/// Distorted angle from the axis, and its derivative.
 fn equidistant_angle(angle: f64, coefficients: &[f64; 14]) -> (f64, f64) {
     let a2 = angle * angle;
     let [k1, k2, k3, k4, ..] = *coefficients;
@@ -380,7 +377,7 @@ fn equidistant_angle(angle: f64, coefficients: &[f64; 14]) -> (f64, f64) {
     (angle * factor, slope)
 }
 
-/// The homography of a sensor that is tilted about x and y, radians: along the axis onto the tilted plane.
+/// Homography of a sensor tilted about x and y, radians.
 fn tilted_sensor(tilt_x: f64, tilt_y: f64) -> Matrix3<f64> {
     let ((sx, cx), (sy, cy)) = (tilt_x.sin_cos(), tilt_y.sin_cos());
     let about_x = Matrix3::new(1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx);
@@ -447,9 +444,9 @@ mod tests {
         }
     }
 
-    /// Figures of OpenCV 5.0: `cv2.projectPoints` with K = identity, `cv2.fisheye.distortPoints`.
+    /// Expected values: OpenCV 5.0's `cv2.projectPoints` with K = identity, `cv2.fisheye.distortPoints`.
     #[test]
-    fn places_are_those_of_opencv() {
+    fn distorted_points_equal_opencvs() {
         let place = Point2::new(0.3, -0.2);
         for (model, coefficients, expected) in [
             (DistortionModel::PlumbBob, vec![-0.28, 0.09, 0.001, -0.002, 0.01], OPENCV[0]),

@@ -1,42 +1,42 @@
-//! Whether the projector distorts its picture.
+//! Keystone detection: whether the projector distorts its image.
 //!
-//! A keystone correction is a homography of the picture: it leaves a pinhole a pinhole, but one that is skewed, or
-//! whose pixels are not square. A scaled picture's pixels are not square, either. Both show in a solution; a first one
-//! rests on the crossings of coarse stripes, so that a scan need not be taken to its end.
+//! A keystone correction is a homography of the image: a pinhole stays a pinhole, but with skew or with pixels that are
+//! not square. Scaling makes pixels that are not square, too. Both show in a solution; an early one uses the crossings
+//! of coarse stripes, so that a bad scan can be stopped.
 
 use crate::solve::skew_of_all;
 use crate::{crossings, solve, Lens, Parameter, Pictures, Refusal, Skew, Solution, SolveOptions};
 
-/// Focal lengths that differ by more are not those of square pixels.
+/// Maximum relative difference of the focal lengths of square pixels.
 const SQUARE_PIXELS: f64 = 0.02;
-/// A picture whose K has a larger skew, as a share of the focal length, is distorted by the projector,
+/// Maximum skew of an undistorted image: as a share of the focal length,
 const NO_SKEW: f64 = 0.003;
-/// if this is not by chance: deviations.
+/// and in standard deviations.
 const SIGNIFICANT: f64 = 4.0;
-/// A skew that cannot be by chance, as a share of the focal length, if half of the crossings agree with it to this
-/// share of what it moves the picture's edge by; a lens's distortion is among that.
+/// Certain skew, as a share of the focal length, if the median residual is at most this share of the skew's effect at
+/// the image's edge; the residual includes lens distortion.
 const MUCH_SKEW: f64 = 0.02;
 const AGREEING: f64 = 0.2;
-/// Fewer crossings determine no lens that is to be trusted.
+/// Minimum number of crossings for a trustworthy lens.
 const LEAST_CROSSINGS: usize = 24;
 
-/// What the first stripes of a scan tell of the picture. Shown, it says what to do.
+/// Image distortion by the projector, with advice as text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Keystone {
-    /// The picture is skewed: nothing that is scanned determines the projector's lens.
+    /// The image is skewed: no scan of it determines the lens.
     Skewed(String),
-    /// Its pixels are not square.
+    /// The pixels are not square.
     Stretched(String),
 }
 
 impl Keystone {
-    /// What the coarse stripes, white and black of a scan tell, with depths as for [`crate::points`]; none if nothing
-    /// is wrong, or if they do not determine a lens, as before a flat wall.
+    /// Detects a distortion from the coarse stripes, white and black of a scan, with depths as for [`crate::points`].
+    /// `None` if there is none, or if the stripes do not determine a lens, as on a flat wall.
     pub fn find(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens, projector_px: [u32; 2]) -> Option<Self> {
         let samples = crossings(pictures, depth_m, camera).ok().filter(|samples| samples.len() >= LEAST_CROSSINGS)?;
         match solve(&samples, &SolveOptions::new(projector_px)) {
             Ok(solution) => skewed(&solution).map(Self::Skewed).or_else(|| stretched(&solution).map(Self::Stretched)),
-            // A picture that is skewed a lot has no solution without a skew.
+            // A large skew leaves no solution without one.
             Err(
                 Refusal::Moved { .. }
                 | Refusal::TwoPoses { .. }
@@ -55,7 +55,7 @@ impl Keystone {
     }
 }
 
-/// How skewed the picture is, if it is.
+/// Reason text if the solution has a significant skew.
 pub(crate) fn skewed(solution: &Solution) -> Option<String> {
     let Skew { value_px, sigma_px } = solution.skew?;
     let focal_px = solution.lens.focal_px.min();
@@ -71,7 +71,7 @@ fn advice(skew: f64, figures: &str) -> String {
     )
 }
 
-/// How far from square its pixels are, if they are.
+/// Reason text if the solution's pixels are not square.
 pub(crate) fn stretched(solution: &Solution) -> Option<String> {
     let is_free = |parameter| matches!(parameter, Parameter::Fx | Parameter::Fy);
     let is_solved = solution.estimates.iter().any(|estimate| is_free(estimate.parameter) && estimate.sigma > 0.0);

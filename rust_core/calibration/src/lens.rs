@@ -1,57 +1,56 @@
-//! The lens of a projector or camera: where a point of its optical frame lands in its picture, and back.
+//! Pinhole lens with distortion: projection of points of the optical frame to pixels, and back.
 //!
-//! One type for everything that uses a lens: calibration solves it, decoding uses the camera's. Pixel coordinates are
-//! those of ROS and OpenCV: u to the right, v down, an integer is a pixel's centre. Points are in metres in the optical
-//! frame: x right, y down, z along the view or light.
+//! Used for projectors and cameras. Pixel coordinates are those of ROS and OpenCV: u to the right, v down, integers at
+//! pixel centres. Points are in metres in the optical frame: x right, y down, z along the view or light.
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
 
 use crate::Distortion;
 
-/// A projector's or camera's intrinsics. The solver finds lenses without skew; those of other tools may have one.
+/// Intrinsics of a projector or camera. Lenses of the solver have no skew; those of other tools may.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// Width and height of the picture, pixels.
+    /// Image width and height, pixels.
     pub size_px: [u32; 2],
-    /// Focal lengths fx, fy, pixels; negative where the picture is mirrored.
+    /// Focal lengths fx, fy, pixels; negative if the image is mirrored.
     pub focal_px: Vector2<f64>,
-    /// `K[1]` and `K[3]`, pixels: how far y moves the pixel along a row, and x along a column.
+    /// `K[1]` and `K[3]`, pixels: the pixel's shift along a row with y, and along a column with x.
     pub skew_px: Vector2<f64>,
-    /// The principal point cx, cy, pixels; it may lie outside of the picture (projectors throw upwards).
+    /// Principal point cx, cy, pixels; outside of the image for a lens shift, as of projectors that throw upwards.
     pub center_px: Point2<f64>,
-    /// The deviation from a pinhole.
+    /// Deviation from a pinhole.
     pub distortion: Distortion,
 }
 
-/// Where a point lands, and how that follows the point.
+/// Pixel of a point with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectedPoint {
     /// The pixel.
     pub pixel: Point2<f64>,
-    /// Derivatives of the pixel by the point in the optical frame, pixels per metre.
+    /// Derivatives by the point in the optical frame, pixels per metre.
     pub by_point: Matrix2x3<f64>,
 }
 
 impl Lens {
-    /// A pinhole.
+    /// Creates a lens without distortion and skew.
     pub fn pinhole(size_px: [u32; 2], focal_px: [f64; 2], center_px: [f64; 2]) -> Self {
         let (focal_px, center_px) = (focal_px.into(), center_px.into());
         Self { size_px, focal_px, skew_px: Vector2::zeros(), center_px, distortion: Distortion::NONE }
     }
 
-    /// The matrix K.
+    /// Camera matrix K.
     pub fn matrix(&self) -> Matrix3<f64> {
         let (f, s, c) = (self.focal_px, self.skew_px, self.center_px);
         Matrix3::new(f.x, s.x, c.x, s.y, f.y, c.y, 0.0, 0.0, 1.0)
     }
 
-    /// The upper left part of K.
+    /// Upper left 2×2 block of K.
     fn scales(&self) -> Matrix2<f64> {
         Matrix2::new(self.focal_px.x, self.skew_px.x, self.skew_px.y, self.focal_px.y)
     }
 
-    /// Where a point of the optical frame lands: in or beside the picture. None for what is not in front of the lens
-    /// or lies where the distortion is not valid.
+    /// Pixel of a point of the optical frame, in or outside of the image. `None` if the point is not in front of the lens
+    /// or beyond the distortion's valid radius.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         if point.z > 0.0 {
             self.pixel(Point2::new(point.x / point.z, point.y / point.z))
@@ -73,36 +72,35 @@ impl Lens {
         Some(ProjectedPoint { pixel: self.from_distorted(distorted.place), by_point })
     }
 
-    /// The pixel of a place on the plane z = 1 of the optical frame.
+    /// Pixel of a point of the plane z = 1.
     pub fn pixel(&self, plane: Point2<f64>) -> Option<Point2<f64>> {
         self.distortion.distort(plane).map(|place| self.from_distorted(place))
     }
 
-    /// The place on the plane z = 1 of the optical frame that a pixel sees or lights; none where the distortion has no
-    /// inverse.
+    /// Point of the plane z = 1 that a pixel sees or lights; `None` where the distortion has no inverse.
     pub fn plane(&self, pixel: Point2<f64>) -> Option<Point2<f64>> {
         self.distortion.undistort(self.to_distorted(pixel))
     }
 
-    /// The direction that a pixel sees or lights: a vector in the optical frame with z = 1.
+    /// Direction that a pixel sees or lights: a vector of the optical frame with z = 1.
     pub fn ray(&self, pixel: Point2<f64>) -> Option<Vector3<f64>> {
         self.plane(pixel).map(|place| place.coords.push(1.0))
     }
 
-    /// Whether a pixel is in the picture, its outermost half pixels included.
+    /// `true` if a pixel is in the image, including the outermost half pixels.
     pub fn contains(&self, pixel: Point2<f64>) -> bool {
         let [width, height] = self.size_px.map(f64::from);
         (-0.5..width - 0.5).contains(&pixel.x) && (-0.5..height - 0.5).contains(&pixel.y)
     }
 
-    /// The pixel of a place on the plane z = 1 that the distortion has been applied to.
+    /// Pixel of a distorted point of the plane z = 1.
     #[expect(clippy::wrong_self_convention, reason = "names the direction of the conversion")]
     pub(crate) fn from_distorted(&self, place: Point2<f64>) -> Point2<f64> {
         let skewed = self.skew_px.component_mul(&place.coords.yx());
         self.center_px + place.coords.component_mul(&self.focal_px) + skewed
     }
 
-    /// The inverse of [`Self::from_distorted`].
+    /// Inverse of [`Self::from_distorted`].
     pub(crate) fn to_distorted(self, pixel: Point2<f64>) -> Point2<f64> {
         let (off, f, s) = (pixel - self.center_px, self.focal_px, self.skew_px);
         let y = (off.y - s.y * off.x / f.x) / (f.y - s.y * s.x / f.x);

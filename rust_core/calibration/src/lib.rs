@@ -1,14 +1,13 @@
-//! Calibrating a projector: lens models, patterns, decoding, solving, and what a report says.
+//! Projector calibration: lens models, patterns, decoding, solving, reports.
 //!
 //! No ROS, no files, no windows, no drawing: numbers in, numbers out. Pixels are those of ROS and OpenCV (u right, v
-//! down, an integer is a pixel's centre), lengths are metres, frames are optical frames (z along the light or view, x
-//! right, y down). Transforms are named `target_from_source`.
+//! down, integers at pixel centres), lengths are metres, frames are optical frames (z along the light or view, x right,
+//! y down). Transforms are named `target_from_source`.
 
 #![forbid(unsafe_code)]
 
 mod blend;
 mod crossings;
-mod curvature;
 mod decode;
 mod distortion;
 mod keystone;
@@ -21,6 +20,7 @@ mod report;
 mod reprojection;
 mod sample;
 mod solve;
+pub mod statistics;
 mod verification;
 
 pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};

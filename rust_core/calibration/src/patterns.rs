@@ -1,11 +1,9 @@
-//! Patterns that a projector shows so that a camera can tell which projector pixel lights what it sees.
+//! Gray-code patterns (Inokuchi, Sato, Matsuda: "Range imaging system for 3-D object recognition", 1984).
 //!
-//! Binary stripes in Gray code (Inokuchi, Sato, Matsuda: "Range imaging system for 3-D object recognition", 1984): the
-//! stripes of bit b tell bit b of the Gray code of a pixel's number, and numbers of neighbours differ in one bit only.
-//! Each comes with its inverse, so that no threshold is needed and light that arrives by way of other surfaces
-//! cancels out. White and black frame them.
+//! The stripes of bit b encode bit b of the Gray code of a pixel's column or row; neighbours differ in one bit. Each
+//! pattern comes with its inverse, which replaces thresholds and cancels interreflections. White and black come first.
 
-/// Along which axis of the projector's picture the stripes are numbered.
+/// Image axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
     /// Columns: u.
@@ -35,29 +33,29 @@ impl Axis {
     }
 }
 
-/// The stripes of one bit of a Gray code.
+/// Stripes of one bit of a Gray code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Stripes {
-    /// What they number.
+    /// Encoded axis.
     pub axis: Axis,
-    /// How many bits the code has, 1 to [`Stripes::MOST_BITS`].
+    /// Bits of the code, 1 to [`Stripes::MOST_BITS`].
     pub bits: u32,
-    /// Which of them this is; 0 is the most significant.
+    /// Index of the bit; 0 is the most significant.
     pub bit: u32,
-    /// How many pixels share a code, at least 1.
+    /// Pixels that share a code, at least 1.
     pub step: u32,
-    /// Pixels that the stripes are shifted by, towards lower coordinates.
+    /// Shift towards lower coordinates, pixels.
     pub offset: u32,
-    /// Whether lit and dark are exchanged.
+    /// `true` if lit and dark are exchanged.
     pub inverted: bool,
 }
 
 impl Stripes {
-    /// The most bits of a code.
+    /// Maximum bits of a code.
     pub const MOST_BITS: u32 = 16;
 
-    /// Whether column or row `at` is lit: code c = (at + offset) div step, Gray g = c xor (c >> 1), lit where bit
-    /// `bit` of g is 1.
+    /// `true` if column or row `at` is lit: code c = (at + offset) div step, Gray g = c xor (c >> 1), lit where bit `bit`
+    /// of g is 1.
     pub fn is_lit(&self, at: u32) -> bool {
         let code = (u64::from(at) + u64::from(self.offset)) / u64::from(self.step.max(1));
         let gray = code ^ (code >> 1);
@@ -70,13 +68,13 @@ impl Stripes {
         Self { inverted: !self.inverted, ..self }
     }
 
-    /// The width of its narrowest lit or dark stripe that is followed by another, pixels.
+    /// Width of the narrowest inner stripe, pixels.
     pub fn width_px(&self) -> f64 {
         f64::from(self.step) * 2.0_f64.powi((self.bits - self.bit).min(Self::MOST_BITS) as i32)
     }
 }
 
-/// A picture that the projector shows during a scan.
+/// Image projected during a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pattern {
     /// Everything lit.
@@ -88,7 +86,7 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// Whether a projector pixel is lit.
+    /// `true` if a projector pixel is lit.
     pub fn is_lit(&self, u: u32, v: u32) -> bool {
         match self {
             Self::White => true,
@@ -100,7 +98,7 @@ impl Pattern {
         }
     }
 
-    /// The picture: 0 or 255 for each pixel, row by row from the top.
+    /// Grey levels, 0 or 255, row by row from the top.
     pub fn picture(&self, size_px: [u32; 2]) -> Vec<u8> {
         let [width, height] = size_px;
         let level = |is_lit| if is_lit { 255 } else { 0 };
@@ -118,8 +116,8 @@ impl Pattern {
     }
 }
 
-/// The patterns of a scan of a projector of this size: white, black, and for each axis every bit with its inverse, the
-/// most significant first. With `step` 1, each pixel has its own code: 44 pictures for 1280×800.
+/// Patterns of a scan: white, black, and for each axis every bit with its inverse, the most significant first. Each
+/// pixel has its own code: 44 patterns for 1280×800.
 pub fn gray_code(size_px: [u32; 2]) -> Vec<Pattern> {
     let mut patterns = vec![Pattern::White, Pattern::Black];
     for axis in Axis::ALL {
@@ -130,9 +128,9 @@ pub fn gray_code(size_px: [u32; 2]) -> Vec<Pattern> {
     patterns
 }
 
-/// The patterns of a scan for a camera that cannot see the finest stripes: codes of `step` pixels (2 or more), and the
-/// finest bit again, shifted by each number of pixels below its period's half, so that an edge lies between any two
-/// pixels. No stripe is narrower than two steps. With step 4: 64 pictures for 1280×800.
+/// Patterns for a camera that cannot resolve the finest stripes: codes of `step` pixels (2 or more), and the finest bit
+/// again, shifted by each number of pixels below half its period, so that an edge lies between any two pixels. No
+/// stripe is narrower than two steps. With step 4: 64 patterns for 1280×800.
 pub fn shifted_gray_code(size_px: [u32; 2], step: u32) -> Vec<Pattern> {
     let step = step.max(1);
     let mut patterns = vec![Pattern::White, Pattern::Black];
@@ -150,7 +148,7 @@ fn pair(stripes: Stripes) -> [Pattern; 2] {
     [Pattern::GrayCode(stripes), Pattern::GrayCode(stripes.inverse())]
 }
 
-/// The bits that so many codes need, at least one.
+/// Number of bits for this many codes, at least one.
 fn bits_for(codes: u32) -> u32 {
     (u32::BITS - codes.saturating_sub(1).leading_zeros()).max(1)
 }

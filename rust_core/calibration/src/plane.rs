@@ -1,26 +1,36 @@
-//! Planes through the values of a window of pixels, by weighted least squares.
+//! Local plane fits to the pixels of a window, and the bias that they have on curved surfaces.
+//!
+//! The bias is removed by twicing (Tukey, "Exploratory data analysis", 1977, 16): a plane through a window of a curved
+//! surface lies off its middle, on the same side all over the surface, so averaging windows does not help. The middles'
+//! residuals have the opposite bias. Single ones are mostly noise; their mean over a somewhat larger window estimates
+//! the bias, and is hardly noisier than the planes.
+
+use rayon::prelude::*;
+
+/// Minimum share of known values in a window of [`means_around`].
+const LEAST_SHARE: f32 = 0.25;
 
 /// A plane a = at + by_x · x + by_y · y.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
-    /// The height in the middle.
+    /// Height at the window's centre.
     pub(crate) at: f32,
     pub(crate) by_x: f32,
     pub(crate) by_y: f32,
     /// Mean squared distance from the plane.
     pub(crate) variance: f32,
-    /// The weight that it rests on.
+    /// Sum of the weights.
     pub(crate) support: f32,
 }
 
 impl Plane {
-    /// No plane.
+    /// Placeholder where no plane was fitted.
     pub(crate) const NONE: Self = Self { at: 0.0, by_x: 0.0, by_y: 0.0, variance: f32::INFINITY, support: 0.0 };
 }
 
-/// Weighted sums over a window; coordinates are relative to its middle.
+/// Weighted moments of a window; coordinates are relative to its centre.
 #[derive(Default, Clone, Copy)]
-pub(crate) struct Sums {
+pub(crate) struct PlaneSums {
     one: f32,
     x: f32,
     y: f32,
@@ -33,8 +43,8 @@ pub(crate) struct Sums {
     aa: f32,
 }
 
-impl Sums {
-    /// Adds a pixel of height `a`.
+impl PlaneSums {
+    /// Adds a pixel with height `a`.
     pub(crate) fn add(&mut self, weight: f32, x: f32, y: f32, a: f32) {
         let (wx, wy, wa) = (weight * x, weight * y, weight * a);
         self.one += weight;
@@ -49,7 +59,7 @@ impl Sums {
         self.aa += wa * a;
     }
 
-    /// The plane of least squares through the window; none if it weighs less than this, or lies on a line.
+    /// Least-squares plane; `None` if the total weight is below `least_weight` or the pixels are collinear.
     pub(crate) fn plane(&self, least_weight: f32) -> Option<Plane> {
         if self.one < least_weight {
             return None;
@@ -68,13 +78,52 @@ impl Sums {
     }
 }
 
+/// Mean around each value, in windows of 2·`radius` + 1 columns and rows. NaN values are unknown; the mean is 0 where
+/// too few are known.
+pub(crate) fn means_around(values: &[f32], width: usize, radius: usize) -> Vec<f32> {
+    let height = values.len() / width;
+    let side = 2 * radius + 1;
+    let least = (LEAST_SHARE * (side * side) as f32) as u32;
+    let mut means = vec![0.0; values.len()];
+    means.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        let mut columns = vec![(0.0_f32, 0_u32); width];
+        for y in y.saturating_sub(radius)..(y + radius + 1).min(height) {
+            for (column, value) in columns.iter_mut().zip(&values[y * width..(y + 1) * width]) {
+                if !value.is_nan() {
+                    column.0 += value;
+                    column.1 += 1;
+                }
+            }
+        }
+        for (x, mean) in row.iter_mut().enumerate() {
+            let window = &columns[x.saturating_sub(radius)..(x + radius + 1).min(width)];
+            let (sum, count) = window.iter().fold((0.0, 0), |(sum, count), column| (sum + column.0, count + column.1));
+            if count >= least.max(1) {
+                *mean = sum / count as f32;
+            }
+        }
+    });
+    means
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    fn means_ignore_unknown_values() {
+        let mut values: Vec<f32> = (0..9 * 7).map(|index| (index % 9) as f32).collect();
+        values[3 * 9 + 4] = f32::NAN;
+        let means = means_around(&values, 9, 1);
+        assert!((means[10] - 1.0).abs() < 1e-6 && (means[0] - 0.5).abs() < 1e-6);
+        // In the row of the unknown value, its left neighbour has columns 2 and 3 only.
+        assert!((means[3 * 9 + 3] - (3.0 * 2.0 + 3.0 * 3.0 + 2.0 * 4.0) / 8.0).abs() < 1e-6);
+        assert!(means_around(&[f32::NAN; 63], 9, 1).iter().all(|mean| *mean == 0.0));
+    }
+
+    #[test]
     fn a_plane_is_found_again() {
-        let mut sums = Sums::default();
+        let mut sums = PlaneSums::default();
         for y in -2_i16..=2 {
             for x in -2_i16..=1 {
                 let (x, y) = (f32::from(x), f32::from(y));
@@ -89,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_line_is_no_plane() {
-        let mut sums = Sums::default();
+        let mut sums = PlaneSums::default();
         (-3_i16..=3).for_each(|x| sums.add(1.0, f32::from(x), f32::from(2 * x), 1.0));
         assert!(sums.plane(1.0).is_none());
     }

@@ -1,46 +1,46 @@
-//! From decoded pixels and a depth image to samples: which projector pixel lights which point.
+//! Samples from decoded pixels and a depth image.
 //!
-//! Depth is smoothed by planes through the inverse depths of windows: on a plane in space, inverse depth is linear in
-//! the camera's pixels, and a depth camera's noise, which grows with the squared depth, is the same everywhere in it
-//! (Khoshelham, Elberink, "Accuracy and resolution of Kinect depth data", 2012). Where a window's depths lie on no
-//! common plane there is an edge, whose depth is not used. What planes leave out of curved surfaces is added back.
+//! Depth is smoothed by planes fitted to windows of inverse depth: on a plane in space, inverse depth is linear in the
+//! camera's pixels, and a depth camera's noise, which grows with the squared depth, is uniform in it (Khoshelham,
+//! Elberink, "Accuracy and resolution of Kinect depth data", 2012). Windows without a common plane contain a depth edge
+//! and are dropped. The planes' bias on curved surfaces is corrected.
 
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use crate::curvature::means_around;
-use crate::plane::{Plane, Sums};
+use crate::plane::{means_around, Plane, PlaneSums};
+use crate::statistics::median_f32;
 use crate::{Decoded, Lens, Sample};
 
 /// Half the width of a window, pixels.
 const RADIUS: usize = 3;
 const SIDE: usize = 2 * RADIUS + 1;
-/// Half the width of the windows in which planes are compared with what they were fitted to.
-const CURVATURE_RADIUS: usize = 4;
-/// The share of a window that must lie on its plane.
+/// Half the width of the windows that the planes' bias is averaged over.
+const BIAS_RADIUS: usize = 4;
+/// Minimum share of inliers of a window's plane.
 const LEAST_SHARE: f32 = 0.75;
-/// Depths count half when they are so many times the window's noise off the plane. No noise is less than this share of
+/// Residual at which a depth's weight is halved, in multiples of the window's noise, which is at least this share of
 /// the depth.
 const HALF_WEIGHT_NOISE: f32 = 2.0;
 const LEAST_NOISE_SHARE: f32 = 0.0005;
-/// A window noisier than this share of the depth, or than so many times the noise of half of the windows, has an edge.
+/// Maximum noise of a window without an edge: as a share of the depth, and as a multiple of the median noise.
 const MOST_NOISE_SHARE: f32 = 0.01;
 const MOST_NOISE: f32 = 3.0;
-/// Errors of neighbouring depths are alike: so many of them count as one.
-const ALIKE: f32 = 4.0;
+/// Number of correlated neighbouring depths that count as one measurement.
+const CORRELATED: f32 = 4.0;
 
-/// Why decoded pixels cannot be given depths.
+/// Mismatch between decoded pixels, depth image and camera info.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DepthImageError {
-    /// The depth image is of another size than the pictures.
+    /// The depth image and the camera images differ in size.
     #[error("the depth image has {count} pixels, the pictures have {expected}")]
     Size {
-        /// Its number of pixels.
+        /// Pixels of the depth image.
         count: usize,
-        /// That of the pictures.
+        /// Pixels of the camera images.
         expected: usize,
     },
-    /// The camera's calibration is for pictures of another size.
+    /// The camera info and the camera images differ in size.
     #[error("the camera info is for {}x{} pixels, the pictures have {}x{}", camera[0], camera[1], pictures[0], pictures[1])]
     Camera {
         /// Width and height in the camera info.
@@ -50,13 +50,13 @@ pub enum DepthImageError {
     },
 }
 
-/// The points that were decoded and have a depth.
+/// Samples for the decoded pixels that have a depth.
 ///
-/// `depth_m` are depths along the camera's optical axis, registered to the pictures, row by row from the top; what is
-/// not finite or not positive is no depth. The samples are of scan 0, in the order of the pixels.
+/// `depth_m` are depths along the camera's optical axis, registered to the camera images, row by row; values that are
+/// not finite or not positive are missing. The samples are of scan 0, in pixel order.
 ///
 /// # Errors
-/// [`DepthImageError`]: sizes that do not fit one another.
+/// [`DepthImageError`]: sizes differ.
 pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DepthImageError> {
     if depth_m.len() != decoded.pixels.len() {
         return Err(DepthImageError::Size { count: depth_m.len(), expected: decoded.pixels.len() });
@@ -66,72 +66,68 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
     }
     let width = decoded.size_px[0] as usize;
     let inverse = inverse_depths(depth_m);
-    let windows: Vec<Vec<(usize, Window)>> = (0..decoded.size_px[1] as usize)
+    let windows: Vec<Vec<(usize, DepthWindow)>> = (0..decoded.size_px[1] as usize)
         .into_par_iter()
         .map(|y| {
             let decoded = (0..width).filter(|x| decoded.pixels[y * width + x].is_decoded());
-            decoded.filter_map(|x| Some((y * width + x, Window::new(&inverse, width, x, y)?))).collect()
+            decoded.filter_map(|x| Some((y * width + x, DepthWindow::new(&inverse, width, x, y)?))).collect()
         })
         .collect();
     let windows = windows.concat();
     let mut noises: Vec<f32> = windows.iter().map(|(_, window)| window.noise).collect();
-    if noises.is_empty() {
-        return Ok(Vec::new());
-    }
-    let middle = noises.len() / 2;
-    let typical_noise = *noises.select_nth_unstable_by(middle, f32::total_cmp).1;
-    let mut left_over = vec![f32::NAN; inverse.len()];
+    let typical_noise = median_f32(&mut noises);
+    let mut residuals = vec![f32::NAN; inverse.len()];
     for (index, window) in windows.iter().filter(|(_, window)| window.is_whole) {
-        left_over[*index] = inverse[*index] - window.inverse;
+        residuals[*index] = inverse[*index] - window.inverse;
     }
-    let curvature = means_around(&left_over, width, CURVATURE_RADIUS);
-    let sample = |(index, window): &(usize, Window)| {
+    let bias = means_around(&residuals, width, BIAS_RADIUS);
+    let sample = |(index, window): &(usize, DepthWindow)| {
         if window.noise > MOST_NOISE * typical_noise {
             return None;
         }
         let pixel = &decoded.pixels[*index];
         let ray = camera.ray(Point2::new((index % width) as f64, (index / width) as f64))?;
-        let depth = 1.0 / f64::from(window.inverse + curvature[*index]);
+        let depth = 1.0 / f64::from(window.inverse + bias[*index]);
         let variance = 0.5 * (pixel.sigma[0].powi(2) + pixel.sigma[1].powi(2));
         Some(Sample {
             pixel: Point2::from(pixel.at.map(f64::from)),
             point: Point3::from(ray * depth),
             scan: 0,
             sigma_px: f64::from(variance.sqrt()),
-            // Where rounding makes all depths of a window the same, they are no more certain than elsewhere.
+            // Depths that rounding makes equal are no more certain than others.
             sigma_m: window.sigma_m(typical_noise, depth),
         })
     };
     Ok(windows.iter().filter_map(sample).collect())
 }
 
-/// The inverse of each depth, 1/m; 0 for what is not finite or not positive.
+/// Inverse depths, 1/m; 0 where the depth is not finite or not positive.
 pub(crate) fn inverse_depths(depth_m: &[f32]) -> Vec<f32> {
     depth_m.iter().map(|depth| if depth.is_finite() && *depth > 0.0 { 1.0 / depth } else { 0.0 }).collect()
 }
 
-/// What a pixel's surroundings tell of its depth.
+/// Plane fit to the inverse depths around a pixel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Window {
-    /// The inverse depth, 1/m.
+pub(crate) struct DepthWindow {
+    /// Inverse depth at the pixel, 1/m.
     pub(crate) inverse: f32,
-    /// By how much it grows from pixel to pixel, to the right and down.
+    /// Gradient of the inverse depth per pixel, to the right and down.
     pub(crate) by_px: [f32; 2],
-    /// Its standard deviation as a share of that of single pixels.
+    /// Standard deviation of `inverse` as a share of `noise`.
     sigma_per_noise: f32,
-    /// That of single pixels.
+    /// Standard deviation of single pixels' inverse depths, 1/m.
     noise: f32,
-    /// Whether all of it lies on its plane, far from any edge.
+    /// `true` if all pixels of the window are inliers: no edge is near.
     is_whole: bool,
 }
 
-impl Window {
-    /// The standard deviation of the depth, metres. No pixel's noise counts as less than `least_noise`, 1/m.
+impl DepthWindow {
+    /// Standard deviation of the depth, metres, for a pixel noise of at least `least_noise`, 1/m.
     pub(crate) fn sigma_m(&self, least_noise: f32, depth_m: f64) -> f64 {
         f64::from(self.noise.max(least_noise) * self.sigma_per_noise) * depth_m * depth_m
     }
 
-    /// The window around a pixel; none where depths are missing or an edge is near.
+    /// Fits the window around a pixel; `None` where depths are missing or an edge is near.
     pub(crate) fn new(inverse: &[f32], width: usize, x: usize, y: usize) -> Option<Self> {
         let height = inverse.len() / width;
         if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
@@ -143,7 +139,7 @@ impl Window {
         }
         let mut window = [(0.0_f32, 0.0_f32, 0.0_f32); SIDE * SIDE];
         let mut count = 0;
-        let mut sums = Sums::default();
+        let mut sums = PlaneSums::default();
         for row in y - RADIUS..=y + RADIUS {
             for column in x - RADIUS..=x + RADIUS {
                 let value = inverse[row * width + column];
@@ -163,9 +159,9 @@ impl Window {
         let mut plane = sums.plane(4.0)?;
         let mut noise = 0.0;
         for _ in 0..3 {
-            let off_plane = window[..count].iter().map(|entry| off(&plane, entry).abs());
-            noise = 1.4826 * median(off_plane) + LEAST_NOISE_SHARE * own;
-            let mut sums = Sums::default();
+            let mut distances = window.map(|entry| off(&plane, &entry).abs());
+            noise = 1.4826 * median_f32(&mut distances[..count]) + LEAST_NOISE_SHARE * own;
+            let mut sums = PlaneSums::default();
             for entry in &window[..count] {
                 let far = off(&plane, entry) / (HALF_WEIGHT_NOISE * noise);
                 sums.add(1.0 / (1.0 + far * far), entry.0, entry.1, entry.2);
@@ -177,25 +173,14 @@ impl Window {
         if (on_plane as f32) < least || plane.at.abs() > 4.0 * noise || noise > MOST_NOISE_SHARE * own {
             return None;
         }
-        let sigma_per_noise = (ALIKE / plane.support).sqrt();
+        let sigma_per_noise = (CORRELATED / plane.support).sqrt();
         Some(Self { inverse: own + plane.at, by_px: [plane.by_x, plane.by_y], sigma_per_noise, noise, is_whole })
     }
 }
 
-/// How far an entry of a window is off a plane.
+/// Residual of a window's entry.
 fn off(plane: &Plane, (dx, dy, value): &(f32, f32, f32)) -> f32 {
     value - plane.at - plane.by_x * dx - plane.by_y * dy
-}
-
-/// The median of a window's values.
-fn median(values: impl Iterator<Item = f32>) -> f32 {
-    let mut sorted = [0.0_f32; SIDE * SIDE];
-    let mut count = 0;
-    for (place, value) in sorted.iter_mut().zip(values) {
-        *place = value;
-        count += 1;
-    }
-    *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1
 }
 
 #[cfg(test)]

@@ -1,95 +1,105 @@
-//! What a calibration says of itself: figures, a verdict, and reasons.
+//! Calibration report: error figures, a verdict, and reasons.
 
 use nalgebra::Vector2;
 
+use crate::statistics::root_mean_square;
 use crate::{keystone, Sample, Solution, SuspectedMotion};
 
-/// Cells of the projector's picture, along u and v, that count as covered or not.
+/// Cells of the projector's image along u and v, each covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
-/// Samples that a cell needs to be covered, as a share of an even distribution; at least one.
+/// Minimum samples of a covered cell, as a share of an even distribution; at least one.
 const COVERED: f64 = 0.05;
-/// Cells along the longer side of the camera's view whose samples count as neighbours.
+/// Cells along the longer side of the camera's view; samples of one cell are neighbours.
 const NEIGHBOUR_CELLS: f64 = 24.0;
 
-/// Left-out points of a good calibration miss by less, pixels.
+/// Maximum held-out RMS error of a good calibration, pixels.
 const GOOD_HELD_OUT_PX: f64 = 1.0;
-/// Left-out points that miss by more make a calibration useless, pixels.
+/// Maximum held-out RMS error of a usable calibration, pixels.
 const AGAIN_HELD_OUT_PX: f64 = 3.0;
-/// Left-out points of a good calibration miss by at most so many times as much as the others.
+/// Maximum ratio of held-out and expected RMS error of a good calibration.
 const GOOD_HELD_OUT_RATIO: f64 = 1.25;
-/// Such a ratio means that the solution follows its own points rather than the lens.
+/// Ratio that means overfitting.
 const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
-/// Unknowns take up this share of what is measured, at most: those of a pose by six points, each with two coordinates.
+/// Maximum ratio of unknowns and equations: a pose by six points, each with two coordinates.
 const MOST_TAKEN_UP: f64 = 0.5;
-/// The solution of a good calibration is certain to this, pixels.
+/// Maximum prediction uncertainty of a good calibration, pixels.
 const GOOD_PREDICTION_PX: f64 = 0.5;
-/// The same at the farthest points, metres.
+/// Maximum prediction uncertainty of a good calibration at the farthest points, metres.
 const GOOD_PREDICTION_M: f64 = 0.001;
-/// A solution that is less certain does not say where light lands, pixels.
+/// Maximum prediction uncertainty of a usable calibration, pixels.
 const AGAIN_PREDICTION_PX: f64 = 3.0;
-/// The share of the picture that the points of a good calibration cover.
+/// Minimum covered share of the image of a good calibration.
 const GOOD_PICTURE: f64 = 0.5;
-/// Too little of the picture to trust the rest.
+/// Minimum covered share of the image of a usable calibration.
 const AGAIN_PICTURE: f64 = 0.2;
-/// The ratio of the farthest and the nearest depth of a good calibration.
+/// Minimum ratio of the farthest and the nearest depth of a good calibration.
 const GOOD_DEPTH_RATIO: f64 = 1.3;
-/// The share of inliers of a good calibration.
+/// Minimum share of inliers of a good calibration.
 const GOOD_INLIERS: f64 = 0.8;
-/// Fewer inliers are hardly a majority.
+/// Minimum share of inliers of a usable calibration: fewer are hardly a majority.
 const AGAIN_INLIERS: f64 = 0.58;
-/// A smooth error of the depth that shows in where light lands, as a share of the depth.
+/// Smooth depth error that affects the projection, as a share of the depth.
 const NOTABLE_SMOOTH_ERROR: f64 = 0.0007;
-/// Scans from different places that average the smooth error of the depth.
+/// Number of scans from different camera poses that average the smooth depth error.
 const ENOUGH_SCANS: usize = 5;
 
-/// Whether to trust a calibration.
+/// Verdict on a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Light lands where it should.
+    /// Accurate.
     Good,
-    /// Light lands near where it should; the reasons say what would make it better.
+    /// Less accurate; the reasons say what would improve it.
     Usable,
-    /// Not to be used.
+    /// Not usable: scan again.
     Again,
 }
 
-/// Where the points lie that a calibration rests on.
+impl Verdict {
+    /// Word in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Usable => "usable",
+            Self::Again => "again",
+        }
+    }
+}
+
+/// Coverage of the image and of depths by the inliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coverage {
-    /// The share of the projector's picture, in 8×6 cells, that has inliers.
+    /// Share of the image, in 8×6 cells, with inliers.
     pub picture: f64,
-    /// The depths between which 98 % of the inliers lie, metres from the projector.
+    /// Range of 98 % of the inliers' depths, metres from the projector.
     pub depth_m: [f64; 2],
-    /// How many poses of the camera.
+    /// Number of camera poses.
     pub scans: usize,
 }
 
-/// A calibration with what there is to say of it.
+/// Calibration with its figures and verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// What was solved.
+    /// Solution.
     pub solution: Solution,
-    /// How many samples there were.
+    /// Number of samples.
     pub points: usize,
-    /// Where the inliers lie.
+    /// Coverage by inliers.
     pub coverage: Coverage,
-    /// How large the depth camera's errors seem that neighbouring points share (and that averaging neighbours does not
-    /// remove), metres RMS.
+    /// Estimated depth error that neighbouring points share, which averaging neighbours does not remove, metres RMS.
     pub smooth_depth_error_m: f64,
-    /// Root of the mean squared distance at the points' depth between where light lands and where it should, metres.
+    /// RMS reprojection error of the inliers at their depths, metres.
     pub rms_m: f64,
-    /// Whether to trust it.
+    /// Verdict.
     pub verdict: Verdict,
-    /// Why it is not better; empty for a good one.
+    /// Reasons for the verdict; empty if good.
     pub reasons: Vec<String>,
 }
 
 impl Report {
-    /// Judges a solution of these samples.
+    /// Judges a solution of samples.
     pub fn new(samples: &[Sample], solution: Solution) -> Self {
         let inliers = || solution.residuals.iter().filter(|residual| residual.is_inlier);
-        let count = inliers().count().max(1) as f64;
-        let rms_m = (inliers().map(|residual| residual.error_m.norm_squared()).sum::<f64>() / count).sqrt();
+        let rms_m = root_mean_square(inliers().map(|residual| residual.error_m.norm()));
         let mut report = Self {
             points: samples.len(),
             coverage: coverage(samples, &solution),
@@ -112,7 +122,7 @@ impl Report {
         self.judge_depth();
     }
 
-    /// Adds a reason; the verdict is the worst of all.
+    /// Adds a reason; the verdict is the worst of all reasons'.
     fn say(&mut self, verdict: Verdict, reason: String) {
         if self.verdict == Verdict::Good || verdict == Verdict::Again {
             self.verdict = verdict;
@@ -127,20 +137,20 @@ impl Report {
             self.say(
                 verdict,
                 format!(
-                    "points that were left out miss by {held_out_px:.2} px RMS: keep camera, projector and things at \
-                     rest, and check that the depth is registered to the image"
+                    "the held-out RMS error is {held_out_px:.2} px: keep camera, projector and scene at rest, and check \
+                    that the depth is registered to the image"
                 ),
             );
         }
         let expected_px = self.expected_held_out_px();
-        // Where all is exact, the ratio says nothing.
+        // The ratio says nothing about nearly exact data.
         if held_out_px > GOOD_HELD_OUT_RATIO * expected_px + 0.02 {
             let is_too_much = held_out_px > AGAIN_HELD_OUT_RATIO * expected_px && held_out_px > GOOD_HELD_OUT_PX;
             self.say(
                 if is_too_much { Verdict::Again } else { Verdict::Usable },
                 format!(
-                    "points that were left out miss by {held_out_px:.2} px, the others by {rms_px:.2} px: scan more \
-                     points over more of the picture"
+                    "the held-out RMS error is {held_out_px:.2} px, that of the other points {rms_px:.2} px: scan more \
+                    points over more of the picture"
                 ),
             );
         }
@@ -149,8 +159,8 @@ impl Report {
             self.say(
                 if share < AGAIN_INLIERS { Verdict::Again } else { Verdict::Usable },
                 format!(
-                    "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the \
-                     room",
+                    "only {:.0} % of the points agree with the solution: remove mirrors and glossy objects, darken the \
+                    room",
                     100.0 * share
                 ),
             );
@@ -162,15 +172,15 @@ impl Report {
             self.say(
                 Verdict::Usable,
                 format!(
-                    "the camera may have moved: some samples of scan {scan} land {apart_px:.2} px beside the others: \
-                     scan again with everything at rest"
+                    "the camera may have moved: some samples of scan {scan} are {apart_px:.2} px off the others: scan \
+                    again with everything at rest"
                 ),
             );
         }
     }
 
-    /// By how much left-out points should miss, given the others' RMS: more, since the others were adjusted to; by
-    /// nothing that matters but for a few points.
+    /// Expected held-out RMS error, given that of the fitted points: larger, since the unknowns absorb part of their
+    /// errors, which matters for few points only.
     fn expected_held_out_px(&self) -> f64 {
         let solution = &self.solution;
         let adjusted = solution.estimates.iter().filter(|estimate| estimate.sigma > 0.0).count();
@@ -198,8 +208,8 @@ impl Report {
         self.say(
             if sigma_px < AGAIN_PREDICTION_PX { Verdict::Usable } else { Verdict::Again },
             format!(
-                "where light lands is uncertain by {sigma_px:.2} px ({:.1} mm at {:.1} m): add scans of things at more \
-                 different depths, from other places of the camera",
+                "the prediction uncertainty is {sigma_px:.2} px ({:.1} mm at {:.1} m): add scans of objects at more \
+                different depths, from other camera poses",
                 1000.0 * sigma_m,
                 self.coverage.depth_m[1]
             ),
@@ -207,7 +217,7 @@ impl Report {
     }
 
     fn judge_coverage(&mut self) {
-        // With a known lens, the pose alone does not need it.
+        // The pose of a known lens needs no coverage.
         if self.solution.estimates.iter().all(|estimate| estimate.sigma == 0.0) {
             return;
         }
@@ -216,7 +226,7 @@ impl Report {
             self.say(
                 if picture < AGAIN_PICTURE { Verdict::Again } else { Verdict::Usable },
                 format!(
-                    "points cover {:.0} % of the picture: move the camera or put things at the dark sides",
+                    "points cover {:.0} % of the picture: move the camera, or put objects at the dark sides",
                     100.0 * picture
                 ),
             );
@@ -225,8 +235,8 @@ impl Report {
             self.say(
                 Verdict::Usable,
                 format!(
-                    "points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and \
-                     farther off"
+                    "points lie between {near:.2} m and {far:.2} m only: put objects nearer to the projector and \
+                    farther off"
                 ),
             );
         }
@@ -240,7 +250,7 @@ impl Report {
                 Verdict::Usable,
                 format!(
                     "the depth camera's smooth error seems to be {:.1} mm RMS: average {ENOUGH_SCANS} scans from \
-                     different places",
+                    different places",
                     1000.0 * error_m
                 ),
             );
@@ -272,9 +282,9 @@ fn coverage(samples: &[Sample], solution: &Solution) -> Coverage {
     }
 }
 
-/// The part of the depth's error that neighbours share. A wrong depth moves a point along the camera's ray, and so its
-/// pixel along the epipolar line, the faster the farther camera and projector are apart. Products of two samples of a
-/// cell of the camera's view have the square of what they share as their mean.
+/// Depth error that neighbours share. A wrong depth moves a point along the camera's ray, and so its pixel along the
+/// epipolar line, the more the larger the baseline. The mean product of two samples of a cell of the camera's view is
+/// the square of the shared error.
 fn smooth_depth_error_m(samples: &[Sample], solution: &Solution) -> f64 {
     let used: Vec<(usize, Vector2<f64>, f64, f64)> = solution
         .residuals
@@ -323,7 +333,7 @@ mod tests {
     use rcs_scan_simulator::seeds;
 
     use super::*;
-    use crate::solve::synthetic::{pose, Simulation};
+    use crate::solve::tests::synthetic::{pose, Simulation};
     use crate::{solve, SolveOptions};
 
     fn report(simulation: &Simulation, keep: impl Fn(&Sample) -> bool) -> Report {
@@ -385,7 +395,7 @@ mod tests {
         let simulation = Simulation { noise_px: 3.5, step_px: 3, ..Simulation::new(2) };
         let noisy = report(&simulation, |sample| simulation.lens.contains(sample.pixel));
         assert!(
-            noisy.verdict == Verdict::Again && noisy.reasons[0].contains("left out miss by"),
+            noisy.verdict == Verdict::Again && noisy.reasons[0].contains("held-out RMS error"),
             "{:?}",
             noisy.reasons
         );

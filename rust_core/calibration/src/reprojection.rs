@@ -1,45 +1,45 @@
-//! How far light lands from where it should, by points whose pixel is known.
+//! Reprojection errors of a projector at points whose pixel is known.
 
 use nalgebra::Isometry3;
 
+use crate::statistics::root_mean_square;
 use crate::{Lens, Sample};
 
-/// Distances between the pixels that light points and the pixels that should.
+/// Statistics of the distances between observed and predicted projector pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReprojectionError {
-    /// How many points were compared; points behind the projector are not.
+    /// Number of compared points; those behind the projector are skipped.
     pub count: usize,
-    /// Root mean square, without the farthest 1 % of the points, pixels.
+    /// RMS without the largest 1 %, pixels.
     pub rms_px: f64,
-    /// The same at the points' depths, metres.
+    /// RMS without the largest 1 %, at the points' depths, metres.
     pub rms_m: f64,
-    /// The middle one, pixels.
+    /// Median, pixels.
     pub median_px: f64,
-    /// The largest without the farthest 1 %, pixels.
-    pub most_px: f64,
+    /// Maximum without the largest 1 %, pixels.
+    pub max_px: f64,
 }
 
 impl ReprojectionError {
-    /// Compares samples with a lens and a pose.
+    /// Measures the errors of samples under a lens and a pose.
     pub fn measure(samples: &[Sample], lens: &Lens, projector_from_camera: &Isometry3<f64>) -> Self {
-        let mut misses: Vec<[f64; 2]> = samples
+        let mut errors: Vec<[f64; 2]> = samples
             .iter()
             .filter_map(|sample| {
                 let point = projector_from_camera * sample.point;
-                let miss = sample.pixel - lens.project(&point)?;
-                Some([miss.norm(), miss.component_div(&lens.focal_px).norm() * point.z])
+                let error = sample.pixel - lens.project(&point)?;
+                Some([error.norm(), error.component_div(&lens.focal_px).norm() * point.z])
             })
             .collect();
-        misses.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let kept = &misses[..misses.len() - misses.len() / 100];
-        let rms =
-            |index: usize| (kept.iter().map(|miss| miss[index].powi(2)).sum::<f64>() / kept.len().max(1) as f64).sqrt();
+        errors.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let trimmed = &errors[..errors.len() - errors.len() / 100];
+        let rms = |unit: usize| root_mean_square(trimmed.iter().map(|error| error[unit]));
         Self {
-            count: misses.len(),
+            count: errors.len(),
             rms_px: rms(0),
             rms_m: rms(1),
-            median_px: misses.get(misses.len() / 2).map_or(0.0, |miss| miss[0]),
-            most_px: kept.last().map_or(0.0, |miss| miss[0]),
+            median_px: errors.get(errors.len() / 2).map_or(0.0, |error| error[0]),
+            max_px: trimmed.last().map_or(0.0, |error| error[0]),
         }
     }
 }

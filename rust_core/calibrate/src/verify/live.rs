@@ -72,5 +72,5 @@ impl Output {
 fn line(name: &str, figures: &ErrorStatistics) -> String {
     let both = |[px, m]: [f64; 2]| format!("{px:.2} px ({:.2} mm)", 1000.0 * m);
     let ErrorStatistics { median, rms, worst, .. } = figures;
-    format!("{name}: {} RMS from where it should land, median {}, worst {}", both(*rms), both(*median), both(*worst))
+    format!("{name}: {} RMS error, median {}, worst {}", both(*rms), both(*median), both(*worst))
 }

@@ -22,17 +22,17 @@ pub(super) fn run(points: &[PathBuf], projector: &Path, limit: f64) -> Result<()
             file.camera_info.header.frame_id
         ))
     })?;
-    let landed = ReprojectionError::measure(&input.samples, &lens, &pose);
+    let error = ReprojectionError::measure(&input.samples, &lens, &pose);
     println!(
-        "light lands {:.2} px ({:.2} mm) RMS from where it should, {:.2} px for the middle one, {:.1} px at most for 99 % of {} points",
-        landed.rms_px,
-        1000.0 * landed.rms_m,
-        landed.median_px,
-        landed.most_px,
-        landed.count
+        "reprojection error: {:.2} px ({:.2} mm) RMS, median {:.2} px, 99th percentile {:.1} px; {} points",
+        error.rms_px,
+        1000.0 * error.rms_m,
+        error.median_px,
+        error.max_px,
+        error.count
     );
-    if landed.count == 0 {
+    if error.count == 0 {
         return Err(Failure::Refused(anyhow!("no point is in front of the projector")));
     }
-    judge(landed.rms_px, limit)
+    judge(error.rms_px, limit)
 }

@@ -1,34 +1,34 @@
-//! How far away the surface is that each pixel of a projector lights, from a cloud.
+//! Depth of the lit surface at each pixel of a projector, from a cloud.
 //!
-//! The picture is cut into cells as large as the cloud is dense. A cell's depth is that of the nearest points in it:
-//! the light does not reach those behind. Cells without points take the depth of the cells around them. Within a
-//! surface, depths are interpolated; across its rim they are not.
+//! The image is divided into cells whose size follows the cloud's density. A cell's depth is that of the nearest points
+//! in it, which occlude those behind. Cells without points take the depth of their neighbours. Depths are interpolated
+//! within a surface, not across its edges.
 
 use nalgebra::{Isometry3, Point2, Point3};
 
 use crate::Lens;
 
-/// Cells have so many points on average, where the cloud is.
+/// Mean number of points in a cell.
 const POINTS_OF_CELL: f64 = 4.0;
-/// Sides of cells, pixels.
+/// Range of cell sizes, pixels.
 const CELL_PX: std::ops::RangeInclusive<f64> = 4.0..=64.0;
-/// Depths that differ by less are of one surface.
+/// Maximum relative depth difference within a surface.
 const SAME_SURFACE: f64 = 0.03;
 
-/// The surface that a projector lights.
+/// Surface lit by a projector.
 #[derive(Debug, Clone)]
 pub(super) struct LitSurface {
     cell_px: f64,
     columns: usize,
     rows: usize,
-    /// Metres along the optical axis, cell by cell.
+    /// Depths along the optical axis, metres, cell by cell.
     depths_m: Vec<f64>,
-    /// How many cells have points of their own.
-    seen: usize,
+    /// Number of cells with points.
+    observed: usize,
 }
 
 impl LitSurface {
-    /// That of a cloud; none where none of its points is in the light.
+    /// Builds the surface from a cloud; `None` if the projector lights none of its points.
     pub(super) fn new(lens: &Lens, projector_from_cloud: &Isometry3<f64>, points: &[Point3<f64>]) -> Option<Self> {
         let lit: Vec<(Point2<f64>, f64)> = points
             .iter()
@@ -54,7 +54,7 @@ impl LitSurface {
             let known = &mut nearest[cell(pixel)];
             *known = known.min(*depth);
         }
-        // The mean of the nearest surface's points, not its nearest point.
+        // The mean over the nearest surface, not the nearest point, which is biased by noise.
         let mut sums = vec![(0.0, 0.0); columns * rows];
         for (pixel, depth) in &lit {
             let at = cell(pixel);
@@ -62,16 +62,16 @@ impl LitSurface {
                 sums[at] = (sums[at].0 + depth, sums[at].1 + 1.0);
             }
         }
-        let seen = sums.iter().filter(|(_, count)| *count > 0.0).count();
+        let observed = sums.iter().filter(|(_, count)| *count > 0.0).count();
         let depths_m = sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { f64::NAN }).collect();
-        let mut surface = Self { cell_px, columns, rows, depths_m, seen };
+        let mut surface = Self { cell_px, columns, rows, depths_m, observed };
         surface.fill();
         Some(surface)
     }
 
-    /// Share of the picture in which the cloud has points.
-    pub(super) fn seen_share(&self) -> f64 {
-        self.seen as f64 / self.depths_m.len() as f64
+    /// Share of the image in which the cloud has points.
+    pub(super) fn observed_share(&self) -> f64 {
+        self.observed as f64 / self.depths_m.len() as f64
     }
 
     /// Gives cells without points the mean depth of their neighbours, ring by ring.
@@ -91,9 +91,9 @@ impl LitSurface {
         }
     }
 
-    /// The depth at a pixel in the picture, metres.
+    /// Depth at a pixel of the image, metres.
     pub(super) fn depth_m(&self, pixel: Point2<f64>) -> f64 {
-        // In cells, from the middle of the first one.
+        // In cells, from the first one's centre.
         let place = |at: f64, count: usize| ((at + 0.5) / self.cell_px - 0.5).clamp(0.0, count as f64 - 1.0);
         let (x, y) = (place(pixel.x, self.columns), place(pixel.y, self.rows));
         let (left, above) = (x as usize, y as usize);
@@ -104,16 +104,16 @@ impl LitSurface {
             corners.iter().fold((f64::INFINITY, 0.0_f64), |(near, far), at| (near.min(*at), far.max(*at)));
         let (x, y) = (x - left as f64, y - above as f64);
         if far > near * (1.0 + 2.0 * SAME_SURFACE) {
-            // A rim: the nearest cell's.
+            // A depth edge: the nearest cell's depth.
             return depth(if x < 0.5 { left } else { right }, if y < 0.5 { above } else { below });
         }
-        // Along a plane, it is the inverse of depths that changes evenly.
+        // Inverse depth is linear on a plane.
         let [a, b, c, d] = corners.map(|depth| 1.0 / depth);
         1.0 / ((a * (1.0 - x) + b * x) * (1.0 - y) + (c * (1.0 - x) + d * x) * y)
     }
 }
 
-/// The mean of the depths that are known around a cell; none where none is.
+/// Mean of the known depths around a cell; `None` if there are none.
 fn mean_around(depths_m: &[f64], [columns, rows]: [usize; 2], at: usize) -> Option<f64> {
     let (column, row) = (at % columns, at / columns);
     let (mut sum, mut count) = (0.0, 0.0);

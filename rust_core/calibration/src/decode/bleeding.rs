@@ -1,47 +1,45 @@
-//! The camera's blur pulls pixels towards brighter neighbours, and how that is undone.
+//! Compensation of the camera's blur, which pulls pixels towards brighter neighbours.
 //!
-//! What a pixel sees is the mean over its blur, weighted by light. For a blur like a normal distribution and a
-//! coordinate that changes linearly, this mean is off the pixel's own coordinate by the blur's variance times the
-//! coordinate's gradient times the relative gradient of the light that was seen (integrate by parts). On the shaded
-//! side of a ball all pixels are pulled the same way, so no averaging removes it.
+//! A pixel's coordinate is the mean over its blur, weighted by light. For a Gaussian blur and a linear coordinate, it is
+//! off by the blur's variance times the coordinate's gradient times the relative gradient of the light (integration by
+//! parts). On the shaded side of a ball all pixels are pulled the same way, so averaging does not help.
 //!
-//! How blurred the camera is shows where light changes from one pixel to the next, at textures and edges: there the
-//! coordinates of a surface are off those beside them in proportion to the pull. The gradient of the light is known
-//! with noise, which would make the proportion too small (regression dilution); so it comes from a second, independent
-//! measurement of the light as an instrumental variable (Fuller, "Measurement error models", 1987, 1.4).
+//! The blur's variance is estimated at textures and edges, where coordinates deviate from their neighbours in proportion
+//! to the pull. Noise of the light's gradient would bias the slope (regression dilution); so a second, independent
+//! measurement of the light is the instrumental variable (Fuller, "Measurement error models", 1987, 1.4).
 
 use rayon::prelude::*;
 
 use super::neighbours::Field;
 
-/// The variance of a camera's blur and its pixels' extent as long as nothing is known of it, squared camera pixels, and
-/// its standard deviation among cameras.
+/// Prior of the variance of the camera's blur, including its pixels' extent: mean and standard deviation, squared camera
+/// pixels.
 const USUAL_VARIANCE: f32 = 0.3;
 const VARIANCE_SIGMA: f32 = 0.12;
-/// No camera has more, or less than its pixels' extent.
+/// Range of the variance: at least that of the pixels' extent.
 const VARIANCES: [f32; 2] = [1.0 / 12.0, 1.2];
-/// Where the light changes by this share per pixel, half of the pull is undone, and less beyond: at the edges of dark
-/// things the gradient is not what it is between two pixels, but pixels there are pulled against one another.
+/// Relative gradient at which half of the pull is compensated, less beyond: at the edges of dark objects the gradient
+/// between two pixels is uncertain, and pixels are pulled in opposite directions.
 const SHADING: f32 = 0.4;
-/// The shares by which light changes per pixel where the blur is measured.
+/// Range of relative gradients for the estimate.
 const MEASURED: [f32; 2] = [0.03, 0.3];
-/// How far away the coordinates are that a pixel is compared with, camera pixels.
+/// Distance of the compared coordinates, camera pixels.
 const REACH: usize = 2;
-/// What the coordinates of a surface are off a straight line besides their noise, squared projector pixels.
+/// Variance of a surface's coordinates about a straight line, without noise, squared projector pixels.
 const CURVATURE: f32 = 1e-3;
-/// Deviations from which on a comparison counts half.
+/// Residual at which a comparison's weight is halved, standard deviations.
 const OUTLIER: f32 = 3.0;
-/// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
-const SURFACE_STEP_PX: f32 = 12.0;
+/// Maximum difference of neighbouring camera pixels on one surface, projector pixels.
+pub(super) const SURFACE_STEP_PX: f32 = 12.0;
 
-/// How the light changes across each pixel as a share of its own, per camera pixel, along rows and columns.
+/// Relative gradients of the light along rows and columns, per camera pixel.
 pub(super) struct Gradients {
     width: usize,
     relative: Vec<[f32; 2]>,
 }
 
 impl Gradients {
-    /// Those of the light that pixels get from the projector.
+    /// Computes the gradients of the projector's light.
     pub(super) fn new(amplitudes: &[f32], width: usize) -> Self {
         let height = amplitudes.len() / width.max(1);
         let mut relative = vec![[0.0; 2]; amplitudes.len()];
@@ -61,8 +59,7 @@ impl Gradients {
         Self { width, relative }
     }
 
-    /// How far each pixel of a field was pulled by a blur of this variance, projector pixels; 0 where that is not
-    /// known.
+    /// Pull of each pixel of a field by a blur, projector pixels; 0 where unknown.
     pub(super) fn pulls(&self, field: &Field, blur_variance: f32) -> Vec<f32> {
         let step = |index: usize, by: usize| {
             let (before, after) = (index - by, index + by);
@@ -76,7 +73,7 @@ impl Gradients {
         };
         let pull = |index: usize| {
             let [along_row, along_column] = self.relative[index].map(|slope| slope / (1.0 + (slope / SHADING).powi(2)));
-            // At the margin of the picture, where there are no neighbours, both are 0.
+            // Both are 0 at the image's edge, where there are no neighbours.
             if along_row == 0.0 && along_column == 0.0 {
                 return 0.0;
             }
@@ -86,15 +83,15 @@ impl Gradients {
     }
 }
 
-/// The variance of the camera's blur and its pixels' extent that the coordinates along both axes show, squared camera
-/// pixels. The gradients are of two independent measurements of the light.
+/// Estimates the variance of the camera's blur, including its pixels' extent, squared camera pixels, from the coordinates
+/// along both axes and the gradients of two independent measurements of the light.
 pub(super) fn blur_variance(gradients: [&Gradients; 2], fields: [&Field; 2]) -> f32 {
     let width = gradients[0].width;
     let height = gradients[0].relative.len() / width.max(1);
-    // All REACH pixels beside those that are compared have neighbours, too.
+    // The compared pixels have neighbours, too.
     let margin = REACH + 1;
     let row = |y: usize| {
-        let mut sums = Sums::default();
+        let mut sums = PullSums::default();
         for field in fields {
             for index in y * width + margin..((y + 1) * width).saturating_sub(margin) {
                 [1, width].into_iter().enumerate().for_each(|(axis, by)| sums.add(gradients, field, index, axis, by));
@@ -103,22 +100,22 @@ pub(super) fn blur_variance(gradients: [&Gradients; 2], fields: [&Field; 2]) -> 
         sums
     };
     let rows = margin..height.saturating_sub(margin);
-    rows.into_par_iter().map(row).reduce(Sums::default, Sums::and).variance()
+    rows.into_par_iter().map(row).reduce(PullSums::default, PullSums::and).variance()
 }
 
 /// Sums over comparisons.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    /// Of how far coordinates are off, times the instrument.
+struct PullSums {
+    /// Deviation times instrument.
     off: f64,
-    /// Of the pull by a variance of one, times the instrument.
+    /// Pull by a unit variance times instrument.
     pull: f64,
-    /// Of the squared instrument, times the variance of how far coordinates are off.
+    /// Squared instrument times the deviation's variance.
     noise: f64,
 }
 
-impl Sums {
-    /// Compares a pixel with those beside it along an axis of the camera's picture, `by` pixels apart from one another.
+impl PullSums {
+    /// Compares a pixel with its neighbours along an image axis, `by` pixels apart in memory.
     fn add(&mut self, [gradients, instrument]: [&Gradients; 2], field: &Field, index: usize, axis: usize, by: usize) {
         let slope = instrument.relative[index][axis].abs();
         if !(MEASURED[0]..MEASURED[1]).contains(&slope) {
@@ -140,8 +137,8 @@ impl Sums {
         let off = field.at[index] - 0.5 * (field.at[before] + field.at[after]);
         let [before, at, after] = [before, index, after].map(|index| field.sigma[index].powi(2));
         let variance = at + 0.25 * (before + after) + CURVATURE;
-        let miss = (off - USUAL_VARIANCE * pull).powi(2) / variance;
-        let weight = 1.0 / (variance * (1.0 + miss / (OUTLIER * OUTLIER)));
+        let squared = (off - USUAL_VARIANCE * pull).powi(2) / variance;
+        let weight = 1.0 / (variance * (1.0 + squared / (OUTLIER * OUTLIER)));
         self.off += f64::from(weight * off * instrument);
         self.pull += f64::from(weight * pull * instrument);
         self.noise += f64::from(weight * instrument * instrument);
@@ -151,7 +148,7 @@ impl Sums {
         Self { off: self.off + other.off, pull: self.pull + other.pull, noise: self.noise + other.noise }
     }
 
-    /// The variance that explains best how far coordinates are off, together with what is usual.
+    /// Estimate combined with the prior.
     fn variance(&self) -> f32 {
         let usual = 1.0 / f64::from(VARIANCE_SIGMA).powi(2);
         let measured = self.pull.powi(2) / self.noise.max(1e-9);

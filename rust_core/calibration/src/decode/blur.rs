@@ -1,26 +1,26 @@
-//! How blurred the stripes are, tile by tile of the camera's picture, from how much contrast the fine ones have left.
+//! Blur of the stripes in each tile of the camera's image, from the remaining contrast of the fine ones.
 
 use std::sync::OnceLock;
 
-use super::channels::AxisChannels;
+use super::channels::{AxisChannels, MOST_CHANNELS};
 use super::stripes::{self, Contrasts, LEVELS};
 
-/// Stripes at least as wide count as seen sharply.
+/// Minimum width of stripes that blur does not affect.
 pub(super) const COARSE_FROM_PX: f64 = 60.0;
-/// A tile's own pixels count against so many of the whole picture.
+/// Weight of the whole image in a tile's sums, pixels.
 const PIXELS_OF_ALL: f32 = 40.0;
 
-/// Sums over lit pixels of a region, for one axis.
+/// Sums over the lit pixels of a region, for one axis.
 #[derive(Debug, Clone)]
 pub(super) struct Energy {
-    /// Squared normalised differences of each channel, less what noise contributes.
-    pub(super) squares: [f32; super::channels::MOST_CHANNELS],
-    /// How many pixels.
-    pub(super) pixels: f32,
+    /// Squared normalised differences of each channel, minus the noise's variance.
+    squares: [f32; MOST_CHANNELS],
+    /// Number of pixels.
+    pixels: f32,
 }
 
 impl Energy {
-    pub(super) const ZERO: Self = Self { squares: [0.0; super::channels::MOST_CHANNELS], pixels: 0.0 };
+    pub(super) const ZERO: Self = Self { squares: [0.0; MOST_CHANNELS], pixels: 0.0 };
 
     pub(super) fn add(&mut self, differences: &[f32], variance: f32) {
         for (sum, difference) in self.squares.iter_mut().zip(differences) {
@@ -29,7 +29,7 @@ impl Energy {
         self.pixels += 1.0;
     }
 
-    /// This region's, steadied by the whole picture's.
+    /// Regularises the sums with those of the whole image.
     pub(super) fn with_prior(&self, all: &Self) -> Self {
         let mut steadied = self.clone();
         if all.pixels > 0.0 {
@@ -41,7 +41,7 @@ impl Energy {
     }
 }
 
-/// The tables of an axis for all blurs, made when they are asked for.
+/// Contrast tables of an axis for all blur levels, created on demand.
 pub(super) struct Tables<'a> {
     channels: &'a AxisChannels,
     size: u32,
@@ -65,18 +65,17 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// The contrasts for a level of blur.
+    /// Contrasts for a blur level.
     pub(super) fn contrasts(&self, level: usize) -> &Contrasts {
         &self.level(level).0
     }
 
-    /// The mean squared contrast of each channel for a level of blur.
+    /// Mean squared contrast of each channel for a blur level.
     pub(super) fn energies(&self, level: usize) -> &[f32] {
         &self.level(level).1
     }
 
-    /// The level of blur that explains what is left of the fine stripes, and the share of the light that comes from
-    /// the projector directly.
+    /// Estimates the blur level and the share of direct light.
     pub(super) fn explain(&self, energy: &Energy) -> (usize, f32) {
         let count = self.channels.all.len();
         let is_coarse = |index: &usize| self.channels.all[*index].stripes.width_px() >= COARSE_FROM_PX;
@@ -92,7 +91,7 @@ impl<'a> Tables<'a> {
             let fine = (0..count).filter(|index| !is_coarse(index));
             fine.map(|index| (energy.squares[index] / pixels / direct - expected[index]).powi(2)).sum()
         };
-        // The misfit has one valley.
+        // The misfit has one minimum.
         let (mut low, mut high) = (0, LEVELS - 1);
         while low < high {
             let middle = (low + high) / 2;

@@ -1,45 +1,45 @@
-//! The pictures of a scan, sorted into what they tell: white, black, and for each axis its stripes with their inverses.
+//! Images of a scan by role: white, black, and each axis's stripes with their inverses.
 
 use crate::patterns::{Axis, Pattern, Stripes};
 
 use super::DecodeError;
 
-/// The most stripes of an axis, without their inverses.
+/// Maximum number of an axis's stripes, without their inverses.
 pub(super) const MOST_CHANNELS: usize = 32;
 
-/// Stripes and where their pictures are.
+/// Stripes with the indices of their images.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Channel {
+pub(crate) struct StripeChannel {
     pub(crate) stripes: Stripes,
-    /// The picture that shows them.
+    /// Image of the stripes.
     pub(crate) lit: usize,
-    /// The picture that shows their inverse.
+    /// Image of their inverse.
     pub(crate) inverse: usize,
 }
 
-/// The pictures of a scan.
+/// Images of a scan by role.
 #[derive(Debug)]
 pub(crate) struct Channels {
     pub(crate) white: usize,
     pub(crate) black: usize,
-    /// For x and y.
+    /// Stripes along x and y.
     pub(crate) axes: [AxisChannels; 2],
 }
 
-/// The stripes of an axis.
+/// Stripes of an axis.
 #[derive(Debug)]
 pub(crate) struct AxisChannels {
-    /// All of them.
-    pub(crate) all: Vec<Channel>,
-    /// How many at the beginning of `all` are the bits of one code from the most significant on.
+    /// Stripes, those of the code first.
+    pub(crate) all: Vec<StripeChannel>,
+    /// Number of bits of the code, from the most significant on.
     pub(crate) code_bits: usize,
 }
 
 impl Channels {
-    /// Sorts the patterns, given by the index of their picture.
+    /// Sorts patterns by role.
     ///
     /// # Errors
-    /// [`DecodeError`]: without white or black, a pattern without its inverse, or a code without its coarse bits.
+    /// [`DecodeError`]: white, black, an inverse or coarse bits are missing.
     pub(crate) fn new(patterns: &[Pattern]) -> Result<Self, DecodeError> {
         let find = |wanted| patterns.iter().position(|pattern| *pattern == wanted);
         let white = find(Pattern::White).ok_or(DecodeError::Missing("the white picture"))?;
@@ -48,7 +48,7 @@ impl Channels {
         Ok(Self { white, black, axes })
     }
 
-    /// Checks that the codes reach over a projector of this size.
+    /// Checks that the codes cover a projector of this size.
     ///
     /// # Errors
     /// [`DecodeError::ShortCode`].
@@ -78,11 +78,11 @@ impl AxisChannels {
             let inverse = Pattern::GrayCode(stripes.inverse());
             let inverse = patterns.iter().position(|other| *other == inverse);
             let inverse = inverse.ok_or(DecodeError::NoInverse { axis: axis.name(), bit: stripes.bit })?;
-            if !all.iter().any(|channel: &Channel| channel.stripes == stripes) {
-                all.push(Channel { stripes, lit, inverse });
+            if !all.iter().any(|channel: &StripeChannel| channel.stripes == stripes) {
+                all.push(StripeChannel { stripes, lit, inverse });
             }
         }
-        // The code that localises is the one with the most bits in a row from the first on.
+        // The code is the one with the most consecutive bits from the first on.
         let codes: Vec<(u32, u32, u32)> = all.iter().map(|channel| code_of(&channel.stripes)).collect();
         let length = |code: (u32, u32, u32)| {
             let has = |bit| all.iter().any(|channel| code_of(&channel.stripes) == code && channel.stripes.bit == bit);
@@ -96,7 +96,7 @@ impl AxisChannels {
         if all.iter().any(|channel| code_of(&channel.stripes) == best && channel.stripes.bit as usize > code_bits) {
             return Err(DecodeError::MissingBit { axis: axis.name(), bit: code_bits as u32 });
         }
-        let rank = |channel: &Channel| {
+        let rank = |channel: &StripeChannel| {
             let bit = channel.stripes.bit as usize;
             (code_of(&channel.stripes) != best || bit >= code_bits, bit)
         };
@@ -108,7 +108,7 @@ impl AxisChannels {
     }
 }
 
-/// What the stripes of one code have in common: bits, step, offset.
+/// Bits, step and offset, which the stripes of one code share.
 fn code_of(stripes: &Stripes) -> (u32, u32, u32) {
     (stripes.bits, stripes.step, stripes.offset)
 }

@@ -1,45 +1,44 @@
-//! Brings pictures whose exposure has changed to the exposure of white and black.
+//! Exposure compensation: scales images to the exposure of white and black.
 //!
-//! A camera whose exposure settles makes all pixels of a picture darker or brighter by one factor. Stripes and their
-//! inverse together are white and black together, which gives the factor of each pair. The camera's response and noise
-//! are found from the same pictures, so that both are found twice.
+//! A settling exposure scales all pixels of an image by one factor. The sum of stripes and their inverse equals that of
+//! white and black, which gives the factor of each pair. Response and factors depend on each other, so both are
+//! estimated twice.
 
-use super::channels::{Channel, Channels};
-use super::response::Response;
+use super::channels::{Channels, StripeChannel};
+use super::response::{Response, CLIPPED_FROM};
 use super::Pictures;
+use crate::statistics::median;
 
-/// The least difference of white and black at a pixel that tells, levels.
+/// Minimum difference of white and black, levels.
 const LEAST_CONTRAST: u8 = 30;
-/// The level from which on a pixel may be clipped.
-const CLIPPED_FROM: u8 = 254;
-/// A pixel is lit fully or not at all if the square of its contrast is larger.
-const CLEAR: f64 = 0.25;
-/// Pixels that are looked at, and the fewest that tell a factor.
-const LOOKED_AT: usize = 20_000;
-const LEAST_COMPARED: usize = 200;
-/// Smaller changes do no harm, and are within what blur and a response that is not quite known make.
+/// Minimum squared contrast of a pixel that stripes light fully or not at all.
+pub(super) const CLEAR: f64 = 0.25;
+/// Number of sampled pixels, and minimum for a result.
+pub(super) const SAMPLED: usize = 20_000;
+pub(super) const LEAST_COMPARED: usize = 200;
+/// Minimum compensated change: smaller ones are harmless, and within the errors of blur and response.
 const LEAST_CHANGE: f64 = 0.1;
-/// Rounds of finding factors and the camera's response.
+/// Rounds of estimating factors and response.
 const ROUNDS: usize = 2;
 
-/// Pictures of one exposure.
+/// Images of one exposure.
 #[derive(Debug)]
 pub(super) struct Steadied {
     /// Grey levels in the order of the patterns.
     pub(super) levels: Vec<Vec<u8>>,
-    /// Largest change of the exposure that was taken back: 0.1 where a pair was 10 % brighter or darker than white.
+    /// Largest compensated change: 0.1 for a pair that was 10 % brighter or darker than white.
     pub(super) change: f64,
 }
 
 impl Steadied {
-    /// The pictures as [`Pictures`].
+    /// Images as [`Pictures`].
     pub(super) fn pictures<'a>(&'a self, taken: &Pictures<'a>) -> Pictures<'a> {
         let levels = self.levels.iter().map(Vec::as_slice).collect();
         Pictures { size_px: taken.size_px, patterns: taken.patterns, levels }
     }
 }
 
-/// Takes changes of the exposure back; none where there is no large one.
+/// Compensates changes of the exposure; `None` if there is no large one.
 pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Steadied> {
     let mut steadied: Option<Steadied> = None;
     let mut factors = vec![1.0; taken.levels.len()];
@@ -49,7 +48,7 @@ pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Stea
         let response = Response::find(pictures, channels);
         let mut found = 1.0;
         for channel in channels.axes.iter().flat_map(|axis| &axis.all) {
-            // The stripes of a pair that tells nothing are too fine: it was taken next to the one before it.
+            // Pairs of too fine stripes take the factor of the pair before.
             found = factor(pictures, channels, &response, channel).unwrap_or(found);
             for picture in [channel.lit, channel.inverse] {
                 factors[picture] *= found;
@@ -60,7 +59,7 @@ pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Stea
             return None;
         }
         let scaled = |(levels, factor): (&&[u8], &f64)| {
-            // Levels are a power of the light.
+            // Level = light ^ (1 / gamma).
             let scale = factor.powf(-1.0 / response.gamma);
             levels.iter().map(|level| (f64::from(*level) * scale).round().min(255.0) as u8).collect()
         };
@@ -70,12 +69,12 @@ pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Stea
     steadied
 }
 
-/// The factor by which a pair is brighter than white and black, the median over clear pixels.
-fn factor(pictures: &Pictures<'_>, channels: &Channels, response: &Response, channel: &Channel) -> Option<f64> {
+/// Ratio of a pair's light and that of white and black: the median over clear pixels.
+fn factor(pictures: &Pictures<'_>, channels: &Channels, response: &Response, channel: &StripeChannel) -> Option<f64> {
     let wanted = [channels.white, channels.black, channel.lit, channel.inverse];
     let [white, black, ..] = wanted.map(|picture| pictures.levels[picture]);
     let tells = |pixel: &usize| white[*pixel].saturating_sub(black[*pixel]) >= LEAST_CONTRAST;
-    let every = (white.len() / LOOKED_AT).max(1);
+    let every = (white.len() / SAMPLED).max(1);
     let ratio = |pixel: usize| {
         let seen = wanted.map(|picture| pictures.levels[picture][pixel]);
         let [white, black, lit, inverse] = seen.map(|level| f64::from(response.light(level)));
@@ -83,6 +82,5 @@ fn factor(pictures: &Pictures<'_>, channels: &Channels, response: &Response, cha
         (is_clear && seen.iter().all(|level| *level < CLIPPED_FROM)).then(|| (lit + inverse) / (white + black))
     };
     let mut ratios: Vec<f64> = (0..white.len()).step_by(every).filter(tells).filter_map(ratio).collect();
-    let middle = ratios.len() / 2;
-    (ratios.len() >= LEAST_COMPARED).then(|| *ratios.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (ratios.len() >= LEAST_COMPARED).then(|| median(&mut ratios))
 }

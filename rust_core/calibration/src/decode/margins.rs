@@ -1,21 +1,21 @@
-//! What is dropped after decoding: pixels that see two surfaces, or mostly their neighbours' light.
+//! Drops pixels that see two surfaces or mostly stray light.
 
 use rayon::prelude::*;
 
-use super::{DecodedPixel, WORST_SIGMA_PX};
+use super::axis::WORST_SIGMA_PX;
+use super::bleeding::SURFACE_STEP_PX;
+use super::DecodedPixel;
 
-/// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
-const SURFACE_STEP_PX: f32 = 12.0;
-/// How many of the eight neighbours of a pixel must be decoded and on its surface.
+/// Minimum number of the eight neighbours that are decoded and on the pixel's surface.
 const LEAST_NEIGHBOURS: usize = 6;
-/// Standard deviation of the blur of a camera's lens and of its pixels' extent, camera pixels.
+/// Standard deviation of the camera's blur, including its pixels' extent, camera pixels.
 const CAMERA_BLUR_PX: f32 = 0.8;
-/// Pixels that have less than this share of the light of a pixel near them mostly see its stray light,
+/// Minimum light as a share of the brightest pixel near; darker ones mostly see its stray light.
 const STRAY_LIGHT: f32 = 0.15;
-/// which reaches so far, camera pixels.
+/// Reach of stray light, camera pixels.
 const STRAY_REACH: usize = 8;
 
-/// Drops pixels at the margin of what a surface shows: they see two surfaces, or light and shadow.
+/// Drops pixels at the margins of surfaces, which see two surfaces, or light and shadow.
 pub(super) fn without_margins(pixels: &[DecodedPixel], width: usize) -> Vec<DecodedPixel> {
     let height = pixels.len() / width.max(1);
     let is_kept = |x: usize, y: usize| {
@@ -42,10 +42,8 @@ pub(super) fn without_margins(pixels: &[DecodedPixel], width: usize) -> Vec<Deco
     kept
 }
 
-/// Where light and dark surfaces meet, a camera's blur mixes neighbours' light into a pixel, whose place is pulled
-/// towards the brighter ones: by the blur's variance times the relative gradient. That counts as uncertainty; pixels
-/// that are pulled far are dropped, and so are those that are so dark that what they see is mostly bright ones' stray
-/// light.
+/// Adds the pull of the camera's blur towards brighter neighbours, the blur's variance times the relative gradient, to
+/// the deviations. Drops uncertain pixels, and dark ones that mostly see stray light.
 pub(super) fn without_bleeding(pixels: &[DecodedPixel], amplitudes: &[f32], width: usize) -> Vec<DecodedPixel> {
     let brightest = brightest_around(amplitudes, width);
     let mut kept = pixels.to_vec();
@@ -55,7 +53,7 @@ pub(super) fn without_bleeding(pixels: &[DecodedPixel], amplitudes: &[f32], widt
                 *pixel = DecodedPixel::NONE;
                 continue;
             }
-            // A decoded pixel has neighbours on all sides: others are margins.
+            // Decoded pixels are not at the image's edge.
             let index = y * width + x;
             let sides = [[index - 1, index + 1], [index - width, index + width]];
             for axis in 0..2 {
@@ -81,7 +79,7 @@ pub(super) fn without_bleeding(pixels: &[DecodedPixel], amplitudes: &[f32], widt
     kept
 }
 
-/// The largest amplitude within [`STRAY_REACH`] of each pixel, along rows and columns.
+/// Maximum amplitude within [`STRAY_REACH`] of each pixel, along rows and columns.
 fn brightest_around(amplitudes: &[f32], width: usize) -> Vec<f32> {
     let mut along_rows = vec![0.0; amplitudes.len()];
     along_rows.par_chunks_mut(width).zip(amplitudes.par_chunks(width)).for_each(|(brightest, row)| {

@@ -1,69 +1,68 @@
-//! What neighbours tell of a pixel: over a surface, projector coordinates change nearly linearly.
+//! Prediction of pixels from neighbours: projector coordinates are nearly linear on a surface.
 //!
-//! A plane is fitted to the coordinates of each window of 5×5 pixels, twice, the second time with less weight for what
-//! is far from the first. A pixel is compared with the plane of the window around it or beside it that fits best, so
-//! that edges between surfaces stay where they are. What planes leave out of curved surfaces is added back.
+//! A plane is fitted to the coordinates of each window of 5×5 pixels, twice, with less weight for outliers of the first
+//! fit. A pixel's prediction is the best fitting plane of the windows around and beside it, so that edges between
+//! surfaces stay sharp. The planes' bias on curved surfaces is corrected.
 
 use rayon::prelude::*;
 
-use crate::curvature::means_around;
-use crate::plane::{Plane, Sums};
+use crate::plane::{means_around, Plane, PlaneSums};
+use crate::statistics::median_f32;
 
 /// Half the width of a window, pixels.
 const RADIUS: usize = 2;
-/// Half the width of the windows in which planes are compared with what they were fitted to.
-const CURVATURE_RADIUS: usize = 4;
-/// Weight that a window must have, in pixels of full weight.
+/// Half the width of the windows that the planes' bias is averaged over.
+const BIAS_RADIUS: usize = 4;
+/// Minimum weight of a window, in pixels of full weight.
 const LEAST_SUPPORT: f32 = 5.0;
-/// Deviations from a window's first pixel at which weights are halved in the first round, projector pixels.
+/// Residuals at which weights are halved in the first and the second fit, projector pixels.
 const FIRST_WIDTH_PX: f32 = 12.0;
 const SECOND_WIDTH_PX: f32 = 1.5;
-/// Pixels so many deviations off a plane do not show how curved the surface is.
+/// Maximum residual of a pixel for the bias, standard deviations.
 const OUTLIER: f32 = 3.0;
-/// What a plane leaves out of a curved surface, projector pixels.
+/// Error of a plane on a curved surface, projector pixels.
 const CURVATURE_PX: f32 = 0.035;
 
-/// One axis's coordinates of all pixels.
+/// Coordinates of all pixels along one axis.
 pub(super) struct Field {
     pub(super) width: usize,
     /// Projector coordinates, pixels.
     pub(super) at: Vec<f32>,
-    /// Their standard deviations; infinite where nothing is known.
+    /// Standard deviations; infinite where unknown.
     pub(super) sigma: Vec<f32>,
 }
 
-/// What neighbours predict for a pixel.
+/// Prediction of a pixel by a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Prediction {
-    /// The coordinate, projector pixels.
+pub(super) struct PlanePrediction {
+    /// Coordinate, projector pixels.
     pub(super) at: f32,
-    /// Its standard deviation.
+    /// Standard deviation.
     pub(super) sigma: f32,
-    /// How far the pixels of the window lie from their plane, RMS.
+    /// RMS residual of the window.
     pub(super) spread: f32,
-    /// Whether the window is the one around the pixel.
+    /// `true` if the window is centred on the pixel.
     is_around: bool,
 }
 
 impl Field {
-    /// What neighbours predict for each pixel; none where there are too few.
-    pub(super) fn predictions(&self) -> Vec<Option<Prediction>> {
+    /// Predicts each pixel; `None` where there are too few neighbours.
+    pub(super) fn predictions(&self) -> Vec<Option<PlanePrediction>> {
         let mut predictions = self.predicted_by_planes();
-        let left_over: Vec<f32> = (0..self.at.len())
-            .map(|pixel| predictions[pixel].map_or(f32::NAN, |prediction| self.left_over(pixel, &prediction)))
+        let residuals: Vec<f32> = (0..self.at.len())
+            .map(|pixel| predictions[pixel].map_or(f32::NAN, |prediction| self.residual(pixel, &prediction)))
             .collect();
-        let curvature = means_around(&left_over, self.width, CURVATURE_RADIUS);
-        for (prediction, curvature) in predictions.iter_mut().zip(&curvature) {
+        let bias = means_around(&residuals, self.width, BIAS_RADIUS);
+        for (prediction, bias) in predictions.iter_mut().zip(&bias) {
             if let Some(prediction) = prediction.as_mut().filter(|prediction| prediction.is_around) {
-                prediction.at += curvature;
+                prediction.at += bias;
             }
         }
         predictions
     }
 
-    /// How far a pixel is off the plane of the window around it; NaN if it is an outlier, or seen by a window beside
-    /// it.
-    fn left_over(&self, pixel: usize, prediction: &Prediction) -> f32 {
+    /// Residual of a pixel in the window around it; NaN for outliers and other windows.
+    fn residual(&self, pixel: usize, prediction: &PlanePrediction) -> f32 {
         let off = self.at[pixel] - prediction.at;
         let is_near = off.abs() <= OUTLIER * self.sigma[pixel].hypot(prediction.sigma);
         if prediction.is_around && self.sigma[pixel].is_finite() && is_near {
@@ -73,7 +72,7 @@ impl Field {
         }
     }
 
-    fn predicted_by_planes(&self) -> Vec<Option<Prediction>> {
+    fn predicted_by_planes(&self) -> Vec<Option<PlanePrediction>> {
         let planes = self.planes();
         let height = self.at.len() / self.width;
         let offsets = [-2_i32, 0, 2];
@@ -88,7 +87,7 @@ impl Field {
                             continue;
                         }
                         let plane = planes[py as usize * self.width + px as usize];
-                        // The window around the pixel is preferred to those beside it.
+                        // The window around the pixel is preferred.
                         let beside = if ox == 0 && oy == 0 { 0.5 } else { 1.0 };
                         let badness = beside * (plane.variance + CURVATURE_PX * CURVATURE_PX) / plane.support.max(0.1);
                         if plane.support > 0.0 && badness < best.0 {
@@ -100,7 +99,7 @@ impl Field {
                 if badness.is_finite() {
                     let distance = 1.0 + 0.25 * (dx * dx + dy * dy);
                     let variance = plane.variance * 3.0 / plane.support * distance + CURVATURE_PX * CURVATURE_PX;
-                    *prediction = Some(Prediction {
+                    *prediction = Some(PlanePrediction {
                         at: plane.at + plane.by_x * dx + plane.by_y * dy,
                         sigma: variance.sqrt(),
                         spread: plane.variance.sqrt(),
@@ -150,7 +149,7 @@ impl Field {
             return None;
         }
         let window = &mut window[..count];
-        // What is near the middle one in height is more likely to be the same surface.
+        // Pixels near the central median are likely on the same surface.
         let mut heights = [0.0_f32; 9];
         let mut near = 0;
         for entry in window.iter().filter(|entry| entry.1.abs() <= 1.0 && entry.2.abs() <= 1.0) {
@@ -160,14 +159,14 @@ impl Field {
         if near == 0 {
             return None;
         }
-        let middle = *heights[..near].select_nth_unstable_by(near / 2, f32::total_cmp).1;
-        let mut sums = Sums::default();
+        let middle = median_f32(&mut heights[..near]);
+        let mut sums = PlaneSums::default();
         for (weight, dx, dy, a) in window.iter() {
             let far = (a - middle) / FIRST_WIDTH_PX;
             sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
         }
         let mut plane = sums.plane(LEAST_SUPPORT)?;
-        let mut sums = Sums::default();
+        let mut sums = PlaneSums::default();
         for (weight, dx, dy, a) in window.iter() {
             let far = (a - plane.at - plane.by_x * dx - plane.by_y * dy) / SECOND_WIDTH_PX;
             sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
@@ -193,7 +192,7 @@ mod tests {
         let field = Field { width: SIDE, sigma: vec![0.05; at.len()], at };
         let middle = 15 * SIDE + 15;
         let [planes, predictions] = [field.predicted_by_planes(), field.predictions()];
-        let off = |predictions: &[Option<Prediction>]| predictions[middle].unwrap().at - field.at[middle];
+        let off = |predictions: &[Option<PlanePrediction>]| predictions[middle].unwrap().at - field.at[middle];
         assert!(off(&planes) > 0.02 && off(&predictions).abs() < 0.001, "{} {}", off(&planes), off(&predictions));
     }
 }

@@ -1,89 +1,85 @@
-//! Whether each picture shows the stripes that it is said to show. A camera that lags, or a picture that is taken
-//! twice, puts another pattern's picture in its place, and each bit that is read wrongly mirrors a part of the code.
+//! Detection of wrong images: a lagging camera, or an image taken twice, puts another pattern's image in a pattern's
+//! place, and each wrong bit mirrors a part of the code.
 //!
-//! Four things convict a picture:
-//! - It and its inverse are dark, or lit, in the same places ([`unpaired`]).
-//! - Its stripes have their edges where another bit's have them ([`repeated`]). Of a Gray code's bits, only one changes
-//!   along a line; several change only where one surface ends before another.
-//! - It is lit and dark where another bit is, nearly everywhere, and one of both is so fine that stripes of another
-//!   width cannot be ([`alike`]).
-//! - Coordinates turn back along the lines of its edges ([`turned`]). Seen from in front, no surface does that: a
-//!   projector's picture has the same orientation everywhere on it.
+//! An image is wrong if
+//! - it and its inverse are dark, or lit, in the same places ([`PictureCheck::unpaired`]);
+//! - its stripes have the edges of another bit ([`PictureCheck::repeated`]): only one bit of a Gray code changes at an
+//!   edge, several only at depth edges;
+//! - it is lit and dark where another bit is, and one of both is fine ([`PictureCheck::alike`]);
+//! - coordinates fold back along its edges ([`folded`]), which no surface causes: a projector's image has the same
+//!   orientation everywhere.
 
-use super::channels::{AxisChannels, Channel, Channels};
-use super::response::Response;
-use super::{DecodedPixel, Pictures};
+use super::channels::{AxisChannels, Channels, StripeChannel};
+use super::light::LightImages;
+use super::response::CLIPPED_FROM;
+use super::DecodedPixel;
 use crate::patterns::{Axis, Stripes};
 
-/// The level from which on a pixel may be clipped.
-const CLIPPED_FROM: u8 = 254;
-/// Pixels that are looked at.
-const LOOKED_AT: usize = 150_000;
-/// A pixel is dark or lit for sure below and above these shares of the projector's light; white is 1.
+/// Maximum number of sampled pixels.
+const SAMPLED: usize = 150_000;
+/// Shares of the projector's light below and above which a pixel is certainly dark or lit.
 const DARK: f32 = 0.2;
 const LIT: f32 = 0.85;
-/// Pixels whose noise is larger do not count, as a share of the projector's light.
+/// Maximum noise of sampled pixels, as a share of the projector's light.
 const MOST_NOISE: f32 = 0.05;
-/// The share of pixels that are the same in stripes and in their inverse from which on these are no pair.
+/// Maximum share of pixels that are equal in stripes and in their inverse.
 const MANY_UNPAIRED: f64 = 0.15;
-/// Pictures whose light differs by less than this share of the projector's, in the mean, are the same.
+/// Maximum mean difference of equal images, as a share of the projector's light.
 const SAME: f32 = 0.04;
-/// A stripe is read for sure if it is so bright or dark: 1 is as white and black are.
+/// Minimum difference of a certain bit, as a share of white minus black.
 const CERTAIN: f32 = 0.35;
-/// How far apart pixels are between which stripes may have an edge, camera pixels.
+/// Distance of the pixels between which edges are detected, camera pixels.
 const EDGE_REACH: usize = 3;
-/// Stripes with an edge between more of these pixels are too fine to tell where surfaces end.
+/// Maximum rate of edges between these pixels; finer stripes do not show where surfaces end.
 const MANY_EDGES: f64 = 0.35;
-/// Edges that two bits share, and how many times more these are than each bit's own, from which on they convict.
+/// Minimum number of edges that two bits share, and minimum ratio to the bits' own edges.
 const LEAST_SHARED: u32 = 100;
 const SHARED_TO_ALONE: u32 = 2;
-/// Bits from this one on have so many stripes that another bit agrees with them at half of the pixels.
+/// First bit with so many stripes that any other bit agrees with it at half of the pixels.
 const FIRST_FINE_BIT: usize = 4;
-/// Two bits are the same picture if they agree at this share of the pixels where both are certain, which have to be
-/// this share of the pixels that are looked at.
+/// Minimum agreement of equal bits where both are certain, and minimum share of such pixels.
 const AGREEING: f64 = 0.9;
 const COMPARABLE: f64 = 0.05;
-/// Pixels at which bits are compared.
+/// Number of pixels for comparing bits.
 const COMPARED: usize = 20_000;
-/// Edges are a bit's if finer bits say so at this share of them, of which they have to be seen at this share.
+/// Minimum share of a bit's edges that finer bits confirm, and minimum share at which these are certain.
 const MOST_OF: f64 = 0.75;
 const KNOWN: f64 = 0.3;
-/// Places where coordinates turn back along the lines of a bit, and how many times more there are than places where
-/// they go on.
-const LEAST_TURNS: u32 = 30;
-const TURNS_TO_PASSES: u32 = 2;
-/// How far from a line both sides are looked at, and half the length of a slope, camera pixels.
+/// Minimum number of folds along a bit's edges, and minimum ratio to edges without a fold.
+const LEAST_FOLDS: u32 = 30;
+const FOLDS_TO_PASSES: u32 = 2;
+/// Distance of the slopes on both sides of an edge, and half their length, camera pixels.
 const SIDE: usize = 4;
 const HALF_SLOPE: usize = 2;
-/// Stripes along whose edges that can be seen are at least so wide, projector pixels.
+/// Minimum width of stripes whose folds are detectable, projector pixels.
 const LEAST_WIDTH_PX: f64 = 16.0;
 
-/// A picture that does not show what it is said to.
+/// Image that shows another pattern than listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WrongPicture {
-    /// The stripes that it is said to show.
+    /// Listed stripes.
     pub stripes: Stripes,
-    /// The fault.
+    /// Fault.
     pub fault: PictureFault,
 }
 
-/// A picture's fault. All numbers are indices of pictures.
+/// Fault of an image. Numbers are indices of images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureFault {
-    /// The first one shows what the second one shows.
+    /// The first image is a copy of the second.
     Copy([usize; 2]),
-    /// Both should be each other's inverse.
+    /// The images are not each other's inverse.
     NoInverse([usize; 2]),
-    /// Both, stripes and inverse, show other stripes' bit.
+    /// Stripes and inverse show another bit.
     Shows([usize; 2], Stripes),
-    /// Both show the same stripes, and it is not known which of both.
+    /// Two bits' images show the same bit; which one is unknown.
     Alike([usize; 2], Stripes),
-    /// Both, stripes and inverse, do not change where they should.
+    /// Stripes and inverse lack the bit's edges.
     NoEdges([usize; 2]),
 }
 
 impl WrongPicture {
-    /// Describes the fault with the pictures' names.
+    /// Describes the fault with the images' names.
     pub fn describe(&self, name: impl Fn(usize) -> String) -> String {
         let said = bit_of(&self.stripes);
         let fault = match &self.fault {
@@ -105,7 +101,7 @@ impl WrongPicture {
                 )
             }
             PictureFault::NoEdges([one, other]) => format!(
-                "{} and {} do not show the stripes of {said}: the code turns back where these have their edges",
+                "{} and {} do not show the stripes of {said}: the decoded coordinates reverse at their edges",
                 name(*one),
                 name(*other)
             ),
@@ -118,53 +114,48 @@ fn bit_of(stripes: &Stripes) -> String {
     format!("bit {} along {}", stripes.bit, stripes.axis.name())
 }
 
-fn pair(channel: &Channel) -> [usize; 2] {
+fn pair(channel: &StripeChannel) -> [usize; 2] {
     [channel.lit, channel.inverse]
 }
 
-/// What decides on pictures' order: pictures in linear light.
-pub(super) struct Order<'a> {
-    pub(super) pictures: &'a Pictures<'a>,
-    pub(super) channels: &'a Channels,
-    pub(super) response: &'a Response,
-    /// For each pixel the standard deviation of its differences, as a share of the projector's light.
+/// Check of a scan for wrong images.
+pub(super) struct PictureCheck<'a> {
+    pub(super) light: &'a LightImages<'a>,
+    /// Standard deviations of the pixels' differences, as shares of the projector's light.
     pub(super) noise: &'a [f32],
 }
 
-impl Order<'_> {
-    /// The first picture that others convict.
+impl PictureCheck<'_> {
+    /// First wrong image found.
     pub(super) fn wrong_picture(&self) -> Option<WrongPicture> {
         self.unpaired().or_else(|| self.repeated()).or_else(|| self.alike())
     }
 
-    /// Indices of pixels that see clearly, at most [`LOOKED_AT`] of them.
+    /// Indices of at most [`SAMPLED`] pixels with little noise.
     fn sample(&self) -> Vec<usize> {
         let is_clear = |pixel: &usize| self.noise[*pixel] < MOST_NOISE;
         let clear: Vec<usize> = (0..self.noise.len()).filter(is_clear).collect();
-        clear.iter().copied().step_by(clear.len().div_ceil(LOOKED_AT).max(1)).collect()
+        clear.iter().copied().step_by(clear.len().div_ceil(SAMPLED).max(1)).collect()
     }
 
-    fn light(&self, picture: usize, pixel: usize) -> f32 {
-        self.response.light(self.pictures.levels[picture][pixel])
-    }
-
-    /// The light of a picture at a pixel: 0 is as black is, 1 as white.
+    /// Light of an image at a pixel: 0 for black, 1 for white.
     fn share(&self, picture: usize, pixel: usize) -> f32 {
-        let [white, black] = [self.channels.white, self.channels.black].map(|picture| self.light(picture, pixel));
-        (self.light(picture, pixel) - black) / (white - black)
+        let Channels { white, black, .. } = *self.light.channels;
+        let [white, black] = [white, black].map(|picture| self.light.at(picture, pixel));
+        (self.light.at(picture, pixel) - black) / (white - black)
     }
 
-    /// Stripes that are no pair with their inverse.
+    /// Finds stripes that do not match their inverse.
     fn unpaired(&self) -> Option<WrongPicture> {
         let sample = self.sample();
-        let is_same = |channel: &Channel, pixel: usize| {
+        let is_same = |channel: &StripeChannel, pixel: usize| {
             let shares = pair(channel).map(|picture| self.share(picture, pixel));
-            let is_clipped = [channel.lit, channel.inverse, self.channels.white]
+            let is_clipped = [channel.lit, channel.inverse, self.light.channels.white]
                 .iter()
-                .any(|picture| self.pictures.levels[*picture][pixel] >= CLIPPED_FROM);
+                .any(|picture| self.light.pictures.levels[*picture][pixel] >= CLIPPED_FROM);
             shares.iter().all(|share| *share < DARK) || (!is_clipped && shares.iter().all(|share| *share > LIT))
         };
-        let worst = self.channels.axes.iter().flat_map(|axis| &axis.all).map(|channel| {
+        let worst = self.light.channels.axes.iter().flat_map(|axis| &axis.all).map(|channel| {
             let same = sample.iter().filter(|pixel| is_same(channel, **pixel)).count();
             (same as f64 / sample.len().max(1) as f64, channel)
         });
@@ -179,29 +170,30 @@ impl Order<'_> {
         })
     }
 
-    /// Another picture that is the same and not of this pair.
-    fn twin(&self, picture: usize, channel: &Channel, sample: &[usize]) -> Option<usize> {
+    /// Equal image of another pair.
+    fn twin(&self, picture: usize, channel: &StripeChannel, sample: &[usize]) -> Option<usize> {
         let every = (sample.len() / 5000).max(1);
         let difference = |other: usize| {
             let pixels = sample.iter().step_by(every);
             let sum: f32 = pixels.map(|pixel| (self.share(picture, *pixel) - self.share(other, *pixel)).abs()).sum();
             sum * every as f32 / sample.len().max(1) as f32
         };
-        let others = (0..self.pictures.levels.len()).filter(|other| !pair(channel).contains(other));
+        let others = (0..self.light.pictures.levels.len()).filter(|other| !pair(channel).contains(other));
         let nearest = others.map(|other| (difference(other), other)).min_by(|one, other| one.0.total_cmp(&other.0))?;
         (nearest.0 < SAME).then_some(nearest.1)
     }
 
-    /// The bits of both axes, each axis from the coarsest on.
-    fn bits(&self) -> Vec<&Channel> {
-        self.channels.axes.iter().flat_map(|axis| &axis.all[..axis.code_bits]).take(u64::BITS as usize).collect()
+    /// Bits of both axes, each axis from the coarsest on.
+    fn bits(&self) -> Vec<&StripeChannel> {
+        let axes = self.light.channels.axes.iter();
+        axes.flat_map(|axis| &axis.all[..axis.code_bits]).take(u64::BITS as usize).collect()
     }
 
-    /// Two bits that are lit and dark in the same places, at least one of them a fine one.
+    /// Finds two bits, at least one of them fine, that are lit and dark in the same places.
     fn alike(&self) -> Option<WrongPicture> {
         let bits = self.bits();
-        let fine = self.channels.axes.iter().flat_map(|axis| (0..axis.code_bits).map(|bit| bit >= FIRST_FINE_BIT));
-        let fine: Vec<bool> = fine.collect();
+        let axes = self.light.channels.axes.iter();
+        let fine: Vec<bool> = axes.flat_map(|axis| (0..axis.code_bits).map(|bit| bit >= FIRST_FINE_BIT)).collect();
         let sample = self.sample();
         let signs: Vec<[u64; 2]> = (sample.iter().step_by(sample.len().div_ceil(COMPARED).max(1)))
             .map(|pixel| self.signs(&bits, *pixel))
@@ -223,22 +215,22 @@ impl Order<'_> {
         Some(WrongPicture { stripes: bits[one].stripes, fault: PictureFault::Alike(pictures, bits[other].stripes) })
     }
 
-    /// Bits whose stripes have the same edges.
+    /// Finds bits with the same edges.
     fn repeated(&self) -> Option<WrongPicture> {
         let bits = self.bits();
-        let steps = self.steps(&bits);
+        let pairs = self.pixel_pairs(&bits);
         let is_wide = |bit: &usize| {
-            let [edges, seen] = steps.iter().fold([0_u32; 2], |[edges, seen], step| {
-                let edge = (step.edges >> bit & 1) as u32;
-                [edges + edge, seen + edge + ((step.held[0] | step.held[1]) >> bit & 1) as u32]
+            let [edges, certain] = pairs.iter().fold([0_u32; 2], |[edges, certain], pair| {
+                let edge = (pair.edges >> bit & 1) as u32;
+                [edges + edge, certain + edge + ((pair.held[0] | pair.held[1]) >> bit & 1) as u32]
             });
-            f64::from(edges) < MANY_EDGES * f64::from(seen)
+            f64::from(edges) < MANY_EDGES * f64::from(certain)
         };
         let wide = (0..bits.len()).filter(is_wide).fold(0_u64, |wide, bit| wide | 1 << bit);
         let mut alone = vec![0_u32; bits.len()];
         let mut shared = vec![0_u32; bits.len() * bits.len()];
-        for step in &steps {
-            let edges = step.edges & wide;
+        for pair in &pairs {
+            let edges = pair.edges & wide;
             let first = edges.trailing_zeros() as usize;
             match edges.count_ones() {
                 1 => alone[first] += 1,
@@ -253,7 +245,7 @@ impl Order<'_> {
         });
         let (_, one, other) = shared.max()?;
         let both = 1 << one | 1 << other;
-        let events: Vec<&Step> = steps.iter().filter(|step| step.edges & wide == both).collect();
+        let events: Vec<&PixelPair> = pairs.iter().filter(|pair| pair.edges & wide == both).collect();
         Some(match [one, other].map(|bit| edges_fit(&bits, &events, bit, both)) {
             [Some(true), Some(false) | None] | [None, Some(false)] => shows(bits[other], bits[one]),
             [Some(false) | None, Some(true)] | [Some(false), None] => shows(bits[one], bits[other]),
@@ -264,11 +256,11 @@ impl Order<'_> {
         })
     }
 
-    /// What stripes do between pixels that are near each other.
-    fn steps(&self, bits: &[&Channel]) -> Vec<Step> {
-        let width = self.pictures.size_px[0] as usize;
+    /// Bits at pairs of near pixels.
+    fn pixel_pairs(&self, bits: &[&StripeChannel]) -> Vec<PixelPair> {
+        let width = self.light.pictures.size_px[0] as usize;
         let reach = [EDGE_REACH, EDGE_REACH * width];
-        let mut steps = Vec::new();
+        let mut pairs = Vec::new();
         for pixel in self.sample() {
             let mut here = None;
             for (along, by) in reach.into_iter().enumerate() {
@@ -279,19 +271,19 @@ impl Order<'_> {
                 let [lit, dark] = *here.get_or_insert_with(|| self.signs(bits, pixel));
                 let [other_lit, other_dark] = self.signs(bits, pixel + by);
                 let edges = (lit & other_dark) | (dark & other_lit);
-                steps.push(Step { edges, held: [lit & other_lit, dark & other_dark] });
+                pairs.push(PixelPair { edges, held: [lit & other_lit, dark & other_dark] });
             }
         }
-        steps
+        pairs
     }
 
-    /// The bits that are lit for sure at a pixel, and those that are dark.
-    fn signs(&self, bits: &[&Channel], pixel: usize) -> [u64; 2] {
-        let [white, black] = [self.channels.white, self.channels.black].map(|picture| self.light(picture, pixel));
-        let limit = CERTAIN * (white - black);
+    /// Bits that are certainly lit at a pixel, and those that are certainly dark.
+    fn signs(&self, bits: &[&StripeChannel], pixel: usize) -> [u64; 2] {
+        let Channels { white, black, .. } = *self.light.channels;
+        let limit = CERTAIN * (self.light.at(white, pixel) - self.light.at(black, pixel));
         let mut signs = [0; 2];
         for (bit, channel) in bits.iter().enumerate() {
-            let difference = self.light(channel.lit, pixel) - self.light(channel.inverse, pixel);
+            let difference = self.light.at(channel.lit, pixel) - self.light.at(channel.inverse, pixel);
             if difference.abs() > limit {
                 signs[usize::from(difference < 0.0)] |= 1 << bit;
             }
@@ -300,78 +292,78 @@ impl Order<'_> {
     }
 }
 
-/// Whether edges are where a bit has them: there, the next finer bit is lit, and the one after it dark. None if these
-/// bits tell nothing.
-fn edges_fit(bits: &[&Channel], events: &[&Step], bit: usize, without: u64) -> Option<bool> {
+/// Tests whether edges are those of a bit: there, the next finer bit is lit, and the one after it dark. `None` if these
+/// bits are uncertain.
+fn edges_fit(bits: &[&StripeChannel], events: &[&PixelPair], bit: usize, without: u64) -> Option<bool> {
     let is_finer = |finer: &usize| {
         bits.get(*finer).is_some_and(|next| next.stripes.axis == bits[bit].stripes.axis) && without >> finer & 1 == 0
     };
     let (next, after) = (Some(bit + 1).filter(is_finer), Some(bit + 2).filter(is_finer));
-    let holds = |step: &Step, bit: usize| [0, 1].map(|state| step.held[state] >> bit & 1 == 1);
-    let (mut fit, mut seen) = (0_u32, 0_u32);
-    for step in events {
-        let [lit, _] = next.map_or([true, false], |next| holds(step, next));
-        let [_, dark] = after.map_or([false, true], |after| holds(step, after));
-        let is_known = [next, after].into_iter().flatten().all(|bit| holds(step, bit).contains(&true));
-        seen += u32::from(is_known);
+    let holds = |pair: &PixelPair, bit: usize| [0, 1].map(|state| pair.held[state] >> bit & 1 == 1);
+    let (mut fit, mut known) = (0_u32, 0_u32);
+    for pair in events {
+        let [lit, _] = next.map_or([true, false], |next| holds(pair, next));
+        let [_, dark] = after.map_or([false, true], |after| holds(pair, after));
+        let is_known = [next, after].into_iter().flatten().all(|bit| holds(pair, bit).contains(&true));
+        known += u32::from(is_known);
         fit += u32::from(is_known && lit && dark);
     }
-    let tells = (next.is_some() || after.is_some()) && f64::from(seen) > KNOWN * events.len() as f64;
-    tells.then(|| f64::from(fit) > MOST_OF * f64::from(seen))
+    let is_conclusive = (next.is_some() || after.is_some()) && f64::from(known) > KNOWN * events.len() as f64;
+    is_conclusive.then(|| f64::from(fit) > MOST_OF * f64::from(known))
 }
 
-fn shows(said: &Channel, shown: &Channel) -> WrongPicture {
+fn shows(said: &StripeChannel, shown: &StripeChannel) -> WrongPicture {
     WrongPicture { stripes: said.stripes, fault: PictureFault::Shows(pair(said), shown.stripes) }
 }
 
-/// Two pixels that are near each other.
-struct Step {
-    /// The bits that are lit at one and dark at the other.
+/// Bits at two near pixels.
+struct PixelPair {
+    /// Bits that are lit at one and dark at the other.
     edges: u64,
-    /// The bits that are lit at both, and those that are dark at both.
+    /// Bits that are lit at both, and those that are dark at both.
     held: [u64; 2],
 }
 
-/// A bit along whose edges coordinates turn back.
-pub(super) fn turned(pixels: &[DecodedPixel], width: usize, channels: &Channels) -> Option<WrongPicture> {
+/// Finds a bit along whose edges coordinates fold back.
+pub(super) fn folded(pixels: &[DecodedPixel], width: usize, channels: &Channels) -> Option<WrongPicture> {
     let margin = (SIDE + HALF_SLOPE) * (width + 1);
-    let mut counts = channels.axes.each_ref().map(|axis| vec![Turns::default(); axis.code_bits]);
+    let mut counts = channels.axes.each_ref().map(|axis| vec![FoldCounts::default(); axis.code_bits]);
     for index in margin..pixels.len().saturating_sub(margin) {
         if !pixels[index - SIDE].is_decoded() && !pixels[index - SIDE * width].is_decoded() {
             continue;
         }
         for along in 0..2 {
             for axis in Axis::ALL {
-                if let Some(place) = Place::new(pixels, width, index, along, axis) {
-                    place.count(&channels.axes[axis.index()], &mut counts[axis.index()]);
+                if let Some(slopes) = SlopePair::new(pixels, width, index, along, axis) {
+                    slopes.count(&channels.axes[axis.index()], &mut counts[axis.index()]);
                 }
             }
         }
     }
     let bits = channels.axes.iter().zip(&counts).flat_map(|(axis, counts)| axis.all.iter().zip(counts));
-    let is_turned = |turns: &Turns| turns.back >= LEAST_TURNS && turns.back > TURNS_TO_PASSES * turns.on;
-    let (channel, _) = bits.filter(|(_, turns)| is_turned(turns)).max_by_key(|(_, turns)| turns.back)?;
+    let is_folded = |folds: &FoldCounts| folds.back >= LEAST_FOLDS && folds.back > FOLDS_TO_PASSES * folds.on;
+    let (channel, _) = bits.filter(|(_, folds)| is_folded(folds)).max_by_key(|(_, folds)| folds.back)?;
     Some(WrongPicture { stripes: channel.stripes, fault: PictureFault::NoEdges(pair(channel)) })
 }
 
-/// How often coordinates turn back at the edges of a bit's stripes, and how often they go on.
+/// Numbers of edges of a bit at which coordinates fold back, and at which they go on.
 #[derive(Debug, Clone, Copy, Default)]
-struct Turns {
+struct FoldCounts {
     back: u32,
     on: u32,
 }
 
-/// A place between two slopes that meet.
-struct Place {
-    /// The coordinate there, projector pixels.
+/// Two slopes of the coordinates that meet at a place.
+struct SlopePair {
+    /// Coordinate of the place, projector pixels.
     at: f32,
-    /// By how much it changes over half the distance to either side, projector pixels.
+    /// Change of the coordinate over half the distance to either side, projector pixels.
     reach: f32,
     is_back: bool,
 }
 
-impl Place {
-    /// None where the surface does not go on.
+impl SlopePair {
+    /// `None` where the surface is not continuous.
     fn new(pixels: &[DecodedPixel], width: usize, index: usize, along: usize, axis: Axis) -> Option<Self> {
         let by = SIDE * [1, width][along];
         let slope = |index: usize, axis: usize| {
@@ -380,8 +372,7 @@ impl Place {
         let (axis, other) = (axis.index(), 1 - axis.index());
         let (before, after) = (slope(index - by, axis), slope(index + by, axis));
         let length = before[0].hypot(before[1]);
-        let is_seen = length > 1.0 && before[along].abs() > 0.5 * length;
-        if !is_seen {
+        if length <= 1.0 || before[along].abs() <= 0.5 * length {
             return None;
         }
         let sum = (before[0] + after[0]).hypot(before[1] + after[1]);
@@ -399,15 +390,15 @@ impl Place {
         is_one.then_some(Self { at: 0.5 * (meets[0] + meets[1]), reach: (0.5 * length).max(1.0), is_back })
     }
 
-    fn count(&self, channels: &AxisChannels, counts: &mut [Turns]) {
+    fn count(&self, channels: &AxisChannels, counts: &mut [FoldCounts]) {
         let sides = [self.at - self.reach, self.at + self.reach].map(|at| at.round().max(0.0) as u32);
-        for (channel, turns) in channels.all.iter().zip(counts) {
+        for (channel, folds) in channels.all.iter().zip(counts) {
             let stripes = &channel.stripes;
             if stripes.width_px() < LEAST_WIDTH_PX.max(f64::from(4.0 * self.reach)) {
                 break;
             }
             if stripes.is_lit(sides[0]) != stripes.is_lit(sides[1]) {
-                *(if self.is_back { &mut turns.back } else { &mut turns.on }) += 1;
+                *(if self.is_back { &mut folds.back } else { &mut folds.on }) += 1;
             }
         }
     }
@@ -420,8 +411,7 @@ mod tests {
 
     const SIDE: usize = 80;
 
-    /// A slanted surface whose columns a code says that has lost a bit: where the stripes of this bit are lit, columns
-    /// are those on the other side of the line before them.
+    /// Slanted surface, decoded with a lost bit: where its stripes are lit, columns are mirrored about the edge before.
     fn surface(lost: Option<Stripes>) -> Vec<DecodedPixel> {
         let pixel = |index: usize| {
             let (x, y) = ((index % SIDE) as f32, (index / SIDE) as f32);
@@ -437,12 +427,12 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_that_is_lost_turns_coordinates_back_along_its_lines() {
+    fn a_lost_bit_folds_coordinates_back_along_its_edges() {
         let channels = Channels::new(&gray_code([256, 256])).unwrap();
-        assert_eq!(turned(&surface(None), SIDE, &channels), None);
+        assert_eq!(folded(&surface(None), SIDE, &channels), None);
         for bit in [1, 2] {
             let channel = &channels.axes[0].all[bit];
-            let found = turned(&surface(Some(channel.stripes)), SIDE, &channels);
+            let found = folded(&surface(Some(channel.stripes)), SIDE, &channels);
             assert_eq!(found.map(|found| found.stripes), Some(channel.stripes), "{bit}");
             assert_eq!(found.map(|found| found.fault), Some(PictureFault::NoEdges(pair(channel))));
         }

@@ -1,40 +1,39 @@
-//! How the camera answers to light, found from the capture itself: its gamma, and its noise.
+//! Camera response, estimated from the capture: gamma and noise.
 //!
-//! Stripes and their inverse together are white and black together, in linear light and whatever has been reflected in
-//! between. So the gamma is the one with which the sums agree where stripes are half lit, and what remains where they
-//! agree is the noise of four pictures.
+//! In linear light, the sum of stripes and their inverse equals that of white and black, with interreflections too. So
+//! gamma is the exponent with which the sums agree where stripes are half lit, and the rest is the noise of four images.
 
-use super::channels::{AxisChannels, Channels};
+use super::channels::Channels;
 use super::Pictures;
+use crate::statistics::median;
 
-/// Pixels that are looked at.
-const LOOKED_AT: usize = 6000;
-/// Fewer tell nothing.
+/// Number of sampled pixels, and minimum for a result.
+const SAMPLED: usize = 6000;
 const LEAST: usize = 50;
-/// The range of gammas that cameras have.
+/// Range of cameras' gammas.
 const GAMMAS: [f64; 2] = [0.8, 3.0];
-/// From this level on, of 255, a pixel may be clipped.
-const CLIPPED_FROM: u8 = 254;
-/// Variance over the squared median deviation from zero.
+/// Level from which on a pixel may be clipped.
+pub(super) const CLIPPED_FROM: u8 = 254;
+/// Ratio of variance and median square of a normal variable.
 const VARIANCE_OF_MEDIAN_SQUARE: f64 = 1.0 / 0.4549;
-/// The variance that rounding to whole levels brings, levels².
+/// Variance by rounding to whole levels, levels².
 const ROUNDING: f64 = 1.0 / 12.0;
 
-/// What level a light makes, and how much levels vary. Linear light is 1 at level 255.
+/// Response and noise of the camera. Linear light is 1 at level 255.
 #[derive(Debug, Clone)]
 pub(crate) struct Response {
-    /// The light of each level.
+    /// Light of each level.
     light: Vec<f32>,
-    /// The exponent: light = (level / 255) ^ gamma.
+    /// Exponent: light = (level / 255) ^ gamma.
     pub(super) gamma: f64,
-    /// Variance of a picture's light without light, and its growth with the light.
+    /// Variance of an image's light in darkness, and its growth with the light.
     noise: [f64; 2],
 }
 
 impl Response {
-    /// Finds it from pixels that are lit well.
+    /// Estimates the response from well lit pixels.
     pub(crate) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
-        let sample = Sample::collect(pictures, channels);
+        let sample = LevelSample::collect(pictures, channels);
         let mut response = Self::with_gamma(1.0);
         if sample.pixels.len() >= LEAST {
             response = Self::with_gamma(sample.gamma());
@@ -48,20 +47,20 @@ impl Response {
         Self { light, gamma, noise: [2.0 / (255.0 * 255.0), 0.0] }
     }
 
-    /// The linear light of a level.
+    /// Linear light of a level.
     #[inline]
     pub(crate) fn light(&self, level: u8) -> f32 {
         self.light[usize::from(level)]
     }
 
-    /// Variance of the difference of two pictures whose lights have this sum.
+    /// Variance of the difference of two images whose lights have this sum.
     #[inline]
     pub(super) fn difference_variance(&self, sum: f32) -> f32 {
         2.0 * self.noise[0] as f32 + self.noise[1] as f32 * sum
     }
 }
 
-/// The levels of one pixel: white, black, and stripes with their inverses.
+/// Levels of one pixel: white, black, and stripes with their inverses.
 struct PixelLevels {
     white: u8,
     black: u8,
@@ -69,19 +68,18 @@ struct PixelLevels {
 }
 
 impl PixelLevels {
-    /// Stripes with their inverses where neither is clipped.
+    /// Unclipped pairs of stripes and inverses.
     fn unclipped(&self) -> impl Iterator<Item = &[u8; 2]> {
         self.pairs.iter().filter(|pair| pair.iter().all(|level| *level < CLIPPED_FROM))
     }
 }
 
-struct Sample {
+struct LevelSample {
     pixels: Vec<PixelLevels>,
 }
 
-impl Sample {
-    /// Pixels that are neither clipped nor quite black; where black is quite black everywhere, as in rendered pictures,
-    /// it is taken as it is.
+impl LevelSample {
+    /// Samples pixels that are neither clipped nor 0 in black, unless black is 0 everywhere, as in rendered images.
     fn collect(pictures: &Pictures<'_>, channels: &Channels) -> Self {
         let sample = Self::with_black_from(1, pictures, channels);
         if sample.pixels.len() < LEAST {
@@ -92,15 +90,14 @@ impl Sample {
 
     fn with_black_from(least_black: u8, pictures: &Pictures<'_>, channels: &Channels) -> Self {
         let (white, black) = (pictures.levels[channels.white], pictures.levels[channels.black]);
-        // The finest ones, which are half lit nearly everywhere, and coarse ones, which hardly are anywhere.
-        let pairs: Vec<[usize; 2]> =
-            channels.axes.iter().flat_map(AxisChannels::all_pairs).map(|channel| [channel.0, channel.1]).collect();
+        let all = channels.axes.iter().flat_map(|axis| &axis.all);
+        let pairs: Vec<[usize; 2]> = all.map(|channel| [channel.lit, channel.inverse]).collect();
         let is_good = |pixel: &usize| {
             let (white, black) = (white[*pixel], black[*pixel]);
             white < CLIPPED_FROM && black >= least_black && white > black.saturating_add(20)
         };
         let good = (0..white.len()).filter(is_good).count();
-        let every = (good / LOOKED_AT).max(1);
+        let every = (good / SAMPLED).max(1);
         let levels = |pixel: usize| PixelLevels {
             white: white[pixel],
             black: black[pixel],
@@ -109,7 +106,7 @@ impl Sample {
         Self { pixels: (0..white.len()).filter(is_good).step_by(every).map(levels).collect() }
     }
 
-    /// Light of stripes and inverse less that of white and black, weighted by how half lit they are.
+    /// Excess of the light of stripes and inverse over white and black, weighted by how half lit they are.
     fn excess(&self, gamma: f64) -> f64 {
         let response = Response::with_gamma(gamma);
         let light = |level: u8| f64::from(response.light(level));
@@ -119,9 +116,9 @@ impl Sample {
             let range = white - black;
             for [lit, inverse] in pixel.unclipped() {
                 let contrast = f64::from(lit.abs_diff(*inverse)) / f64::from(pixel.white - pixel.black);
-                // Bounded, as pixels that something passed through would decide otherwise.
-                let miss = ((light(*lit) + light(*inverse) - white - black) / range).clamp(-0.3, 0.3);
-                excess += miss * (1.0 - contrast).max(0.0);
+                // Clamped, so that moving objects do not dominate.
+                let difference = ((light(*lit) + light(*inverse) - white - black) / range).clamp(-0.3, 0.3);
+                excess += difference * (1.0 - contrast).max(0.0);
             }
         }
         excess
@@ -129,7 +126,7 @@ impl Sample {
 
     fn gamma(&self) -> f64 {
         let [mut low, mut high] = GAMMAS;
-        // A gamma that is too small leaves the light of half lit stripes too large.
+        // Too small a gamma makes half lit stripes too bright.
         if self.excess(low) < 0.0 || self.excess(high) > 0.0 {
             return 1.0;
         }
@@ -144,7 +141,7 @@ impl Sample {
         0.5 * (low + high)
     }
 
-    /// A line through the variances of pixels of eight brightnesses.
+    /// Line through the variances of eight brightness bins.
     fn noise(&self, response: &Response) -> [f64; 2] {
         const BINS: usize = 8;
         let light = |level: u8| f64::from(response.light(level));
@@ -159,13 +156,11 @@ impl Sample {
             .chunks(squares.len().div_ceil(BINS))
             .map(|bin| {
                 let mut values: Vec<f64> = bin.iter().map(|(_, square)| *square).collect();
-                let middle = values.len() / 2;
-                let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
                 let sum = bin.iter().map(|(sum, _)| sum).sum::<f64>() / bin.len() as f64;
-                [sum, median * VARIANCE_OF_MEDIAN_SQUARE]
+                [sum, median(&mut values) * VARIANCE_OF_MEDIAN_SQUARE]
             })
             .collect();
-        // Variance of four pictures: 4 a + 2 b (white + black).
+        // Variance of four images: 4 a + 2 b (white + black).
         let count = points.len() as f64;
         let mean = points.iter().fold([0.0, 0.0], |mean, [x, y]| [mean[0] + x / count, mean[1] + y / count]);
         let (mut xx, mut xy) = (0.0, 0.0);
@@ -175,14 +170,8 @@ impl Sample {
         }
         let slope = if xx > 0.0 { (xy / xx).max(0.0) } else { 0.0 };
         let slope = slope.min(mean[1] / mean[0].max(1e-9));
-        // No camera is better than its rounding at half the light.
+        // Lower bound: rounding at half the light.
         let rounding = ROUNDING * (response.gamma / 255.0).powi(2) * 0.5;
         [((mean[1] - slope * mean[0]) / 4.0).max(rounding), slope / 2.0]
-    }
-}
-
-impl AxisChannels {
-    fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.all.iter().map(|channel| (channel.lit, channel.inverse))
     }
 }

@@ -1,51 +1,50 @@
-//! The place of a pixel along one axis: the one at which the blurred stripes explain what the pixel saw best.
+//! Coordinate of a pixel along one axis: where blurred stripes explain its levels best.
 //!
-//! The signs of the code's bits lead to a neighbourhood of a few pixels: a bit that is read wrongly is one whose edge
-//! is near, and a Gray code's finer bits are mirrored about it. In that neighbourhood every place is compared with all
-//! stripes. The share of light that arrives directly is free for each pixel, so what arrives by way of other surfaces
-//! (Nayar, Krishnan, Grossberg, Raskar, "Fast separation of direct and global components", 2006) does no harm.
+//! The code's signs lead to a neighbourhood of a few pixels: a wrong bit has an edge nearby, and a Gray code's finer bits
+//! are mirrored about it. In that neighbourhood every place is compared with all stripes. The share of direct light is
+//! free for each pixel, so interreflections do no harm (Nayar, Krishnan, Grossberg, Raskar, "Fast separation of direct
+//! and global components", 2006).
 
 use super::channels::{AxisChannels, MOST_CHANNELS};
 use super::stripes::{self, Contrasts, PER_PIXEL};
 
-/// Differences of stripes and inverse, over the difference of white and black, padded with zeros.
+/// Differences of stripes and inverse over that of white and black, padded with zeros.
 pub(super) type Differences = [f32; MOST_CHANNELS];
 
-/// What the blurred stripes of a tile leave unexplained, as a share of the contrast.
+/// Model error of the blurred stripes, as a share of the contrast.
 const MODEL_ERROR: f32 = 0.04;
-/// The most places that are compared.
+/// Maximum number of compared places.
 const MOST_PLACES: usize = 192;
-/// Bits are read while their contrast is so many times that of the noise.
+/// Minimum contrast of a readable bit, in multiples of the noise.
 const VISIBLE: f32 = 2.0;
 
-/// What is known of the pixels of a tile.
+/// Search in a tile.
 pub(super) struct Search<'a> {
     pub(super) channels: &'a AxisChannels,
     pub(super) contrasts: &'a Contrasts,
     /// Standard deviation of the blur, projector pixels.
     pub(super) blur_px: f32,
-    /// Root of the mean squared contrast of each channel.
+    /// RMS contrast of each channel.
     pub(super) visible: &'a [f32],
 }
 
-/// A place that was found.
+/// Best place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
-    /// The projector coordinate, pixels.
+    /// Projector coordinate, pixels.
     pub(super) at: f32,
-    /// Its standard deviation, pixels.
+    /// Standard deviation, pixels.
     pub(super) sigma: f32,
-    /// How much better it is than the next one that is not its neighbour: difference of squared misfits in units of
-    /// the noise's variance.
+    /// Margin to the next best place that is not a neighbour: difference of squared residuals over the noise's variance.
     pub(super) margin: f32,
-    /// What is left of the differences: mean square in units of the expected variance.
+    /// Mean squared residual over the expected variance.
     pub(super) misfit: f32,
-    /// How much of the squared differences is explained, in the same units as `margin`.
+    /// Explained squares, in units of `margin`.
     pub(super) explained: f32,
 }
 
 impl Search<'_> {
-    /// Reads the code's bits as far as they can be seen: the range of coordinates that they leave, pixels.
+    /// Range of coordinates that the readable bits leave, pixels.
     fn read_code(&self, differences: &Differences, noise: f32) -> (f32, f32) {
         let (mut code, mut bit, mut read) = (0_u32, 0_u32, 0_u32);
         for (index, channel) in self.channels.all[..self.channels.code_bits].iter().enumerate() {
@@ -62,14 +61,14 @@ impl Search<'_> {
         (low, low + width)
     }
 
-    /// The best place for these differences, whose noise has this standard deviation.
+    /// Best place for differences with a standard deviation of `noise`.
     pub(super) fn find(&self, differences: &Differences, noise: f32) -> Option<Found> {
         let (low, high) = self.read_code(differences, noise);
         let reach = 1.5 + 3.0 * self.blur_px;
         self.find_between(differences, noise, low - reach, high + reach)
     }
 
-    /// The best place between two coordinates.
+    /// Best place between two coordinates.
     pub(super) fn find_between(&self, differences: &Differences, noise: f32, low: f32, high: f32) -> Option<Found> {
         let last = self.contrasts.places - 1;
         let first = stripes::place(low).max(0.0) as usize;
@@ -105,7 +104,7 @@ impl Search<'_> {
         })
     }
 
-    /// How much of the squared differences the stripes at a place explain, with the best share of direct light.
+    /// Squares explained by the stripes at a place, with the best share of direct light.
     #[inline]
     fn explained(&self, differences: &Differences, place: usize) -> f32 {
         let (along, square) = products(differences, self.contrasts.at(place));
@@ -113,7 +112,7 @@ impl Search<'_> {
         along * along / square.max(1e-3)
     }
 
-    /// Mean and deviation of the likelihood around the best place.
+    /// Mean, deviation and explained squares of the likelihood around the best place.
     fn refine(&self, differences: &Differences, variance: f32, best: usize, stride: usize) -> (f32, f32, f32) {
         let reach = stride.max(PER_PIXEL / 2) + PER_PIXEL;
         let (first, end) = (best.saturating_sub(reach), (best + reach).min(self.contrasts.places - 1));
@@ -139,10 +138,10 @@ impl Search<'_> {
             }
         }
         mean /= weights;
-        // A place of the table stands for its surroundings.
+        // Variance of the table's spacing.
         let mut spread = (square / weights - mean * mean).max(0.0) + 1.0 / 12.0;
         if spread < 1.1 && top > 0 && top + 1 < scores.len() {
-            // Narrower than the table: the vertex of a parabola.
+            // Narrower than the table's spacing: vertex of a parabola.
             let (before, after) = (scores[top - 1], scores[top + 1]);
             let bend = 2.0 * scores[top] - before - after;
             if bend > 1e-9 {

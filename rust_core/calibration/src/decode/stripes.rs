@@ -1,49 +1,49 @@
-//! What contrast each of an axis's stripes has at each place of the projector's picture, for a blur.
+//! Contrasts of an axis's blurred stripes at each place of the projector's image.
 //!
-//! Defocus of the projector, the camera's pixels and its lens together blur stripes nearly like a Gaussian. Blurred
-//! stripes are sums of the Gaussian's integral, one for each edge between lit and dark.
+//! The projector's defocus, the camera's pixels and its lens together blur nearly like a Gaussian. Blurred stripes are
+//! sums of the Gaussian's integral at the edges.
 
 use super::channels::AxisChannels;
 
-/// Table entries for a projector pixel.
+/// Table entries per projector pixel.
 pub(super) const PER_PIXEL: usize = 4;
-/// The blurs for which there are tables: standard deviations from the least on, each larger by [`RATIO`].
-pub(super) const LEAST_BLUR_PX: f32 = 0.3;
+/// Smallest tabulated blur, a standard deviation; each level is larger by [`RATIO`].
+const LEAST_BLUR_PX: f32 = 0.3;
 const RATIO: f32 = 1.15;
 pub(super) const LEVELS: usize = 27;
-/// How far from an edge its blur is felt, in standard deviations.
+/// Reach of an edge's blur, standard deviations.
 const REACH: f32 = 4.0;
 
-/// The standard deviation of a level.
+/// Standard deviation of a blur level.
 pub(super) fn blur_px(level: usize) -> f32 {
     LEAST_BLUR_PX * RATIO.powi(level as i32)
 }
 
-/// The level of a standard deviation.
+/// Blur level of a standard deviation.
 pub(super) fn level_of(blur_px: f32) -> usize {
     let level = (blur_px / LEAST_BLUR_PX).max(1.0).ln() / RATIO.ln();
     (level.round() as usize).min(LEVELS - 1)
 }
 
-/// Contrasts of all stripes of an axis: 1 where they are lit, -1 where dark, 0 where there is no light at all.
+/// Contrasts of an axis's stripes: 1 lit, -1 dark, 0 outside of the image.
 #[derive(Debug)]
 pub(super) struct Contrasts {
-    /// For each place the contrasts of all stripes, padded with zeros to `stride`.
+    /// Contrasts of all stripes at each place, padded with zeros to `stride`.
     values: Vec<f32>,
-    /// A multiple of eight.
-    pub(super) stride: usize,
+    /// Multiple of eight.
+    stride: usize,
     pub(super) places: usize,
 }
 
 impl Contrasts {
-    /// The contrasts of an axis of `size` pixels.
+    /// Creates the table of an axis of `size` pixels.
     pub(super) fn new(channels: &AxisChannels, size: u32, blur_px: f32) -> Self {
         let stride = channels.all.len().next_multiple_of(8);
         let places = size as usize * PER_PIXEL + 1;
         let mut values = vec![0.0; places * stride];
         for (index, channel) in channels.all.iter().enumerate() {
             let edges = edges(|at| channel.stripes.is_lit(at), size);
-            // Edges before `passed` are behind the place for good.
+            // Edges before `passed` are complete.
             let (mut passed, mut level) = (0, 0.0);
             for place in 0..places {
                 let at = coordinate(place as f32);
@@ -59,26 +59,26 @@ impl Contrasts {
         Self { values, stride, places }
     }
 
-    /// The contrasts at a place.
+    /// Contrasts at a place.
     #[inline]
     pub(super) fn at(&self, place: usize) -> &[f32] {
         &self.values[place * self.stride..][..self.stride]
     }
 }
 
-/// The coordinate, in pixels, of a place of the tables.
+/// Coordinate of a place of the tables, pixels.
 #[inline]
 pub(super) fn coordinate(place: f32) -> f32 {
     place / PER_PIXEL as f32 - 0.5
 }
 
-/// The place of a coordinate.
+/// Place of a coordinate.
 #[inline]
 pub(super) fn place(coordinate: f32) -> f32 {
     (coordinate + 0.5) * PER_PIXEL as f32
 }
 
-/// Edges between lit (1), dark (-1) and nothing (0), each with its rise.
+/// Edges between lit (1), dark (-1) and outside (0), with their steps.
 fn edges(is_lit: impl Fn(u32) -> bool, size: u32) -> Vec<(f32, f32)> {
     let level = |at| if is_lit(at) { 1.0 } else { -1.0 };
     let mut edges = Vec::new();
@@ -94,7 +94,7 @@ fn edges(is_lit: impl Fn(u32) -> bool, size: u32) -> Vec<(f32, f32)> {
     edges
 }
 
-/// The integral of the standard Gaussian up to x, within 1e-4 (Abramowitz and Stegun, 26.2.17 with fewer terms).
+/// Integral of the standard Gaussian up to x, within 1e-4 (Abramowitz and Stegun, 26.2.17 with fewer terms).
 fn gaussian_integral(x: f32) -> f32 {
     let t = 1.0 / (1.0 + 0.33267 * x.abs());
     let density = (-0.5 * x * x).exp() * 0.398_942_3;

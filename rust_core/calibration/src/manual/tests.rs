@@ -1,11 +1,12 @@
-//! The jig: the formulas, what is refused, what is warned of, and whether the stated accuracy is true.
+//! Tests of the formulas, errors, warnings and the stated accuracy.
 
 use proptest::prelude::*;
 
 use super::*;
+use crate::solve::random::SplitMix64;
+use crate::Lens;
 
-/// What an errorless tape shows with the wall at a distance from the place that light comes from, when distances are
-/// measured from `behind_m` before that place.
+/// Errorless measurements with the wall at a distance from the light's origin, measured from `behind_m` before it.
 fn wall(lens: &Lens, from_light_m: f64, behind_m: f64) -> WallMeasures {
     let [width, height] = lens.size_px.map(f64::from);
     let on_wall = |px: f64, focal: f64| px / focal * from_light_m;
@@ -26,18 +27,6 @@ fn measures(first: WallMeasures, second: Option<WallMeasures>) -> ManualMeasures
 
 fn simple() -> WallMeasures {
     WallMeasures { distance_m: 1.25, picture_m: [0.8, 0.5], axis_m: Some([0.41, 0.53]) }
-}
-
-/// Numbers that look random, evenly from -1 to 1: Steele, Lea and Flood's SplitMix, 2014.
-struct Even(u64);
-
-impl Even {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) as f64 / (u64::MAX as f64 / 2.0) - 1.0
-    }
 }
 
 #[test]
@@ -85,7 +74,7 @@ proptest! {
         prop_assert!(found.warnings.iter().all(|warning| is_different && is_about_focal(warning)));
     }
 
-    /// Whatever is given: an answer of finite numbers or a refusal.
+    /// Any input gives finite numbers or an error.
     #[test]
     fn nothing_makes_it_panic_or_answer_with_what_is_no_number(
         values in prop::array::uniform10(prop_oneof![any::<f64>(), -2.0..2.0]),
@@ -179,10 +168,10 @@ fn the_errors_of_the_tape_make_as_much_difference_as_is_said() {
         let accuracy = solve(&exact).unwrap().accuracy;
         let trials = 20_000;
         let (mut focal_sum, mut center_sum) = (0.0, 0.0);
-        let mut even = Even(7);
+        let mut random = SplitMix64::new(7, 0);
         for _ in 0..trials {
             // Evenly spread errors of the deviation 1 mm.
-            let mut error = || 0.001 * 3.0_f64.sqrt() * even.next();
+            let mut error = || 0.001 * 3.0_f64.sqrt() * (2.0 * random.unit() - 1.0);
             let mut blurred = exact;
             for wall in [Some(&mut blurred.first), blurred.second.as_mut()].into_iter().flatten() {
                 wall.distance_m += error();

@@ -1,42 +1,23 @@
-//! What looks wrong about a lens from a tape measure, or about a projector's file: each a line for the user.
+//! Plausibility warnings about a lens from a tape measure or from a projector's file, one line each.
 
 use std::fmt;
 
-use super::{ManualMeasures, WallMeasures};
+use super::measures::{ManualMeasures, WallMeasures};
+use crate::patterns::Axis;
 use crate::Lens;
 
-/// fx and fy may differ by this share: the pixels of all common projectors are square.
+/// Maximum relative difference of fx and fy: common projectors have square pixels.
 const MOST_FOCAL_DIFFERENCE: f64 = 0.02;
-/// How many standard deviations two measures may differ by.
+/// Maximum difference of two measurements, standard deviations.
 const MOST_SIGMAS: f64 = 3.0;
-/// How far from the place that distances are measured from light may seem to come from, metres.
+/// Maximum distance of the light's origin from the point measured from, metres.
 const MOST_LENS_PLACE_M: f64 = 0.15;
-/// Distances over widths of projectors, with room on both sides.
+/// Plausible throw ratios (distance over width).
 const THROW_RATIOS: std::ops::RangeInclusive<f64> = 0.15..=15.0;
-/// K and P may differ by this much at the edge of the picture, pixels: what rounding to a decimal makes.
+/// Maximum difference of K and P at the image's edge, pixels: the effect of rounding to a decimal.
 const MOST_MATRIX_DIFFERENCE_PX: f64 = 0.1;
 
-/// Along which axis of the picture something is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WarningAxis {
-    /// Columns.
-    X,
-    /// Rows.
-    Y,
-}
-
-impl WarningAxis {
-    const ALL: [Self; 2] = [Self::X, Self::Y];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::X => "x",
-            Self::Y => "y",
-        }
-    }
-}
-
-/// Something that the user should look at again. [`Display`](fmt::Display) is one line.
+/// Warning about a lens. [`Display`](fmt::Display) is one line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ManualWarning {
     /// fx and fy differ by more than 2 %.
@@ -44,35 +25,35 @@ pub enum ManualWarning {
         /// fx and fy, pixels.
         focal_px: [f64; 2],
     },
-    /// The distance over the width is that of no projector.
+    /// No projector has this throw ratio.
     ThrowImplausible {
         /// Distance over width.
         throw_ratio: f64,
     },
-    /// The principal point lies beside the picture, or more than a picture's height above or below it.
+    /// The principal point lies beside the image, or more than an image height above or below it.
     CenterImplausible {
-        /// Which coordinate.
-        axis: WarningAxis,
-        /// The coordinate, pixels.
+        /// Axis of the coordinate.
+        axis: Axis,
+        /// Coordinate, pixels.
         center_px: f64,
-        /// The picture's width or height, pixels.
+        /// Image width or height, pixels.
         side_px: u32,
     },
-    /// The picture has another shape at the second distance.
+    /// The aspect ratios at both distances differ.
     ShapesDiffer {
-        /// Width over height, at the first and the second distance.
+        /// Aspect ratios at the first and the second distance.
         shapes: [f64; 2],
     },
-    /// The axis is elsewhere in the picture at the second distance.
+    /// The principal points by both distances differ.
     AxesDiffer {
-        /// Which coordinate.
-        axis: WarningAxis,
-        /// The coordinate that follows from the first and from the second distance, pixels.
+        /// Axis of the coordinate.
+        axis: Axis,
+        /// Coordinates by the first and by the second distance, pixels.
         centers_px: [f64; 2],
     },
-    /// Two distances say that light comes from far away from where they were measured from.
+    /// By two distances, the light's origin is far from the point measured from.
     LensPlaceImplausible {
-        /// How far behind that place, metres.
+        /// Distance behind that point, metres.
         behind_m: f64,
     },
     /// K and P of a file differ.
@@ -100,8 +81,8 @@ impl fmt::Display for ManualWarning {
                 axis.name(),
                 axis.name().to_uppercase(),
                 match axis {
-                    WarningAxis::X => "positive to the right",
-                    WarningAxis::Y => "positive downwards",
+                    Axis::X => "positive to the right",
+                    Axis::Y => "positive downwards",
                 }
             ),
             Self::ShapesDiffer { shapes: [first, second] } => write!(
@@ -127,14 +108,14 @@ impl fmt::Display for ManualWarning {
     }
 }
 
-/// How K and P of a file differ.
+/// Difference of K and P of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatrixDifference {
-    /// The entries that differ, each by its name, with K's value and P's, pixels.
+    /// Differing entries: name, K's value and P's, pixels.
     pub entries: Vec<(&'static str, f64, f64)>,
-    /// How far apart the two put a point that one of them puts at the picture's edge, pixels.
+    /// Maximum distance of the two projections at the image's edge, pixels.
     pub most_px: f64,
-    /// The same at 1 m, metres.
+    /// Maximum distance at 1 m, metres.
     pub most_m: f64,
 }
 
@@ -150,8 +131,8 @@ impl fmt::Display for MatrixDifference {
     }
 }
 
-/// How K and P of a projector's file differ, by more than rounding; for a projector without distortion, they are the
-/// same. Row by row, as in a CameraInfo.
+/// Compares K and P of a projector without distortion, which should be equal; `None` if they differ by rounding only.
+/// Row by row, as in a CameraInfo.
 ///
 /// ```
 /// use rcs_calibration::manual::compare_matrices;
@@ -168,7 +149,7 @@ pub fn compare_matrices(size_px: [u32; 2], k: &[f64; 9], p: &[f64; 12]) -> Optio
     for (axis, (k_f, k_c, p_f, p_c)) in [(k_fx, k_cx, p_fx, p_cx), (k_fy, k_cy, p_fy, p_cy)].into_iter().enumerate() {
         for edge in [0.0, f64::from(size_px[axis])] {
             let apart_m = ((edge - k_c) / k_f - (edge - p_c) / p_f).abs();
-            // A focal length of zero or no number at all is as different as can be.
+            // A focal length of zero or NaN counts as infinitely different.
             let [apart_m, apart_px] =
                 [apart_m, apart_m * p_f.abs()].map(|apart| if apart.is_nan() { f64::INFINITY } else { apart });
             (most_m, most_px) = (most_m.max(apart_m), most_px.max(apart_px));
@@ -179,12 +160,12 @@ pub fn compare_matrices(size_px: [u32; 2], k: &[f64; 9], p: &[f64; 12]) -> Optio
     (most_px > MOST_MATRIX_DIFFERENCE_PX).then_some(MatrixDifference { entries: differing, most_px, most_m })
 }
 
-/// The share of the smaller one that fx and fy differ by.
+/// Relative difference of fx and fy.
 fn focal_difference(fx: f64, fy: f64) -> f64 {
     (fx - fy).abs() / fx.min(fy)
 }
 
-/// What is odd about a lens and the measures that it follows from.
+/// Collects the warnings about a lens and its measurements.
 pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Option<[f64; 2]>) -> Vec<ManualWarning> {
     let focal_px: [f64; 2] = lens.focal_px.into();
     let mut warnings = Vec::new();
@@ -195,10 +176,10 @@ pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Opt
     if !THROW_RATIOS.contains(&throw_ratio) {
         warnings.push(ManualWarning::ThrowImplausible { throw_ratio });
     }
-    for (axis, side_px) in WarningAxis::ALL.into_iter().zip(lens.size_px) {
-        let (center_px, side) = (lens.center_px[axis as usize], f64::from(side_px));
+    for (axis, side_px) in Axis::ALL.into_iter().zip(lens.size_px) {
+        let (center_px, side) = (lens.center_px[axis.index()], f64::from(side_px));
         // Projectors throw upwards or downwards, and hardly ever sideways.
-        let room = if axis == WarningAxis::X { 0.0 } else { side };
+        let room = if axis == Axis::X { 0.0 } else { side };
         if !(-room..=side + room).contains(&center_px) {
             warnings.push(ManualWarning::CenterImplausible { axis, center_px, side_px });
         }
@@ -215,7 +196,7 @@ pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Opt
     warnings
 }
 
-/// What two walls say of the same lens, apart from what only both together can say.
+/// Warns where both distances contradict each other.
 fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, second: &WallMeasures) {
     let ManualMeasures { size_px, first, tape_error_m, .. } = measures;
     let walls = [first, second];
@@ -225,8 +206,8 @@ fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, s
         warnings.push(ManualWarning::ShapesDiffer { shapes });
     }
     let (Some(first_axis), Some(second_axis)) = (first.axis_m, second.axis_m) else { return };
-    for axis in WarningAxis::ALL {
-        let index = axis as usize;
+    for axis in Axis::ALL {
+        let index = axis.index();
         let side_px = f64::from(size_px[index]);
         let sides_m = walls.map(|wall| wall.picture_m[index]);
         let shares = [first_axis[index] / sides_m[0], second_axis[index] / sides_m[1]];

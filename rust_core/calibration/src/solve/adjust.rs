@@ -1,43 +1,43 @@
-//! Robust least squares by Levenberg's and Marquardt's steps (Marquardt 1963; Nielsen's damping, 1999), reweighted.
+//! Robust least squares by reweighted Levenberg-Marquardt (Marquardt 1963; Nielsen's damping, 1999).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::input::Observations;
-use super::model::{Free, State};
+use super::model::{Free, SolverState};
 use super::noise::{Noise, Weight, LIMIT};
 use super::normal_equations::NormalEquations;
 
-/// A step that promises to lower the cost by less is not taken: it would move no unknown by a tenth of its deviation.
+/// Minimum predicted decrease of the cost: smaller steps would move no unknown by a tenth of its deviation.
 const NEGLIGIBLE: f64 = 1e-3;
-/// The damping at the start, as a share of the second derivatives.
+/// Initial damping, as a share of the second derivatives.
 const FIRST_DAMPING: f64 = 1e-4;
-/// At this damping nothing lowers the cost any more.
+/// Damping at which the search ends.
 const LAST_DAMPING: f64 = 1e8;
 
-/// How far the cost is lowered.
+/// Termination criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Effort {
-    /// Steps at most.
+    /// Maximum number of steps.
     pub(super) most_steps: usize,
-    /// A step that promises to lower the cost by a smaller share is not worth taking.
+    /// Minimum predicted relative decrease of the cost.
     pub(super) least_gain: f64,
 }
 
 impl Effort {
-    /// Near enough to compare solutions.
+    /// Sufficient to compare solutions.
     pub(super) const ROUGH: Self = Self { most_steps: 5, least_gain: 3e-3 };
-    /// Until nothing changes.
+    /// Until convergence.
     pub(super) const FULL: Self = Self { most_steps: 15, least_gain: 0.0 };
 }
 
-/// Lowers the cost of the samples that take part; the weights stay.
+/// Minimises the cost of the used samples with fixed weights.
 pub(super) fn minimise(
     observations: &Observations,
     weights: &[Weight],
-    state: &State,
+    state: &SolverState,
     free: &Free,
     effort: Effort,
-) -> State {
+) -> SolverState {
     let mut state = state.clone();
     let mut equations = NormalEquations::new(observations, weights, &state, free);
     let (mut damping, mut raise) = (FIRST_DAMPING, 2.0);
@@ -83,14 +83,14 @@ fn damped_step(equations: &NormalEquations, damping: f64) -> Option<DVector<f64>
     solve_positive(&matrix, &equations.descent)
 }
 
-/// Solves a symmetric positive definite system, scaled to a unit diagonal; none if it is singular.
+/// Solves a symmetric positive definite system, scaled to a unit diagonal; `None` if it is singular.
 pub(super) fn solve_positive(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let scale = unit_scale(matrix)?;
     let solution = scaled(matrix, &scale).cholesky()?.solve(&right.component_mul(&scale));
     Some(solution.component_mul(&scale))
 }
 
-/// The inverse of a symmetric positive definite matrix; none if it is singular.
+/// Inverse of a symmetric positive definite matrix; `None` if it is singular.
 pub(super) fn inverse_of_positive(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = unit_scale(matrix)?;
     Some(scaled(&scaled(matrix, &scale).cholesky()?.inverse(), &scale))
@@ -105,18 +105,18 @@ fn scaled(matrix: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| scale[row] * matrix[(row, column)] * scale[column])
 }
 
-/// An adjusted state with the noise and the weights of all samples.
+/// Adjusted state with the noise and the weights of all samples.
 #[derive(Debug, Clone)]
 pub(super) struct Adjusted {
-    pub(super) state: State,
+    pub(super) state: SolverState,
     pub(super) noise: Noise,
     pub(super) weights: Vec<Weight>,
 }
 
-/// Adjusts, measures the noise and drops outliers in turns.
+/// Alternates between adjusting, estimating the noise and dropping outliers.
 pub(super) fn robustly(
     observations: &Observations,
-    state: &State,
+    state: &SolverState,
     free: &Free,
     first: Noise,
     rounds: usize,

@@ -1,36 +1,33 @@
-//! Sums over the samples of cells of the camera's picture: what covariances are made of.
+//! Sums over the samples of cells of the camera's image, for covariances.
 
-use nalgebra::{SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
 use super::adjust::Adjusted;
 use super::depth_errors::equations;
 use super::input::Observations;
-use super::model::LOCAL;
+use super::model::{Block, Free, LOCAL};
 use super::noise::{cauchy_weight, CAUCHY};
 
-/// Cells along the longer side of what the camera sees.
+/// Cells along the longer side of the observed area.
 pub(super) const CELLS: usize = 16;
-/// Fine cells along a side of each of these, at most, and the samples of each, at least, on the average.
+/// Maximum number of fine cells along a side of a cell, and minimum mean number of samples in each.
 const MOST_FINE: usize = 4;
 const LEAST_IN_FINE: f64 = 10.0;
 
-/// A matrix over the parameters that a sample depends on.
-pub(super) type Block = SMatrix<f64, LOCAL, LOCAL>;
-
-/// What the samples of a cell add up to; the first of each pair along the epipolar lines, the second across.
+/// Sums of a cell; pairs are along and across the epipolar lines.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct CellSums {
     pub(super) slopes: [SVector<f64, LOCAL>; 2],
     pub(super) residuals: [f64; 2],
     pub(super) squares: [f64; 2],
     pub(super) count: f64,
-    /// Sums over its fine cells: of slopes times their counts, and of their squared counts.
+    /// Sums over the fine cells: slopes times counts, and squared counts.
     pub(super) fine_slopes: [SVector<f64, LOCAL>; 2],
     pub(super) fine_squares: f64,
 }
 
-impl Cell {
+impl CellSums {
     const EMPTY: fn() -> Self = || Self {
         slopes: [SVector::zeros(); 2],
         residuals: [0.0; 2],
@@ -50,29 +47,30 @@ impl Cell {
     }
 }
 
-/// The sums of one scan.
-pub(super) struct Sums {
-    pub(super) columns: usize,
-    pub(super) cells: Vec<Cell>,
-    /// How many fine cells are along a side of a cell.
-    pub(super) per_side: usize,
-    /// These, row by row over the whole picture.
-    pub(super) fine: Vec<Cell>,
-    /// Sums of the products of slopes.
+/// Sums of one scan.
+pub(super) struct ScanSums {
+    columns: usize,
+    pub(super) cells: Vec<CellSums>,
+    /// Fine cells along a side of a cell.
+    per_side: usize,
+    /// Fine cells, row by row.
+    fine: Vec<CellSums>,
+    /// Products of slopes.
     pub(super) products: [Block; 2],
-    /// The same of the sums over fine cells.
+    /// Products of the fine cells' slopes.
     pub(super) fine_products: [Block; 2],
-    /// The mean curvature of the loss, times the number of samples, and the mean weight.
+    /// Summed curvature of the loss and summed weight.
     pub(super) curvature: f64,
     pub(super) weight: f64,
 }
 
+/// Sums of a scan after a step of the unknowns, to first order.
 pub(super) fn sums_of(
     observations: &Observations,
     adjusted: &Adjusted,
     scan: usize,
     step: &SVector<f64, LOCAL>,
-) -> Sums {
+) -> ScanSums {
     let range = observations.range(scan);
     let used = || range.clone().filter(|i| adjusted.weights[*i].is_used());
     let (mut least, mut most) = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));
@@ -90,18 +88,18 @@ pub(super) fn sums_of(
         (place.y as usize).min(per_side * rows - 1) * per_side * columns
             + (place.x as usize).min(per_side * columns - 1)
     };
-    let empty = || Sums {
+    let empty = || ScanSums {
         columns,
         cells: Vec::new(),
         per_side,
-        fine: vec![Cell::EMPTY(); per_side * rows * per_side * columns],
+        fine: vec![CellSums::EMPTY(); per_side * rows * per_side * columns],
         products: [Block::zeros(); 2],
         fine_products: [Block::zeros(); 2],
         curvature: 0.0,
         weight: 0.0,
     };
     let chunks: Vec<_> = range.clone().step_by(16_384).map(|from| from..(from + 16_384).min(range.end)).collect();
-    let parts: Vec<Sums> = chunks
+    let parts: Vec<ScanSums> = chunks
         .par_iter()
         .map(|chunk| {
             let mut sums = empty();
@@ -127,7 +125,14 @@ pub(super) fn sums_of(
     sums
 }
 
-impl Sums {
+/// Matrix of all unknowns from the blocks of scans.
+pub(super) fn over_scans(sums: &[ScanSums], free: &Free, block: impl Fn(&ScanSums) -> Block) -> DMatrix<f64> {
+    let mut total = DMatrix::zeros(free.len(), free.len());
+    sums.iter().enumerate().for_each(|(scan, sums)| free.add_block(&mut total, scan, &block(sums)));
+    total
+}
+
+impl ScanSums {
     fn add(&mut self, cell: usize, rows: &[SVector<f64, LOCAL>; 2], residual: Vector2<f64>) {
         let cell = &mut self.fine[cell];
         cell.count += 1.0;
@@ -156,9 +161,9 @@ impl Sums {
         self.weight += part.weight;
     }
 
-    /// Puts the fine cells together.
+    /// Merges the fine cells into cells.
     fn gather(&mut self, rows: usize) {
-        self.cells = vec![Cell::EMPTY(); rows * self.columns];
+        self.cells = vec![CellSums::EMPTY(); rows * self.columns];
         for (place, fine) in self.fine.iter().enumerate().filter(|(_, fine)| fine.count > 0.0) {
             let in_row = self.per_side * self.columns;
             let (column, row) = (place % in_row / self.per_side, place / in_row / self.per_side);
@@ -172,8 +177,8 @@ impl Sums {
         }
     }
 
-    /// The cells that have samples, with their places.
-    pub(super) fn filled(&self) -> Vec<(Vector2<f64>, &Cell)> {
+    /// Cells with samples, with their positions.
+    pub(super) fn filled(&self) -> Vec<(Vector2<f64>, &CellSums)> {
         let place = |i: usize| Vector2::new((i % self.columns) as f64, (i / self.columns) as f64);
         self.cells.iter().enumerate().filter(|(_, cell)| cell.count > 0.0).map(|(i, cell)| (place(i), cell)).collect()
     }

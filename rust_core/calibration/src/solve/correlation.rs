@@ -1,69 +1,56 @@
-//! How errors are correlated, measured from the products of residuals of pairs of cells by their distance.
+//! Spatial correlation of errors, estimated from products of residuals of pairs of cells by their distance.
 //!
 //! A covariance function is fitted to them, as in kriging (Cressie, "Statistics for spatial data", 1993, 2.4). It has
-//! three parts: what each sample has for itself, what samples of a fine cell share, because windows overlap, and what
-//! falls slowly with distance. Residuals are smaller than errors by what the unknowns took up, so the products are
-//! compared with what is expected of residuals.
+//! three parts: the variance of single samples, that shared within a fine cell, because windows overlap, and one that
+//! falls slowly with distance. The unknowns absorb part of the errors, so the products are compared with the expected
+//! ones of residuals.
 
 use nalgebra::{DMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
-use super::cells::{Block, Cell, Sums, CELLS};
-use super::covariance::{of_scan, over_scans};
-use super::model::{Free, LOCAL};
+use super::cells::{over_scans, CellSums, ScanSums, CELLS};
+use super::model::{Block, Free, LOCAL};
 
-/// Distances up to which pairs of cells are looked at, cells.
+/// Maximum distance of pairs of cells, cells.
 const FARTHEST: usize = 10;
-/// Scans that the correlation is measured on, at most.
+/// Maximum number of scans for the estimate.
 const MEASURED_SCANS: usize = 4;
-/// Smaller correlations count as none.
+/// Correlations below this are ignored.
 const NEGLIGIBLE: f64 = 1e-4;
-/// Samples below which errors count as independent.
+/// Minimum number of samples; with fewer, errors count as independent.
 const LEAST_FOR_CORRELATION: usize = 200;
 
-/// How errors are correlated in one direction.
+/// Covariance function in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correlation {
-    /// The variance that neighbours share.
+    /// Variance that falls slowly with distance.
     pub(super) shared: f64,
-    /// The variance that samples of a fine cell share.
+    /// Variance shared within a fine cell.
     pub(super) near: f64,
-    /// The variance that each sample has for itself.
+    /// Variance of single samples.
     pub(super) own: f64,
-    /// How the shared part falls with distance.
-    pub(super) shape: Shape,
+    /// Shape of `shared`.
+    pub(super) shape: CorrelationShape,
 }
 
-/// How correlation falls with distance.
+/// Correlation by distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Shape {
-    /// Like a normal distribution of this standard deviation, cells.
+pub(super) enum CorrelationShape {
+    /// Gaussian of a standard deviation, cells.
     Normal(f64),
-    /// Exponentially, to 1/e over this distance, cells.
+    /// Exponential of a decay length, cells.
     Exponential(f64),
 }
 
-/// Those that are tried.
-const SHAPES: [Shape; 16] = [
-    Shape::Normal(0.4),
-    Shape::Normal(0.6),
-    Shape::Normal(0.8),
-    Shape::Normal(1.0),
-    Shape::Normal(1.25),
-    Shape::Normal(1.6),
-    Shape::Normal(2.0),
-    Shape::Normal(2.5),
-    Shape::Normal(3.2),
-    Shape::Normal(4.0),
-    Shape::Exponential(0.6),
-    Shape::Exponential(1.0),
-    Shape::Exponential(1.6),
-    Shape::Exponential(2.5),
-    Shape::Exponential(4.0),
-    Shape::Exponential(6.0),
-];
+/// Tried ranges of each shape, cells.
+const NORMAL: [f64; 10] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0];
+const EXPONENTIAL: [f64; 6] = [0.6, 1.0, 1.6, 2.5, 4.0, 6.0];
 
-impl Shape {
+impl CorrelationShape {
+    fn all() -> Vec<Self> {
+        NORMAL.map(Self::Normal).into_iter().chain(EXPONENTIAL.map(Self::Exponential)).collect()
+    }
+
     fn at(&self, distance: f64) -> f64 {
         match self {
             Self::Normal(range) => (-0.5 * (distance / range).powi(2)).exp(),
@@ -71,22 +58,22 @@ impl Shape {
         }
     }
 
-    pub(super) fn table(&self) -> Table {
+    pub(super) fn table(&self) -> CorrelationTable {
         let side = CELLS + 1;
-        Table((0..side * side).map(|i| self.at(((i % side) as f64).hypot((i / side) as f64))).collect())
+        CorrelationTable((0..side * side).map(|i| self.at(((i % side) as f64).hypot((i / side) as f64))).collect())
     }
 }
 
-/// Correlations of cells by how many columns and rows they are apart.
-pub(super) struct Table(Vec<f64>);
+/// Correlations by the columns and rows between two cells.
+pub(super) struct CorrelationTable(Vec<f64>);
 
-impl Table {
+impl CorrelationTable {
     fn at(&self, apart: Vector2<f64>) -> f64 {
         self.0[apart.y.abs() as usize * (CELLS + 1) + apart.x.abs() as usize]
     }
 
-    /// The slopes of cells, each by its correlation with a place.
-    fn near(&self, filled: &[(Vector2<f64>, &Cell)], place: Vector2<f64>, direction: usize) -> SVector<f64, LOCAL> {
+    /// Sum of the cells' slopes, weighted by correlation with a position.
+    fn near(&self, filled: &[(Vector2<f64>, &CellSums)], place: Vector2<f64>, direction: usize) -> SVector<f64, LOCAL> {
         let mut near = SVector::zeros();
         for (other_place, other) in filled {
             let correlation = self.at(place - other_place);
@@ -98,11 +85,11 @@ impl Table {
     }
 }
 
-/// Sums over pairs of samples by the distance of their cells, and how many pairs there are.
+/// Sums over pairs of samples by the distance of their cells, and numbers of pairs.
 type Bins = [(f64, f64); FARTHEST + 1];
 
-/// Adds up what pairs of cells give; within a cell, pairs are of different samples.
-fn binned(sums: &[Sums], pair: impl Fn(usize, usize, usize) -> f64, within: impl Fn(usize, usize) -> f64) -> Bins {
+/// Bins a value of pairs of cells; within a cell, pairs are of different samples.
+fn binned(sums: &[ScanSums], pair: impl Fn(usize, usize, usize) -> f64, within: impl Fn(usize, usize) -> f64) -> Bins {
     let mut bins = [(0.0, 0.0); FARTHEST + 1];
     for (scan, sums) in sums.iter().enumerate() {
         let filled = sums.filled();
@@ -121,36 +108,37 @@ fn binned(sums: &[Sums], pair: impl Fn(usize, usize, usize) -> f64, within: impl
     bins
 }
 
-/// Measures how errors are correlated in a direction.
+/// Estimates the covariance function in a direction.
 pub(super) fn correlation(
-    sums: &[Sums],
+    sums: &[ScanSums],
     direction: usize,
     used: f64,
     free: &Free,
     inverse: &DMatrix<f64>,
 ) -> Correlation {
     let squares: f64 = sums.iter().flat_map(|sums| &sums.cells).map(|cell| cell.squares[direction]).sum();
-    // Residuals are smaller than errors by what the unknowns took up.
-    let taken_up = 2.0 * used / (2.0 * used - free.len() as f64).max(0.2 * used);
-    let variance = squares / used.max(1.0) * taken_up;
-    let independent = Correlation { shared: 0.0, near: 0.0, own: variance, shape: SHAPES[0] };
+    // The unknowns absorb part of the errors.
+    let absorbed = 2.0 * used / (2.0 * used - free.len() as f64).max(0.2 * used);
+    let variance = squares / used.max(1.0) * absorbed;
+    let shape = CorrelationShape::Normal(NORMAL[0]);
+    let independent = Correlation { shared: 0.0, near: 0.0, own: variance, shape };
     if used < LEAST_FOR_CORRELATION as f64 {
         return independent;
     }
     let measured = &sums[..sums.len().min(MEASURED_SCANS)];
-    let filled: Vec<_> = measured.iter().map(Sums::filled).collect();
+    let filled: Vec<_> = measured.iter().map(ScanSums::filled).collect();
     let residual = |scan: usize, i: usize| filled[scan][i].1.residuals[direction];
-    let seen = binned(
+    let observed = binned(
         measured,
         |scan, i, j| residual(scan, i) * residual(scan, j),
         |scan, i| residual(scan, i).powi(2) - filled[scan][i].1.squares[direction],
     );
-    let near = expected(sums, measured, direction, Kind::Near, free, inverse);
-    let fits: Vec<(f64, Correlation)> = SHAPES
+    let near = expected(sums, measured, direction, UnitErrors::Near, free, inverse);
+    let fits: Vec<(f64, Correlation)> = CorrelationShape::all()
         .par_iter()
         .map(|shape| {
-            let far = expected(sums, measured, direction, Kind::Far(&shape.table()), free, inverse);
-            let (misfit, [near_part, shared]) = Moments::new(&seen, &near, &far).fit();
+            let far = expected(sums, measured, direction, UnitErrors::Far(&shape.table()), free, inverse);
+            let (misfit, [near_part, shared]) = Moments::new(&observed, &near, &far).fit();
             let within = if far[0].1 > 0.0 { far[0].0 / far[0].1 } else { 1.0 };
             let own = (variance - shared * within - near_part).max(0.0);
             (misfit, Correlation { shared, near: near_part, own, shape: *shape })
@@ -159,27 +147,27 @@ pub(super) fn correlation(
     fits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(independent, |(_, correlation)| correlation)
 }
 
-/// Sums for the least squares of seen = near part · near + shared · far. Near pairs of cells count more.
+/// Moments for the least squares of observed = near part · near + shared · far. Near pairs of cells count more.
 struct Moments {
-    seen: f64,
-    near_seen: f64,
-    far_seen: f64,
+    observed: f64,
+    near_observed: f64,
+    far_observed: f64,
     near: f64,
     far: f64,
     both: f64,
 }
 
 impl Moments {
-    fn new(seen: &Bins, near: &Bins, far: &Bins) -> Self {
-        let mut moments = Self { seen: 0.0, near_seen: 0.0, far_seen: 0.0, near: 0.0, far: 0.0, both: 0.0 };
+    fn new(observed: &Bins, near: &Bins, far: &Bins) -> Self {
+        let mut moments = Self { observed: 0.0, near_observed: 0.0, far_observed: 0.0, near: 0.0, far: 0.0, both: 0.0 };
         for distance in 0..=FARTHEST {
-            let pairs = seen[distance].1;
+            let pairs = observed[distance].1;
             if pairs > 0.0 {
                 let weight = 1.0 / (1.0 + distance as f64);
-                let [seen, near, far] = [seen, near, far].map(|bins| bins[distance].0 / pairs);
-                moments.seen += weight * seen * seen;
-                moments.near_seen += weight * near * seen;
-                moments.far_seen += weight * far * seen;
+                let [observed, near, far] = [observed, near, far].map(|bins| bins[distance].0 / pairs);
+                moments.observed += weight * observed * observed;
+                moments.near_observed += weight * near * observed;
+                moments.far_observed += weight * far * observed;
                 moments.near += weight * near * near;
                 moments.far += weight * far * far;
                 moments.both += weight * near * far;
@@ -188,49 +176,50 @@ impl Moments {
         moments
     }
 
-    /// What is left, the near and the shared part; neither is negative.
+    /// Misfit, near part and shared part; neither is negative.
     fn fit(&self) -> (f64, [f64; 2]) {
         let determinant = self.near * self.far - self.both * self.both;
-        let alone = |seen: f64, square: f64| if seen > 0.0 && square > 0.0 { seen / square } else { 0.0 };
-        let mut candidates = vec![[alone(self.near_seen, self.near), 0.0], [0.0, alone(self.far_seen, self.far)]];
+        let alone = |product: f64, square: f64| if product > 0.0 && square > 0.0 { product / square } else { 0.0 };
+        let mut candidates =
+            vec![[alone(self.near_observed, self.near), 0.0], [0.0, alone(self.far_observed, self.far)]];
         if determinant > 1e-9 * self.near * self.far {
-            let near = (self.near_seen * self.far - self.far_seen * self.both) / determinant;
-            let far = (self.far_seen * self.near - self.near_seen * self.both) / determinant;
+            let near = (self.near_observed * self.far - self.far_observed * self.both) / determinant;
+            let far = (self.far_observed * self.near - self.near_observed * self.both) / determinant;
             if near >= 0.0 && far >= 0.0 {
                 candidates.push([near, far]);
             }
         }
         let misfit = |[near, far]: [f64; 2]| {
-            self.seen - 2.0 * (near * self.near_seen + far * self.far_seen)
+            self.observed - 2.0 * (near * self.near_observed + far * self.far_observed)
                 + near * near * self.near
                 + far * far * self.far
                 + 2.0 * near * far * self.both
         };
         let fits = candidates.into_iter().map(|parts| (misfit(parts), parts));
-        fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((self.seen, [0.0; 2]))
+        fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((self.observed, [0.0; 2]))
     }
 }
 
-/// How errors are correlated that all have a variance of one.
+/// Correlation model of errors with unit variance.
 #[derive(Clone, Copy)]
-enum Kind<'a> {
-    /// Fully within fine cells, not otherwise.
+enum UnitErrors<'a> {
+    /// Equal within fine cells, independent otherwise.
     Near,
-    /// By the distance of cells.
-    Far(&'a Table),
+    /// Correlated by the distance of cells.
+    Far(&'a CorrelationTable),
 }
 
-impl Kind<'_> {
-    /// The covariance of the sum of slope times error over a scan.
-    fn slopes(&self, sums: &Sums, direction: usize) -> Block {
+impl UnitErrors<'_> {
+    /// Covariance of the sum of slope times error over a scan.
+    fn slopes(&self, sums: &ScanSums, direction: usize) -> Block {
         match self {
             Self::Near => sums.fine_products[direction],
             Self::Far(table) => shared_slopes(sums, direction, table),
         }
     }
 
-    /// The covariance of that with the error of one of the cells, times its count.
-    fn with_cell(&self, filled: &[(Vector2<f64>, &Cell)], cell: usize, direction: usize) -> SVector<f64, LOCAL> {
+    /// Covariance of that sum with a cell's summed error.
+    fn with_cell(&self, filled: &[(Vector2<f64>, &CellSums)], cell: usize, direction: usize) -> SVector<f64, LOCAL> {
         let (place, own) = filled[cell];
         match self {
             Self::Near => own.fine_slopes[direction],
@@ -238,7 +227,7 @@ impl Kind<'_> {
         }
     }
 
-    /// The sum of the products of errors of two cells' samples.
+    /// Expected sum of the products of two cells' errors.
     fn pairs(&self, a: &CellInFit, b: &CellInFit) -> f64 {
         match self {
             Self::Near if a.place == b.place => a.fine_squares,
@@ -248,62 +237,60 @@ impl Kind<'_> {
     }
 }
 
-/// What products of residuals add up to on the average if errors are correlated like this with a variance of one.
-/// Residuals are errors less what the unknowns took up of them.
+/// Expected products of residuals for errors of a model. Residuals are errors less the part that the unknowns absorb.
 fn expected(
-    sums: &[Sums],
-    measured: &[Sums],
+    sums: &[ScanSums],
+    measured: &[ScanSums],
     direction: usize,
-    kind: Kind<'_>,
+    errors: UnitErrors<'_>,
     free: &Free,
     inverse: &DMatrix<f64>,
 ) -> Bins {
-    let covariance = inverse * over_scans(sums, free, |sums| kind.slopes(sums, direction)) * inverse;
-    // For each cell its slopes, how the unknowns follow them, and how unknowns and the cell's errors vary together.
+    let covariance = inverse * over_scans(sums, free, |sums| errors.slopes(sums, direction)) * inverse;
     let mut cells: Vec<Vec<CellInFit>> = Vec::new();
     for (scan, sums) in measured.iter().enumerate() {
-        let (inverse, covariance) = (of_scan(inverse, free, scan), of_scan(&covariance, free, scan));
+        let (inverse, covariance) = (free.block(inverse, scan), free.block(&covariance, scan));
         let filled = sums.filled();
         let in_fit = filled.iter().enumerate().map(|(i, (place, cell))| {
-            let with = inverse * kind.with_cell(&filled, i, direction);
+            let with = inverse * errors.with_cell(&filled, i, direction);
             let slopes = cell.slopes[direction];
             CellInFit {
                 place: *place,
                 count: cell.count,
                 fine_squares: cell.fine_squares,
                 slopes,
-                taken: covariance * slopes - with,
+                absorbed: covariance * slopes - with,
                 with,
             }
         });
         cells.push(in_fit.collect());
     }
-    let product = |a: &CellInFit, b: &CellInFit| kind.pairs(a, b) + a.taken.dot(&b.slopes) - a.slopes.dot(&b.with);
+    let product = |a: &CellInFit, b: &CellInFit| errors.pairs(a, b) + a.absorbed.dot(&b.slopes) - a.slopes.dot(&b.with);
     binned(
         measured,
         |scan, i, j| product(&cells[scan][i], &cells[scan][j]),
         |scan, i| {
-            // Pairs of a sample with itself do not count.
+            // Without pairs of a sample with itself.
             let cell = &cells[scan][i];
-            let taken = product(cell, cell) - kind.pairs(cell, cell);
-            kind.pairs(cell, cell) - cell.count + taken * (1.0 - 1.0 / cell.count)
+            let absorbed = product(cell, cell) - errors.pairs(cell, cell);
+            errors.pairs(cell, cell) - cell.count + absorbed * (1.0 - 1.0 / cell.count)
         },
     )
 }
 
-/// A cell and how the solution follows its errors.
+/// Cell with the covariance of the solution and its errors.
 struct CellInFit {
     place: Vector2<f64>,
     count: f64,
     fine_squares: f64,
     slopes: SVector<f64, LOCAL>,
-    taken: SVector<f64, LOCAL>,
+    absorbed: SVector<f64, LOCAL>,
+    /// Covariance of the unknowns and the cell's summed error.
     with: SVector<f64, LOCAL>,
 }
 
-/// The covariance of the sum of slope times error over the samples of a scan, for errors of this correlation and a
-/// variance of one.
-pub(super) fn shared_slopes(sums: &Sums, direction: usize, table: &Table) -> Block {
+/// Covariance of the sum of slope times error over a scan, for errors of unit variance and this correlation.
+pub(super) fn shared_slopes(sums: &ScanSums, direction: usize, table: &CorrelationTable) -> Block {
     let filled = sums.filled();
     let mut total = Block::zeros();
     for (place, cell) in &filled {

@@ -1,37 +1,36 @@
-//! How certain lens and poses are, given that neighbouring samples share errors.
+//! Covariance of lens and poses, with errors that neighbouring samples share.
 //!
-//! A sandwich (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance of its
-//! slope. Depth cameras err smoothly, so M has terms between samples, as for errors that are correlated in space
-//! (Conley, "GMM estimation with cross sectional dependence", 1999). Samples are put into square cells of the camera's
-//! picture (`cells`), whose residuals show how errors are correlated (`correlation`), separately along the epipolar
-//! lines, where depth errors show, and across. Where points are so few that cells have no pairs, errors count as
-//! independent.
+//! A sandwich estimate (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance of
+//! its slope. Depth cameras err smoothly, so M has terms between samples, as for spatially correlated errors (Conley,
+//! "GMM estimation with cross sectional dependence", 1999). Samples are binned into square cells of the camera's image
+//! (`cells`), whose residuals give the `correlation`, separately along the epipolar lines, where depth errors show, and
+//! across. Errors of few points count as independent.
 
 use nalgebra::{DMatrix, DVector, Point2, SVector};
 use rayon::prelude::*;
 
 use super::adjust::{inverse_of_positive, Adjusted};
-use super::cells::{sums_of, Block, Sums};
+use super::cells::{over_scans, sums_of, ScanSums};
 use super::correlation::{correlation, shared_slopes, Correlation};
 use super::input::Observations;
-use super::model::{Free, State};
+use super::model::{Free, SolverState};
 use super::normal_equations::NormalEquations;
 
-/// How errors are correlated along the epipolar lines and across.
+/// Covariance functions along the epipolar lines and across.
 pub(super) struct Correlations([Correlation; 2]);
 
-/// The errors of all scans at a solution.
-pub(super) struct Errors(Vec<Sums>);
+/// Residual sums of all scans at a solution.
+pub(super) struct Errors(Vec<ScanSums>);
 
 impl Errors {
-    /// Adds up those of the samples that take part.
+    /// Sums over the used samples.
     pub(super) fn new(observations: &Observations, adjusted: &Adjusted) -> Self {
         let none = SVector::zeros();
         let scans = 0..observations.scans.len();
         Self(scans.into_par_iter().map(|scan| sums_of(observations, adjusted, scan, &none)).collect())
     }
 
-    /// The same after a step of the unknowns, to first order.
+    /// Sums after a step of the unknowns, to first order.
     pub(super) fn after(observations: &Observations, adjusted: &Adjusted, free: &Free, step: &DVector<f64>) -> Self {
         let of_scan = |scan: usize| {
             let mut local = SVector::zeros();
@@ -43,7 +42,7 @@ impl Errors {
         Self((0..observations.scans.len()).into_par_iter().map(of_scan).collect())
     }
 
-    /// How they are correlated along the epipolar lines and across; none if the samples do not determine the unknowns.
+    /// Estimates the covariance functions; `None` if the samples do not determine the unknowns.
     pub(super) fn correlations(&self, equations: &NormalEquations, free: &Free) -> Option<Correlations> {
         let inverse = self.inverse(equations)?;
         let used: f64 = self.0.iter().flat_map(|sums| &sums.cells).map(|cell| cell.count).sum();
@@ -55,8 +54,7 @@ impl Errors {
         inverse_of_positive(&(&equations.hessian * (curvature / weight)))
     }
 
-    /// The covariance of the unknowns of these equations at the solution, for errors that are correlated like this;
-    /// none if the samples do not determine them.
+    /// Covariance of the unknowns of these equations; `None` if the samples do not determine them.
     pub(super) fn covariance(
         &self,
         equations: &NormalEquations,
@@ -79,39 +77,17 @@ impl Errors {
     }
 }
 
-/// Adds up what scans contribute to a matrix of all unknowns.
-pub(super) fn over_scans(sums: &[Sums], free: &Free, block: impl Fn(&Sums) -> Block) -> DMatrix<f64> {
-    let mut total = DMatrix::zeros(free.len(), free.len());
-    for (scan, sums) in sums.iter().enumerate() {
-        let block = block(sums);
-        let columns = free.columns(scan);
-        for (parameter, unknown) in &columns {
-            for (other_parameter, other) in &columns {
-                total[(*unknown, *other)] += block[(*parameter, *other_parameter)];
-            }
-        }
-    }
-    total
-}
-
-/// The part of a matrix of all unknowns that a scan's samples depend on.
-pub(super) fn of_scan(matrix: &DMatrix<f64>, free: &Free, scan: usize) -> Block {
-    let columns = free.columns(scan);
-    let mut block = Block::zeros();
-    for (parameter, unknown) in &columns {
-        for (other_parameter, other) in &columns {
-            block[(*parameter, *other_parameter)] = matrix[(*unknown, *other)];
-        }
-    }
-    block
-}
-
-/// Standard deviation of where light is predicted over the picture, between two distances from the projector, pixels.
-pub(super) fn prediction_sigma_px(state: &State, free: &Free, covariance: &DMatrix<f64>, depth_m: [f64; 2]) -> f64 {
+/// RMS standard deviation of predicted pixels over the image, between two distances from the projector.
+pub(super) fn prediction_sigma_px(
+    state: &SolverState,
+    free: &Free,
+    covariance: &DMatrix<f64>,
+    depth_m: [f64; 2],
+) -> f64 {
     let [width, height] = state.lens.size_px.map(f64::from);
     let (mut sum, mut count) = (0.0, 0.0);
     for (scan, pose) in state.poses.iter().enumerate().take(4) {
-        let columns = free.columns(scan);
+        let covariance = free.block(covariance, scan);
         for place in 0..9 * 7 {
             let pixel =
                 Point2::new(width * f64::from(place % 9) / 8.0 - 0.5, height * f64::from(place / 9) / 6.0 - 0.5);
@@ -119,13 +95,7 @@ pub(super) fn prediction_sigma_px(state: &State, free: &Free, covariance: &DMatr
             for depth in [depth_m[0], (depth_m[0] * depth_m[1]).sqrt(), depth_m[1]] {
                 let point = pose.inverse_transform_point(&(ray * depth).into());
                 let Some(prediction) = state.predict(scan, &point) else { continue };
-                for (parameter, unknown) in &columns {
-                    for (other_parameter, other) in &columns {
-                        let (a, b) =
-                            (prediction.jacobian.column(*parameter), prediction.jacobian.column(*other_parameter));
-                        sum += a.dot(&b) * covariance[(*unknown, *other)];
-                    }
-                }
+                sum += (prediction.jacobian * covariance * prediction.jacobian.transpose()).trace();
                 count += 1.0;
             }
         }

@@ -1,26 +1,25 @@
-//! A lens without distortion and its pose from six points, by linear equations: the direct linear transformation of
-//! Abdel-Aziz and Karara (1971), normalised as in Hartley and Zisserman, "Multiple View Geometry" (2nd ed., 7.1).
+//! Direct linear transformation (Abdel-Aziz and Karara, 1971): lens without distortion and pose from six points,
+//! normalised as in Hartley and Zisserman, "Multiple View Geometry" (2nd ed., 7.1).
 //!
-//! Six points give twelve equations for the twelve entries of the 3×4 matrix P, of which only the ratios count, so one
-//! is left out. Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then split row by
-//! row, from the last to the first.
+//! Six points give twelve equations for the ratios of the twelve entries of the 3×4 matrix P, so one is redundant.
+//! Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then decomposed row by row,
+//! from the last to the first.
 
 use nalgebra::{
     Isometry3, Matrix3, Point2, Point3, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3,
 };
 
-use super::noise::quantile;
+use crate::statistics::median;
 use crate::{Lens, Sample};
 
-/// Ratios of the focal lengths that are not thrown away.
+/// Plausible ratios of the focal lengths.
 const FOCAL_RATIO: std::ops::Range<f64> = 0.2..5.0;
-/// How often all correspondences are weighted by how far they miss.
+/// Reweighting rounds.
 const ROUNDS: usize = 12;
-/// The least ratio of the second smallest and the largest eigenvalue of equations that determine a solution.
+/// Minimum ratio of the second smallest and the largest eigenvalue of determined equations.
 const DETERMINED: f64 = 1e-9;
 
-/// The lens and `lens_from_points` of six correspondences that do not lie on a plane; none if they do, or if they are
-/// those of a mirror or lie behind the lens.
+/// Lens and pose `lens_from_points` of six correspondences; `None` if they are coplanar, mirrored or behind the lens.
 pub(super) fn lens_and_pose(
     points: &[Point3<f64>; 6],
     pixels: &[Point2<f64>; 6],
@@ -45,9 +44,9 @@ pub(super) fn lens_and_pose(
     let rows = SMatrix::<f64, 3, 4>::from_fn(|row, column| p[4 * row + column]);
     let left: Matrix3<f64> = rows.fixed_view::<3, 3>(0, 0) / spread;
     let last: Vector3<f64> = rows.column(3) - left * center;
-    let Split { k, rotation, translation, .. } = split(left, last)?;
+    let Decomposition { k, rotation, translation, .. } = decompose(left, last)?;
     let is_before = |point: &Point3<f64>| (rotation * point.coords + translation).z > 0.0;
-    // A mirror's P has all points behind; a gross error may be there in any.
+    // Mirrored pixels put all points behind the lens; gross errors may be there, too.
     if points.iter().filter(|point| is_before(point)).count() < 4 {
         return None;
     }
@@ -60,16 +59,16 @@ pub(super) fn lens_and_pose(
     Some((lens, Isometry3::from_parts(Translation3::from(translation), turn)))
 }
 
-/// P = K [R t] with positive focal lengths and K's last entry 1.
-struct Split {
-    /// Without its skew.
+/// Decomposition P = K [R t] with positive focal lengths and K's last entry 1.
+struct Decomposition {
+    /// K without its skew.
     k: Matrix3<f64>,
     skew: f64,
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
 }
 
-fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<Split> {
+fn decompose(left: Matrix3<f64>, last: Vector3<f64>) -> Option<Decomposition> {
     let scale = left.row(2).norm();
     let [m1, m2, m3] = [0, 1, 2].map(|row| left.row(row).transpose() / scale);
     let last = last / scale;
@@ -91,12 +90,11 @@ fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<Split> {
     // P is known up to its sign, and only one of them is a rotation.
     let sign = rotation.determinant().signum();
     let k = Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0);
-    Some(Split { k, skew, rotation: rotation * sign, translation: t * sign })
+    Some(Decomposition { k, skew, rotation: rotation * sign, translation: t * sign })
 }
 
-/// How skewed a lens without distortion would be that most of these correspondences agree with, as a share of the
-/// smaller focal length, and by how many pixels half of them miss at most; none if they lie on a plane. Weights are
-/// found again and again by how far each misses.
+/// Robust estimate, by iterative reweighting, of the skew of a lens without distortion as a share of the smaller focal
+/// length, and the median error in pixels; `None` if the points are coplanar.
 pub(crate) fn skew_of_all(samples: &[Sample], size_px: [u32; 2]) -> Option<(f64, f64)> {
     let center = samples.iter().map(|sample| sample.point.coords).sum::<Vector3<f64>>() / samples.len().max(1) as f64;
     let spread = samples.iter().map(|sample| (sample.point.coords - center).norm()).sum::<f64>() / samples.len() as f64;
@@ -120,7 +118,7 @@ pub(crate) fn skew_of_all(samples: &[Sample], size_px: [u32; 2]) -> Option<(f64,
         let eigen = normal.symmetric_eigen();
         let mut order: [usize; 12] = std::array::from_fn(|i| i);
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        // On a plane, several matrices explain everything.
+        // Coplanar points have several solutions.
         if eigen.eigenvalues[order[1]].is_nan()
             || eigen.eigenvalues[order[1]] < DETERMINED * eigen.eigenvalues[order[11]]
         {
@@ -128,23 +126,24 @@ pub(crate) fn skew_of_all(samples: &[Sample], size_px: [u32; 2]) -> Option<(f64,
         }
         let p = eigen.eigenvectors.column(order[0]).into_owned();
         let rows = SMatrix::<f64, 3, 4>::from_fn(|row, column| p[4 * row + column]);
-        let misses: Vec<f64> = (places.iter())
+        let errors: Vec<f64> = (places.iter())
             .map(|(place, seen)| {
-                let landed = rows * place;
-                (landed.xy() / landed.z - seen).norm() * unit_px
+                let projected = rows * place;
+                (projected.xy() / projected.z - seen).norm() * unit_px
             })
             .collect();
-        let typical_px = quantile(&mut misses.clone(), 0.5).max(1e-9);
-        weights = (misses.iter().zip(&places))
-            .map(|(miss, (place, _))| (rows * place).z.powi(-2) / (1.0 + (miss / (2.0 * typical_px)).powi(2)))
+        let typical_px = median(&mut errors.clone()).max(1e-9);
+        weights = (errors.iter().zip(&places))
+            .map(|(error, (place, _))| (rows * place).z.powi(-2) / (1.0 + (error / (2.0 * typical_px)).powi(2)))
             .collect();
-        let split = split(rows.fixed_view::<3, 3>(0, 0).into_owned(), rows.column(3).into_owned())?;
-        found = Some((split.skew / split.k[(0, 0)].min(split.k[(1, 1)]), typical_px));
+        let Decomposition { k, skew, .. } =
+            decompose(rows.fixed_view::<3, 3>(0, 0).into_owned(), rows.column(3).into_owned())?;
+        found = Some((skew / k[(0, 0)].min(k[(1, 1)]), typical_px));
     }
     found
 }
 
-/// A vector that eleven independent equations of twelve take to zero; none if fewer are independent.
+/// Null vector of a matrix of rank eleven; `None` if the rank is lower.
 fn null_vector(mut a: SMatrix<f64, 12, 12>) -> Option<[f64; 12]> {
     let mut columns: [usize; 12] = std::array::from_fn(|i| i);
     for step in 0..11 {
@@ -202,12 +201,12 @@ mod tests {
             let points = places.map(|(x, y, z): (f64, f64, f64)| Point3::new(x * z, y * z, z));
             let pixels = points.map(|point| lens.project(&(pose * point)).unwrap());
             if let Some((found, found_pose)) = lens_and_pose(&points, &pixels, lens.size_px) {
-                // Points near a plane or a twisted cubic say little.
-                let miss = points.iter().zip(&pixels).map(|(point, pixel)| {
+                // Points near a plane or a twisted cubic determine little.
+                let error = points.iter().zip(&pixels).map(|(point, pixel)| {
                     found.project(&(found_pose * point)).map_or(1e9, |found| (found - pixel).norm())
                 });
                 let is_found = (found.focal_px - lens.focal_px).norm() < 0.1;
-                prop_assert!(miss.fold(0.0, f64::max) < 1e-2 || !is_found);
+                prop_assert!(error.fold(0.0, f64::max) < 1e-2 || !is_found);
             }
         }
     }

@@ -1,58 +1,58 @@
-//! The samples as the solver uses them: checked, sorted by scan, with what does not change computed once.
+//! Checked samples, sorted by scan.
 
 use std::ops::Range;
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::noise::quantile;
 use super::random::SplitMix64;
 use super::{FocalLengths, Parameter, Refusal, SolveOptions};
+use crate::statistics::median;
 use crate::{Lens, Sample};
 
-/// Samples of one scan that a pose needs (three determine it, one chooses, two show whether it is right).
+/// Minimum samples for a pose (three determine it, one disambiguates, two verify).
 const NEEDED_FOR_POSE: usize = 6;
-/// Samples of one scan that a lens needs: twice as many as determine it.
+/// Minimum samples of a scan for a lens: twice as many as determine it.
 const NEEDED_FOR_LENS: usize = 12;
-/// How far beside the picture's outermost pixels' borders a pixel is still noise: pixels, and deviations of its own.
+/// Tolerance for pixels outside of the image: pixels, and deviations of the pixel.
 const BESIDE_PX: f64 = 0.5;
 const BESIDE: f64 = 2.0;
-/// The share of samples that may lie farther outside, as gross errors.
+/// Maximum share of samples farther outside, as gross errors.
 const OUTSIDE: f64 = 0.002;
-/// Points that are farther away, in the middle, are not given in metres: no depth camera sees so far.
+/// Maximum median depth of depth cameras: larger ones are not in metres.
 const FARTHEST_M: f64 = 40.0;
-/// Smaller deviations of pixels are not believed.
+/// Lower bound of pixel deviations.
 const LEAST_SIGMA_PX: f64 = 0.01;
-/// The deviation of a depth about which nothing is known, at one metre: it grows with the square of the distance, as
-/// that of cameras which triangulate. The solver measures the scale.
+/// Default depth deviation at 1 m, growing with the squared distance, as that of triangulating cameras. The solver
+/// estimates the scale.
 const SIGMA_AT_ONE_METRE_M: f64 = 0.001;
-/// Samples that are summed in one go by one thread.
+/// Samples summed by one task.
 const CHUNK: usize = 4096;
 
-/// A sample as the solver uses it.
+/// Checked sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Observation {
-    /// The projector pixel.
+    /// Projector pixel.
     pub(super) pixel: Point2<f64>,
-    /// The point in the camera's optical frame, metres.
+    /// Point in the camera's optical frame, metres.
     pub(super) point: Point3<f64>,
-    /// The camera's ray through the point, with z = 1: how the point moves with its depth.
+    /// Camera ray through the point, with z = 1: derivative of the point by its depth.
     pub(super) ray: Vector3<f64>,
-    /// Deviation of the pixel, of which the scale is not known.
+    /// Pixel deviation, up to scale.
     pub(super) sigma_px: f64,
-    /// Deviation of the depth, of which the scale is not known.
+    /// Depth deviation, up to scale.
     pub(super) sigma_m: f64,
-    /// The index of the scan among all scans.
+    /// Index of the scan.
     pub(super) scan: usize,
-    /// The index of the sample.
+    /// Index of the sample.
     pub(super) sample: usize,
 }
 
-/// Samples, sorted by scan.
+/// Observations, sorted by scan.
 #[derive(Debug, Clone)]
 pub(super) struct Observations {
-    /// All of them.
+    /// Observations.
     pub(super) all: Vec<Observation>,
-    /// The numbers of the scans, rising.
+    /// Rising scan numbers.
     pub(super) scans: Vec<u32>,
 }
 
@@ -72,7 +72,7 @@ impl Observations {
             }
         }
         check_size(samples, size_px)?;
-        let typical_m = quantile(&mut samples.iter().map(|sample| sample.point.z).collect::<Vec<_>>(), 0.5);
+        let typical_m = median(&mut samples.iter().map(|sample| sample.point.z).collect::<Vec<_>>());
         if typical_m > FARTHEST_M {
             return Err(Refusal::NotMetres { typical_m });
         }
@@ -100,7 +100,7 @@ impl Observations {
         Ok(Self { all, scans })
     }
 
-    /// Refuses scans that have too few samples.
+    /// Refuses scans with too few samples.
     pub(super) fn check_count(&self, lens_is_known: bool) -> Result<(), Refusal> {
         if self.scans.is_empty() {
             let needed = if lens_is_known { NEEDED_FOR_POSE } else { NEEDED_FOR_LENS };
@@ -108,7 +108,7 @@ impl Observations {
         }
         let largest = (0..self.scans.len()).max_by_key(|scan| self.range(*scan).len());
         for (scan, number) in self.scans.iter().enumerate() {
-            // The lens comes from all scans, so one of them has to be large.
+            // The lens comes from all scans, so one large scan suffices.
             let needed = if lens_is_known || largest != Some(scan) { NEEDED_FOR_POSE } else { NEEDED_FOR_LENS };
             let points = self.range(scan).len();
             if points < needed {
@@ -118,14 +118,19 @@ impl Observations {
         Ok(())
     }
 
-    /// Where the samples of a scan are.
+    /// Depths of a scan's points from the camera, metres.
+    pub(super) fn depths(&self, scan: usize) -> Vec<f64> {
+        self.all[self.range(scan)].iter().map(|observation| observation.point.z).collect()
+    }
+
+    /// Index range of a scan.
     pub(super) fn range(&self, scan: usize) -> Range<usize> {
         let from = self.all.partition_point(|observation| observation.scan < scan);
         let to = self.all.partition_point(|observation| observation.scan <= scan);
         from..to
     }
 
-    /// Pieces of the samples, none of more than one scan, that are each summed by one thread.
+    /// Index ranges within scans, each summed by one task.
     pub(super) fn chunks(&self) -> Vec<Range<usize>> {
         let mut chunks = Vec::new();
         for scan in 0..self.scans.len() {
@@ -135,7 +140,7 @@ impl Observations {
         chunks
     }
 
-    /// At most `most` samples of each scan, drawn evenly from their order, which mostly is that of the camera's pixels.
+    /// Draws at most `most` observations of each scan, evenly in their order, which mostly is that of the camera's pixels.
     pub(super) fn thinned(&self, most: usize, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed, 0x7417);
         let mut all = Vec::new();
@@ -151,7 +156,7 @@ impl Observations {
         Self { all, scans: self.scans.clone() }
     }
 
-    /// One scan for itself.
+    /// Observations of one scan.
     pub(super) fn only(&self, scan: usize) -> Self {
         let mut all = self.all[self.range(scan)].to_vec();
         for observation in &mut all {
@@ -160,7 +165,7 @@ impl Observations {
         Self { all, scans: vec![self.scans[scan]] }
     }
 
-    /// The same with pixels mirrored along an axis of the picture (0: u, 1: v).
+    /// Mirrors the pixels along an image axis (0: u, 1: v).
     pub(super) fn mirrored(&self, size_px: [u32; 2], axis: usize) -> Self {
         let mut mirrored = self.clone();
         for observation in &mut mirrored.all {
@@ -186,7 +191,7 @@ fn check_size(samples: &[Sample], size_px: [u32; 2]) -> Result<(), Refusal> {
     }
 }
 
-/// Refuses options that contradict themselves or are no numbers.
+/// Refuses options that contradict each other or are not finite.
 pub(super) fn check_options(options: &SolveOptions) -> Result<(), Refusal> {
     let is_focal = |parameter: Parameter| matches!(parameter, Parameter::Fx | Parameter::Fy);
     for (i, (parameter, value)) in options.fixed.iter().enumerate() {

@@ -1,14 +1,13 @@
-//! Solving: from samples to the projector's lens and pose.
+//! Solver: from samples to the projector's lens and pose.
 //!
-//! The steps, each a file: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
-//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of
-//! it fit best in the sense of `noise` and `depth_errors`, on the equations of `normal_equations` for the unknowns of
-//! `model`; `left_out` chooses the distortion; `covariance`, by the sums of `cells` and what `correlation` sees in
-//! them, says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation`, `moved`
-//! and `motion` find the scenes and scans that are to be refused. `solver` has the order of the steps.
+//! `solver` runs the steps: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
+//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` is the robust
+//! least-squares adjustment with the error model of `noise` and `depth_errors`, the equations of `normal_equations` and
+//! the unknowns of `model`; `held_out` selects the distortion terms by cross-validation; `covariance` estimates the
+//! uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the result is a lens at all.
+//! `spread`, `orientation`, `moved` and `motion` detect scenes and scans to refuse.
 //!
-//! The result depends on the samples, the options and the seed alone: sums are formed in the same order whatever the
-//! number of threads.
+//! The result depends on samples, options and seed alone: sums are formed in the same order for any number of threads.
 
 use std::fmt;
 
@@ -23,8 +22,8 @@ mod correlation;
 mod covariance;
 mod depth_errors;
 mod dlt;
+mod held_out;
 mod input;
-mod left_out;
 mod model;
 mod motion;
 mod moved;
@@ -33,27 +32,25 @@ mod normal_equations;
 mod orientation;
 mod p3p;
 mod quartic;
-mod random;
+pub(crate) mod random;
 mod refusal;
 mod skew;
 mod solver;
 mod spread;
 #[cfg(test)]
-pub(crate) mod synthetic;
-#[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub(crate) use dlt::skew_of_all;
 pub use refusal::Refusal;
 pub use solver::solve;
 
-/// Which terms of Brown and Conrady's distortion are solved for.
+/// Terms of Brown and Conrady's distortion to solve for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DistortionTerms {
-    /// Those that make the prediction of left-out points better.
+    /// Terms that improve the prediction of held-out points.
     #[default]
     Auto,
-    /// None: a pinhole.
+    /// Pinhole.
     None,
     /// k1.
     K1,
@@ -63,7 +60,7 @@ pub enum DistortionTerms {
     PlumbBob,
 }
 
-/// How many focal lengths are solved for.
+/// Number of focal lengths to solve for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FocalLengths {
     /// fx = fy.
@@ -73,7 +70,7 @@ pub enum FocalLengths {
     Two,
 }
 
-/// A parameter of the lens.
+/// Lens parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Parameter {
     /// Focal length along u, pixels.
@@ -97,11 +94,11 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// All of them.
+    /// All parameters.
     pub const ALL: [Self; 9] =
         [Self::Fx, Self::Fy, Self::Cx, Self::Cy, Self::K1, Self::K2, Self::P1, Self::P2, Self::K3];
 
-    /// The name that K and D are explained with: fx, fy, cx, cy, k1, k2, p1, p2, k3.
+    /// Name: fx, fy, cx, cy, k1, k2, p1, p2, k3.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fx => "fx",
@@ -116,7 +113,7 @@ impl Parameter {
         }
     }
 
-    /// The parameter of this name.
+    /// Parameter of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|parameter| parameter.name() == name)
     }
@@ -128,27 +125,27 @@ impl fmt::Display for Parameter {
     }
 }
 
-/// What is solved for, and what is known already.
+/// Unknowns and known values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveOptions {
-    /// Width and height of the projector's picture, pixels.
+    /// Width and height of the projector's image, pixels.
     pub size_px: [u32; 2],
-    /// The terms of the distortion.
+    /// Distortion terms.
     pub distortion: DistortionTerms,
-    /// The focal lengths.
+    /// Focal lengths.
     pub focal: FocalLengths,
-    /// Parameters that are known and stay as they are.
+    /// Fixed parameters.
     pub fixed: Vec<(Parameter, f64)>,
-    /// A lens to start from instead of one from a linear solution.
+    /// Initial lens, instead of a linear solution.
     pub initial: Option<Lens>,
-    /// A lens that is known: only the pose is solved for, for which a flat scene suffices.
+    /// Known lens: only the pose is solved for, for which a flat scene suffices.
     pub known_lens: Option<Lens>,
-    /// The seed of random choices; the same samples and seed give the same solution.
+    /// Seed of random choices; the same samples and seed give the same solution.
     pub seed: u64,
 }
 
 impl SolveOptions {
-    /// Everything is to be found.
+    /// Creates options with everything unknown.
     pub fn new(size_px: [u32; 2]) -> Self {
         Self {
             size_px,
@@ -161,7 +158,7 @@ impl SolveOptions {
         }
     }
 
-    /// The same with all terms of the distortion, none of them fixed; unchanged if they are chosen anyway.
+    /// Options with all distortion terms, none of them fixed; unchanged if they are selected anyway.
     pub(crate) fn with_all_terms(&self) -> Self {
         let mut options = self.clone();
         options.fixed.retain(|(parameter, _)| (*parameter as usize) < Parameter::K1 as usize);
@@ -172,91 +169,91 @@ impl SolveOptions {
     }
 }
 
-/// The pose of one scan.
+/// Pose of one scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanPose {
-    /// The number of the scan, see [`crate::Sample::scan`].
+    /// Number of the scan, see [`crate::Sample::scan`].
     pub scan: u32,
-    /// From the optical frame of the camera to that of the projector.
+    /// Pose, from the camera's optical frame to the projector's.
     pub projector_from_camera: Isometry3<f64>,
     /// Standard deviations of the projector's position in the camera's optical frame, metres.
     pub position_sigma_m: [f64; 3],
-    /// Standard deviations of the projector's orientation: turns about the axes of its own optical frame, radians.
+    /// Standard deviations of the projector's orientation about the axes of its own optical frame, radians.
     pub orientation_sigma_rad: [f64; 3],
-    /// How many samples of this scan are inliers.
+    /// Number of inliers.
     pub inliers: usize,
 }
 
-/// A parameter of the lens as it was found.
+/// Estimated lens parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Which one.
+    /// Parameter.
     pub parameter: Parameter,
-    /// Its value, in the parameter's unit.
+    /// Value, in the parameter's unit.
     pub value: f64,
-    /// Its standard deviation; 0 if it was fixed.
+    /// Standard deviation; 0 if fixed.
     pub sigma: f64,
 }
 
-/// A skew (the second number of K's first row) that the samples would be explained with better. No lens has one.
+/// Estimated skew (K's second entry). No lens has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Skew {
-    /// Its value, pixels.
+    /// Value, pixels.
     pub value_px: f64,
-    /// Its standard deviation.
+    /// Standard deviation, pixels.
     pub sigma_px: f64,
 }
 
-/// A motion during a scan that is too small to refuse the scan for.
+/// Motion during a scan that is too small to refuse the scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuspectedMotion {
-    /// The number of the scan.
+    /// Number of the scan.
     pub scan: u32,
-    /// By how much it moved the light, root of the mean square over the samples, pixels.
+    /// RMS displacement of the samples' pixels.
     pub apart_px: f64,
 }
 
-/// How far the light of a sample's pixel lands from its point.
+/// Residual of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// The index of the sample.
+    /// Index of the sample.
     pub sample: usize,
-    /// The pixel that was seen less the pixel that the solution predicts, pixels.
+    /// Observed minus predicted pixel.
     pub error_px: Vector2<f64>,
-    /// The same as a distance at the point's depth, metres.
+    /// Error at the point's depth, metres.
     pub error_m: Vector2<f64>,
-    /// Depth of the point in the projector's optical frame, metres.
+    /// Depth in the projector's optical frame, metres.
     pub depth_m: f64,
-    /// Whether the sample took part in the solution.
+    /// `true` if the sample was used.
     pub is_inlier: bool,
 }
 
-/// The projector's lens and where the camera saw it from.
+/// Lens and poses with their uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// The lens.
+    /// Lens.
     pub lens: Lens,
-    /// All parameters of the lens, fixed ones included.
+    /// All lens parameters, fixed ones included.
     pub estimates: Vec<Estimate>,
-    /// Which terms of the distortion were solved for, never `Auto`.
+    /// Distortion terms that were solved for, never `Auto`.
     pub distortion: DistortionTerms,
-    /// One for each scan, in rising order of their numbers.
+    /// Poses by rising scan number.
     pub poses: Vec<ScanPose>,
-    /// One for each sample, in their order. Samples that the solution cannot project (behind the projector) have none.
+    /// Residuals in the samples' order. Samples that cannot be projected have none.
     pub residuals: Vec<Residual>,
-    /// Root of the mean squared distance of the inliers from their prediction, pixels.
+    /// RMS error of the inliers, pixels.
     pub rms_px: f64,
-    /// The same for points that were left out while the rest was solved for, in turns, so that each was left out once.
+    /// Held-out RMS error by cross-validation, pixels.
     pub held_out_rms_px: f64,
-    /// The farthest inlier, pixels.
+    /// Maximum error of an inlier, pixels.
     pub max_px: f64,
-    /// How many samples took part.
+    /// Number of inliers.
     pub inliers: usize,
-    /// Standard deviation of where a point's light is predicted, by the uncertainty of lens and pose alone, pixels:
-    /// root of the mean square over the whole picture and the depths of the inliers.
+    /// Standard deviation of predicted pixels by the uncertainty of lens and pose alone: RMS over the image and the
+    /// inliers' depths.
     pub prediction_sigma_px: f64,
-    /// How skewed the picture seems; none if the lens was not solved for.
+    /// Estimated skew; `None` if the lens was not solved for.
     pub skew: Option<Skew>,
-    /// The largest small motion during a scan; none if nothing seems to have moved.
+    /// Largest small motion during a scan.
     pub motion: Option<SuspectedMotion>,
 }

@@ -1,48 +1,52 @@
-//! The unknowns: the lens's parameters that are solved for, and a pose for each scan.
+//! Unknowns of the solver: the free lens parameters, and a pose for each scan.
 //!
-//! Poses change by increments of SO(3) × R³ in the projector's optical frame: q' = exp(w) q + d. So w is a turn about
+//! Poses change by increments of SO(3) × R³ in the projector's optical frame: q' = exp(w) q + d. So w is a rotation about
 //! the projector's own axes, and d moves its position by -Rᵀ d in the camera's frame, independently of w.
 
-use nalgebra::{DVector, Isometry3, Matrix2x3, Point2, Point3, SMatrix, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix2x3, Point2, Point3, SMatrix, Translation3, UnitQuaternion, Vector3,
+};
 
 use super::{DistortionTerms, FocalLengths, Parameter, SolveOptions};
 use crate::{Distortion, DistortionModel, Lens};
 
-/// Parameters of a lens: those of [`Parameter::ALL`] in their order, then the skew.
+/// Number of lens parameters: [`Parameter::ALL`], then the skew.
 pub(super) const LENS: usize = 10;
-/// How u follows the distorted y, pixels. No lens has a skew, so a state has none; it is only asked how large one would
-/// have to be.
+/// Index of the skew, pixels of u per distorted y. A state has none; only its estimate is asked for.
 pub(super) const SKEW: usize = 9;
-/// Parameters that a sample depends on: the lens's, then its scan's turn and shift.
+/// Number of parameters of a sample: the lens's, then its scan's rotation and translation.
 pub(super) const LOCAL: usize = LENS + 6;
 
-/// The derivatives of a pixel by all parameters that it depends on.
+/// Derivatives of a pixel by the parameters of its sample.
 pub(super) type Jacobian = SMatrix<f64, 2, LOCAL>;
 
-/// A lens and a pose `projector_from_camera` for each scan.
+/// Matrix over the parameters of a sample.
+pub(super) type Block = SMatrix<f64, LOCAL, LOCAL>;
+
+/// Lens, and a pose `projector_from_camera` for each scan.
 #[derive(Debug, Clone)]
-pub(super) struct State {
+pub(super) struct SolverState {
     pub(super) lens: Lens,
     pub(super) poses: Vec<Isometry3<f64>>,
 }
 
-/// Where a point of a scan lands, and how that follows lens and pose.
+/// Predicted pixel with its derivatives.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Prediction {
+pub(super) struct PredictedPixel {
     pub(super) pixel: Point2<f64>,
     /// Derivatives by the point in the projector's optical frame, pixels per metre.
     pub(super) by_point: Matrix2x3<f64>,
     pub(super) jacobian: Jacobian,
 }
 
-impl State {
-    /// Where a point lands; none where the lens cannot project it.
+impl SolverState {
+    /// Predicted pixel of a point; `None` where the lens cannot project it.
     pub(super) fn project(&self, scan: usize, point: &Point3<f64>) -> Option<Point2<f64>> {
         self.lens.project(&(self.poses[scan] * point))
     }
 
     /// [`Self::project`] with derivatives.
-    pub(super) fn predict(&self, scan: usize, point: &Point3<f64>) -> Option<Prediction> {
+    pub(super) fn predict(&self, scan: usize, point: &Point3<f64>) -> Option<PredictedPixel> {
         let pose = &self.poses[scan];
         let q = pose * point;
         let landing = self.lens.project_with_jacobian(&q)?;
@@ -75,10 +79,10 @@ impl State {
                 jacobian[(row, LENS + 3 + axis)] = by[axis];
             }
         }
-        Some(Prediction { pixel: landing.pixel, by_point: landing.by_point, jacobian })
+        Some(PredictedPixel { pixel: landing.pixel, by_point: landing.by_point, jacobian })
     }
 
-    /// The step of the unknowns that leads to another state, as far as they can.
+    /// Step of the unknowns towards another state.
     pub(super) fn step_to(&self, other: &Self, free: &Free) -> DVector<f64> {
         let (values, others) = (lens_values(&self.lens), lens_values(&other.lens));
         let mut step = DVector::zeros(free.len());
@@ -97,7 +101,7 @@ impl State {
         step
     }
 
-    /// The state after a step of the unknowns; none if it makes no sense.
+    /// State after a step of the unknowns; `None` if it is invalid.
     pub(super) fn stepped(&self, free: &Free, step: &DVector<f64>) -> Option<Self> {
         let mut values = lens_values(&self.lens);
         for (column, raw) in free.lens.iter().enumerate() {
@@ -118,7 +122,7 @@ impl State {
     }
 }
 
-/// The values of a lens's parameters; distortions of other models than Brown and Conrady's are left out.
+/// Values of a lens's parameters; zeros for distortions of other models than Brown and Conrady's.
 pub(super) fn lens_values(lens: &Lens) -> [f64; SKEW] {
     let mut k = [0.0; 5];
     if lens.distortion.model() == DistortionModel::PlumbBob {
@@ -127,7 +131,7 @@ pub(super) fn lens_values(lens: &Lens) -> [f64; SKEW] {
     [lens.focal_px.x, lens.focal_px.y, lens.center_px.x, lens.center_px.y, k[0], k[1], k[2], k[3], k[4]]
 }
 
-/// The lens of such values; none if they are not finite or a focal length is not positive.
+/// Lens of parameter values; `None` if they are not finite or a focal length is not positive.
 pub(super) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
     let [fx, fy, cx, cy, k1, k2, p1, p2, k3] = values;
     let is_sound = values.iter().all(|value| value.is_finite()) && fx > 0.0 && fy > 0.0;
@@ -140,21 +144,21 @@ pub(super) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
     })
 }
 
-/// Which parameters of the lens are solved for.
+/// Free parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Free {
-    /// For each unknown the parameters that follow it.
+    /// Parameters of each unknown of the lens.
     pub(super) lens: Vec<Vec<usize>>,
     scans: usize,
 }
 
 impl Free {
-    /// Poses only.
+    /// Frees the poses only.
     pub(super) fn poses(scans: usize) -> Self {
         Self { lens: Vec::new(), scans }
     }
 
-    /// What the options leave free, with these terms of the distortion.
+    /// Frees what the options leave open, with these distortion terms.
     pub(super) fn new(options: &SolveOptions, terms: DistortionTerms, scans: usize) -> Self {
         if options.known_lens.is_some() {
             return Self::poses(scans);
@@ -173,31 +177,53 @@ impl Free {
         Self { lens, scans }
     }
 
-    /// The same and the skew, as the last of the lens's unknowns.
+    /// Adds the skew as the lens's last unknown.
     pub(super) fn with_skew(&self) -> Self {
         let mut free = self.clone();
         free.lens.push(vec![SKEW]);
         free
     }
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     pub(super) fn len(&self) -> usize {
         self.lens.len() + 6 * self.scans
     }
 
-    /// The first unknown of a scan's pose.
+    /// First unknown of a scan's pose.
     pub(super) fn pose_column(&self, scan: usize) -> usize {
         self.lens.len() + 6 * scan
     }
 
-    /// The unknowns that each parameter of a sample of this scan belongs to, as pairs of parameter and unknown.
+    /// Pairs of the parameters of a scan's samples and their unknowns.
     pub(super) fn columns(&self, scan: usize) -> Vec<(usize, usize)> {
         let lens = self.lens.iter().enumerate().flat_map(|(column, raw)| raw.iter().map(move |p| (*p, column)));
         lens.chain((0..6).map(|i| (LENS + i, self.pose_column(scan) + i))).collect()
     }
+
+    /// Adds a scan's block to a matrix of all unknowns.
+    pub(super) fn add_block(&self, matrix: &mut DMatrix<f64>, scan: usize, block: &Block) {
+        let columns = self.columns(scan);
+        for (parameter, unknown) in &columns {
+            for (other_parameter, other) in &columns {
+                matrix[(*unknown, *other)] += block[(*parameter, *other_parameter)];
+            }
+        }
+    }
+
+    /// Block of a scan in a matrix of all unknowns.
+    pub(super) fn block(&self, matrix: &DMatrix<f64>, scan: usize) -> Block {
+        let columns = self.columns(scan);
+        let mut block = Block::zeros();
+        for (parameter, unknown) in &columns {
+            for (other_parameter, other) in &columns {
+                block[(*parameter, *other_parameter)] = matrix[(*unknown, *other)];
+            }
+        }
+        block
+    }
 }
 
-/// The terms of the distortion that are solved for.
+/// Free distortion parameters.
 pub(super) fn solved_terms(terms: DistortionTerms) -> &'static [Parameter] {
     match terms {
         DistortionTerms::Auto | DistortionTerms::None => &[],
@@ -207,7 +233,7 @@ pub(super) fn solved_terms(terms: DistortionTerms) -> &'static [Parameter] {
     }
 }
 
-/// A lens with the given values in place, without terms that are not solved for; none if that makes no lens.
+/// Applies the options' known values to a lens and drops terms that are not solved for; `None` if invalid.
 pub(super) fn constrained(lens: &Lens, options: &SolveOptions, terms: DistortionTerms) -> Option<Lens> {
     if options.known_lens.is_some() {
         return options.known_lens;
@@ -237,9 +263,9 @@ mod tests {
 
     use super::*;
 
-    fn state() -> State {
+    fn state() -> SolverState {
         let lens = lens_of([1280, 800], [1410.0, 1395.0, 640.0, 817.0, -0.1, 0.02, 0.001, -0.002, 0.003]).unwrap();
-        State { lens, poses: vec![Isometry3::new(Vector3::new(0.2, -0.1, 0.05), Vector3::new(0.1, 0.2, -0.05))] }
+        SolverState { lens, poses: vec![Isometry3::new(Vector3::new(0.2, -0.1, 0.05), Vector3::new(0.1, 0.2, -0.05))] }
     }
 
     fn all_free() -> Free {
@@ -273,7 +299,7 @@ mod tests {
         let at = free.pose_column(0);
         (step[at], step[at + 1], step[at + 3]) = (0.02, -0.01, 0.003);
         let stepped = state.stepped(&free, &step).unwrap();
-        let position = |state: &State| state.poses[0].inverse().translation.vector;
+        let position = |state: &SolverState| state.poses[0].inverse().translation.vector;
         let moved = position(&stepped) - position(&state);
         assert!((moved.norm() - 0.003).abs() < 1e-12);
     }

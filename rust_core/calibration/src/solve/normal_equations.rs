@@ -1,68 +1,65 @@
-//! The normal equations of the weighted, robust least squares: sums over samples, in parallel.
+//! Normal equations of the weighted robust least squares, summed in parallel.
 //!
-//! A sample depends on the lens and on one pose, so it adds to a small dense block; a chunk of samples of one scan is
-//! summed by one thread, and the chunks are put into the large matrix in their order (Triggs et al., "Bundle
-//! adjustment: a modern synthesis", 2000, section 6). So the sums do not depend on the number of threads.
+//! A sample depends on the lens and on one pose, so it adds to a small dense block. A task sums a chunk of one scan's
+//! samples, and the chunks are added to the large matrix in their order, independent of the number of threads (Triggs et
+//! al., "Bundle adjustment: a modern synthesis", 2000, section 6).
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 
 use super::depth_errors::{equations, Equations};
 use super::input::Observations;
-use super::model::{Free, State, LOCAL};
+use super::model::{Block, Free, SolverState, LOCAL};
 use super::noise::{cauchy_loss, cauchy_weight, Weight};
 
-/// The squared residual, in deviations, that a sample counts with which the lens cannot project.
+/// Squared residual, in deviations, of a sample that cannot be projected.
 const LOST: f64 = 1e4;
 
-/// The normal equations at a state.
+/// Normal equations at a state.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
-    /// Gauss and Newton's approximation of the second derivatives of half the cost.
+    /// Gauss-Newton approximation of the second derivatives of half the cost.
     pub(super) hessian: DMatrix<f64>,
-    /// Minus the first derivatives of half the cost.
+    /// Negative gradient of half the cost.
     pub(super) descent: DVector<f64>,
-    /// The sum of the losses.
+    /// Sum of the losses.
     pub(super) cost: f64,
 }
 
-/// What the samples of a chunk add.
+/// Sums of a chunk.
 #[derive(Debug, Clone)]
-struct Block {
+struct ChunkSums {
     scan: usize,
-    hessian: SMatrix<f64, LOCAL, LOCAL>,
+    hessian: Block,
     descent: SVector<f64, LOCAL>,
     cost: f64,
 }
 
 impl NormalEquations {
-    /// Sums over all samples that take part.
-    pub(super) fn new(observations: &Observations, weights: &[Weight], state: &State, free: &Free) -> Self {
+    /// Sums over all used samples.
+    pub(super) fn new(observations: &Observations, weights: &[Weight], state: &SolverState, free: &Free) -> Self {
         let chunks = observations.chunks();
-        let blocks: Vec<Block> =
-            chunks.par_iter().map(|chunk| Block::new(observations, weights, state, chunk.clone())).collect();
+        let blocks: Vec<ChunkSums> =
+            chunks.par_iter().map(|chunk| ChunkSums::new(observations, weights, state, chunk.clone())).collect();
         let size = free.len();
         let mut sums = Self { hessian: DMatrix::zeros(size, size), descent: DVector::zeros(size), cost: 0.0 };
         for block in &blocks {
-            let columns = free.columns(block.scan);
-            for (parameter, unknown) in &columns {
-                sums.descent[*unknown] += block.descent[*parameter];
-                for (other_parameter, other_unknown) in &columns {
-                    sums.hessian[(*unknown, *other_unknown)] += block.hessian[(*parameter, *other_parameter)];
-                }
+            for (parameter, unknown) in free.columns(block.scan) {
+                sums.descent[unknown] += block.descent[parameter];
             }
+            free.add_block(&mut sums.hessian, block.scan, &block.hessian);
             sums.cost += block.cost;
         }
         sums
     }
 }
 
-impl Block {
-    fn new(observations: &Observations, weights: &[Weight], state: &State, chunk: Range<usize>) -> Self {
+impl ChunkSums {
+    fn new(observations: &Observations, weights: &[Weight], state: &SolverState, chunk: Range<usize>) -> Self {
         let scan = observations.all[chunk.start].scan;
-        let mut block = Self { scan, hessian: SMatrix::zeros(), descent: SVector::zeros(), cost: 0.0 };
+        let mut block = Self { scan, hessian: Block::zeros(), descent: SVector::zeros(), cost: 0.0 };
         for (observation, weight) in observations.all[chunk.clone()].iter().zip(&weights[chunk]) {
             if !weight.is_used() {
                 continue;

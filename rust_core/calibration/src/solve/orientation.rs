@@ -1,22 +1,20 @@
-//! Which way round the projector's picture lies in the camera's.
+//! Orientation of the projector's image in the camera's: detects mirrored images.
 //!
-//! Camera and projector see the same side of a surface, so three neighbouring points that run clockwise in one picture
-//! run clockwise in the other, unless one of the pictures is mirrored. That holds without lens and pose, and for a flat
-//! wall, where a mirrored picture fits a projector behind the wall perfectly. At depth edges it may not hold, so
-//! neighbours vote.
+//! Camera and projector see the same side of a surface, so three neighbouring points have the same orientation in both
+//! images unless one is mirrored. That needs no lens and pose, and holds on a flat wall, where a mirrored image fits a
+//! projector behind the wall perfectly. It may fail at depth edges, so neighbours vote.
 
 use nalgebra::Vector2;
 
 use super::input::Observations;
 use super::noise::Weight;
 
-/// Points of each scan that vote.
+/// Voting points of each scan.
 const VOTERS: usize = 300;
-/// The least sine of a triangle's angle at the voter.
+/// Minimum sine of a triangle's angle at the voter.
 const LEAST_SINE: f64 = 0.3;
 
-/// The share of neighbouring triples of samples that take part which run the same way round in both pictures; 1 if
-/// there are none.
+/// Share of neighbouring triples of used samples with equal orientation in both images; 1 if there are none.
 pub(super) fn agreeing_share(observations: &Observations, weights: &[Weight]) -> f64 {
     let (mut agreeing, mut votes) = (0, 0);
     for scan in 0..observations.scans.len() {

@@ -1,14 +1,14 @@
-//! The pose of a known lens from three points: Grunert's solution of 1841, in the form of Haralick, Lee, Ottenberg and
-//! Nölle, "Review and analysis of solutions of the three point perspective pose estimation problem" (IJCV 1994).
+//! P3P: pose of a known lens from three points, by Grunert's solution of 1841 in the form of Haralick, Lee, Ottenberg
+//! and Nölle, "Review and analysis of solutions of the three point perspective pose estimation problem" (IJCV 1994).
 //!
-//! The law of cosines in the three triangles of two points and the centre of the lens gives a polynomial of the fourth
-//! degree in the ratio of two distances. Each real root gives the distances, and three points in both frames the pose.
+//! The law of cosines in the triangles of two points and the lens centre gives a quartic in the ratio of two distances.
+//! Each real root gives the distances, and three points in both frames the pose.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::quartic;
 
-/// Poses `lens_from_points` that put the points onto these rays (of any length); at most four.
+/// Up to four poses `lens_from_points` that put the points onto rays of any length.
 pub(super) fn poses(points: [Vector3<f64>; 3], rays: [Vector3<f64>; 3]) -> impl Iterator<Item = Isometry3<f64>> {
     let [ray_1, ray_2, ray_3] = rays.map(|ray| ray.normalize());
     let (cos_a, cos_b, cos_c) = (ray_2.dot(&ray_3), ray_1.dot(&ray_3), ray_1.dot(&ray_2));
@@ -44,14 +44,14 @@ pub(super) fn poses(points: [Vector3<f64>; 3], rays: [Vector3<f64>; 3]) -> impl 
     })
 }
 
-/// The pose that takes three points onto three others, exactly if the triangles are congruent.
+/// Pose that maps three points onto three others, exactly if the triangles are congruent.
 fn pose_between(from: [Vector3<f64>; 3], to: [Vector3<f64>; 3]) -> Option<Isometry3<f64>> {
     let turn = axes(to)? * axes(from)?.transpose();
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
     Some(Isometry3::from_parts(Translation3::from(to[0] - rotation * from[0]), rotation))
 }
 
-/// Orthonormal axes that are fixed to a triangle; none if its corners lie on a line.
+/// Orthonormal axes of a triangle; `None` if its corners are collinear.
 fn axes(corners: [Vector3<f64>; 3]) -> Option<Matrix3<f64>> {
     let along = (corners[1] - corners[0]).try_normalize(0.0)?;
     let normal = along.cross(&(corners[2] - corners[0])).try_normalize(1e-12)?;

@@ -1,15 +1,14 @@
-//! Real roots of a polynomial of the fourth degree, in a bounded number of steps.
+//! Real roots of a quartic, in a bounded number of steps.
 //!
-//! Ferrari's way: a real root of the resolvent cubic splits the quartic into two quadratics; Newton steps on the
-//! quartic itself then take back what the closed form lost (any textbook of algebra; the notation is that of Abramowitz
-//! and Stegun, 3.8.3).
+//! Ferrari's method: a real root of the resolvent cubic splits the quartic into two quadratics; Newton steps on the
+//! quartic then recover the closed form's rounding errors (notation of Abramowitz and Stegun, 3.8.3).
 
 /// Newton steps on each root.
 const POLISHING_STEPS: usize = 3;
-/// Roots whose imaginary part is below this share of their size count as real: noise splits double roots.
+/// Maximum imaginary part of a real root as a share of its size: noise splits double roots.
 const NEARLY_REAL: f64 = 1e-6;
 
-/// The real roots of `c[0] x⁴ + c[1] x³ + c[2] x² + c[3] x + c[4]`, at most four; none if a coefficient is not finite.
+/// Real roots of `c[0] x⁴ + c[1] x³ + c[2] x² + c[3] x + c[4]`, at most four; none if a coefficient is not finite.
 pub(super) fn real_roots(c: [f64; 5]) -> impl Iterator<Item = f64> {
     roots(c).into_iter().flatten().map(move |root| polished(c, root)).filter(|root| root.is_finite())
 }
@@ -53,7 +52,7 @@ fn roots(c: [f64; 5]) -> [Option<f64>; 4] {
     found.map(|root| root.map(|root| root - shift))
 }
 
-/// The largest real root of a cubic; none if it is not one.
+/// Largest real root of a cubic; `None` if the leading coefficient is 0.
 fn cubic_root(c: [f64; 4]) -> Option<f64> {
     if c[0] == 0.0 {
         return None;
@@ -88,7 +87,7 @@ fn cubic_root(c: [f64; 4]) -> Option<f64> {
     root.is_finite().then_some(root)
 }
 
-/// The real roots of a quadratic, without cancellation.
+/// Real roots of a quadratic, without cancellation.
 fn quadratic(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
     if a == 0.0 {
         return [(b != 0.0).then(|| -c / b), None];

@@ -1,18 +1,19 @@
-//! Repeatable random numbers: Steele, Lea and Flood, "Fast splittable pseudorandom number generators" (2014).
+//! Reproducible random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators",
+//! 2014).
 
-/// The generator SplitMix64.
+/// SplitMix64 generator.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// A generator for a seed and one of its streams.
+    /// Creates a generator for a seed and one of its streams.
     pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut generator = Self(seed ^ stream.wrapping_mul(0xa076_1d64_78bd_642f));
         generator.next();
         generator
     }
 
-    /// The next 64 bits.
+    /// Next 64 bits.
     pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -21,17 +22,17 @@ impl SplitMix64 {
         bits ^ (bits >> 31)
     }
 
-    /// A number from 0 to `end`, without `end`.
+    /// Integer from 0 to `end`, exclusive.
     pub(crate) fn below(&mut self, end: usize) -> usize {
         ((u128::from(self.next()) * end as u128) >> 64) as usize
     }
 
-    /// A number from 0 to 1, without 1.
+    /// Number from 0 to 1, exclusive.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Different numbers below `end`, which must not be smaller than `N`.
+    /// Distinct integers below `end`, which must be at least `N`.
     pub(crate) fn distinct<const N: usize>(&mut self, end: usize) -> [usize; N] {
         let mut drawn = [0; N];
         for count in 0..N {

@@ -1,207 +1,207 @@
-//! Why samples are refused: what is wrong, and what to do.
+//! Refused samples: reasons, with advice.
 
 use super::Parameter;
 
-/// A calibration that is not to be had from these samples. Nothing wrong is averaged away.
+/// Reason why samples do not allow a calibration. Nothing wrong is averaged away.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// A coordinate or a deviation is NaN or infinite.
     #[error("sample {sample} is not finite: drop such rows before solving")]
     NotFinite {
-        /// Its index.
+        /// Index of the sample.
         sample: usize,
     },
     /// A standard deviation is negative.
     #[error("sample {sample} has a negative standard deviation: give positive ones, or 0 if it is not known")]
     NegativeDeviation {
-        /// Its index.
+        /// Index of the sample.
         sample: usize,
     },
-    /// A point that no camera sees.
+    /// A point lies behind the camera.
     #[error("sample {sample} lies behind the camera: points must be in the camera's optical frame, z along the view")]
     BehindCamera {
-        /// Its index.
+        /// Index of the sample.
         sample: usize,
     },
-    /// Pixels beside the picture.
+    /// Pixels lie outside of the image.
     #[error(
         "{outside} of {points} samples lie outside of {}x{} pixels, such as ({:.1}, {:.1}): these are data of a \
          projector of another size, give its own",
         size_px[0], size_px[1], example[0], example[1]
     )]
     OtherSize {
-        /// How many lie beside the picture.
+        /// Number of samples outside of the image.
         outside: usize,
-        /// How many samples there are.
+        /// Number of samples.
         points: usize,
-        /// The size that was given.
+        /// Given image size.
         size_px: [u32; 2],
-        /// One of the pixels.
+        /// Example of such a pixel.
         example: [f64; 2],
     },
-    /// Distances that no depth camera measures.
-    #[error("the points are {typical_m:.0} m away, in the middle: give coordinates in metres (are they millimetres?)")]
+    /// Depths exceed the range of depth cameras.
+    #[error("the median depth is {typical_m:.0} m: give coordinates in metres (are they millimetres?)")]
     NotMetres {
-        /// The median depth.
+        /// Median depth.
         typical_m: f64,
     },
-    /// A given lens belongs to another picture.
+    /// A given lens has another image size.
     #[error(
         "the given lens is for {}x{} pixels, the projector has {}x{}: calibrate the lens for this size",
         lens_px[0], lens_px[1], size_px[0], size_px[1]
     )]
     OtherLens {
-        /// The lens's size.
+        /// Image size of the lens.
         lens_px: [u32; 2],
-        /// The projector's size.
+        /// Image size of the projector.
         size_px: [u32; 2],
     },
-    /// Fewer samples than a solution needs that can be judged.
+    /// Too few samples.
     #[error(
         "{points} samples in scan {scan} are too few, at least {needed} are needed: scan a larger part of the scene"
     )]
     TooFew {
-        /// Samples.
+        /// Number of samples.
         points: usize,
-        /// How many it takes.
+        /// Required number.
         needed: usize,
-        /// The scan that has too few.
+        /// Number of the scan.
         scan: u32,
     },
-    /// A plane does not determine a lens.
+    /// The scene is a plane, which does not determine a lens.
     #[error(
-        "the scene is flat, which does not determine the lens: put things at different depths before the wall; a pose \
-         alone is possible with a known lens (refine)"
+        "the scene is flat, which does not determine the lens: put objects at different depths before the wall; a pose \
+        alone is possible with a known lens (refine)"
     )]
     Flat,
-    /// The samples lie too close to each other.
+    /// The samples cover too little of the image.
     #[error(
         "the points cover {picture_percent:.0} % of the picture, too little to determine the lens: move the camera \
          back or light more of the scene; a pose alone is possible with a known lens (refine)"
     )]
     BadlySpread {
-        /// The share of the picture within the points' outline, percent.
+        /// Share of the image within the points' convex hull, percent.
         picture_percent: f64,
     },
-    /// The samples agree with very different lenses or poses.
+    /// The samples leave the result too uncertain.
     #[error(
-        "the points do not determine the result: {what} is uncertain by {sigma:.3} {unit}; scan things at more \
-         different depths over more of the picture, or fix what is known"
+        "the points do not determine the result: {what} is uncertain by {sigma:.3} {unit}; scan objects at more \
+        different depths over more of the picture, or fix what is known"
     )]
     Undetermined {
-        /// What is uncertain.
+        /// Uncertain quantity.
         what: &'static str,
-        /// Its standard deviation.
+        /// Standard deviation.
         sigma: f64,
-        /// The unit of `sigma`.
+        /// Unit of `sigma`.
         unit: &'static str,
     },
-    /// The picture is that of a mirror.
+    /// The image is mirrored.
     #[error(
         "the projector's pixels are mirrored (left to right or upside down): switch off the projector's rear or \
          ceiling flip, and check that the pictures are shown as they are"
     )]
     Mirrored,
-    /// The light would have to go backwards.
+    /// Points lie behind the projector.
     #[error(
         "{percent:.0} % of the points lie behind the projector, where it cannot light them: check that points and \
          pixels belong together and the units are metres"
     )]
     BehindProjector {
-        /// Their share.
+        /// Share of the points, percent.
         percent: f64,
     },
-    /// A focal length that no lens has.
+    /// A given focal length is not positive.
     #[error("the focal length {0} of {1} is not positive: give positive ones, the picture must not be mirrored")]
     NegativeFocal(f64, Parameter),
-    /// A lens that is given has a skew, which the solver's lenses have not.
+    /// A given lens has a skew, which the solver does not support.
     #[error("the lens that is given has a skew (K[1] {} and K[3] {}): give one without", skew_px[0], skew_px[1])]
     Skewed {
         /// `K[1]` and `K[3]`.
         skew_px: [f64; 2],
     },
-    /// A given value is no number.
+    /// A given value is not finite.
     #[error("the value given for {0} is not a finite number: leave it out or give a number")]
     FixedNotFinite(Parameter),
-    /// Two given values cannot both hold.
+    /// Two given values contradict each other.
     #[error("different values are given for {0} and {1}, which have to be equal: give one of them")]
     Contradiction(Parameter, Parameter),
-    /// Most samples do not fit.
+    /// Too few inliers.
     #[error(
-        "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or the \
-         things moved, or the decoding failed; scan again with everything at rest and keystone correction off"
+        "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or an \
+        object moved, or the decoding failed; scan again with everything at rest and keystone correction off"
     )]
     FewInliers {
-        /// The share that agrees.
+        /// Share of inliers, percent.
         percent: f64,
-        /// The scan.
+        /// Number of the scan.
         scan: u32,
     },
-    /// Two poses in one scan.
+    /// A scan has two poses.
     #[error(
         "the camera moved during scan {scan}: {first_percent:.0} % of the samples agree with one pose and \
          {second_percent:.0} % with another; scan again with everything at rest and keystone correction off"
     )]
     Moved {
-        /// The scan.
+        /// Number of the scan.
         scan: u32,
-        /// The share that agrees with the first pose.
+        /// Share that agrees with the first pose, percent.
         first_percent: f64,
-        /// The share that agrees with the second.
+        /// Share that agrees with the second pose, percent.
         second_percent: f64,
     },
-    /// Two poses in one scan that are close to each other.
+    /// A scan has two poses that are close to each other.
     #[error(
-        "{second_percent:.0} % of the samples of scan {scan}, {}, land {apart_px:.1} px beside the others: the camera, \
-         the things or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in \
-         the column scan",
+        "{second_percent:.0} % of the samples of scan {scan}, {}, are {apart_px:.1} px off the others: the camera, an \
+        object or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in the \
+        column scan",
         if *is_in_order { "the last ones" } else { "among the others" }
     )]
     TwoPoses {
-        /// The scan.
+        /// Number of the scan.
         scan: u32,
-        /// How far apart the light of both poses is, root of the mean square, pixels.
+        /// RMS distance of both poses' predictions, pixels.
         apart_px: f64,
-        /// The share of the samples that were seen from the second pose.
+        /// Share of the second pose's samples, percent.
         second_percent: f64,
-        /// Whether these come after the others.
+        /// `true` if these come after the others.
         is_in_order: bool,
     },
-    /// A distortion that was not to be solved for.
+    /// The lens has a distortion that is not solved for.
     #[error(
         "the lens has a distortion that is not solved for, without which {percent:.0} % of the samples do not fit: \
          solve for all of its terms, and fix none"
     )]
     DistortionLeftOut {
-        /// The share of the samples that fits with all terms only.
+        /// Share of the samples that fits with all terms only, percent.
         percent: f64,
     },
-    /// Nothing fits.
+    /// No lens and pose fit.
     #[error(
         "no lens and pose fit the samples of scan {scan}: check that pixels and points belong together, scan again"
     )]
     NoSolution {
-        /// The scan.
+        /// Number of the scan.
         scan: u32,
     },
-    /// All fit, but badly.
+    /// The RMS error is too large.
     #[error(
-        "the samples miss the best solution by {typical_px:.1} px: the camera moved, the depth is not registered to \
-         the image, or the given lens is another's; scan again with everything at rest and keystone correction off"
-    )]
+           "the RMS error of the best solution is {typical_px:.1} px: the camera moved, the depth is not registered to the \
+            image, or the given lens is another's; scan again with everything at rest and keystone correction off"
+        )]
     Inconsistent {
-        /// The typical miss.
+        /// RMS error, pixels.
         typical_px: f64,
     },
-    /// The fit is better than what it predicts.
+    /// The solution is overfitted.
     #[error(
-        "the solution fits its points within {rms_px:.2} px but misses left-out ones by {held_out_px:.2} px, so it is \
-         not to be trusted: scan more points over more of the picture and at more depths"
+       "the RMS error is {rms_px:.2} px, but {held_out_px:.2} px for held-out points, so the solution is unreliable: scan \
+        more points over more of the picture and at more depths"
     )]
     Unpredictive {
-        /// Root mean square of the points that were used.
+        /// RMS error of the used points, pixels.
         rms_px: f64,
-        /// The same of points that were left out.
+        /// Held-out RMS error, pixels.
         held_out_px: f64,
     },
 }

@@ -1,9 +1,8 @@
-//! How skewed the picture seems to be: a skew as one more unknown, estimated by a step of Gauss and Newton from the
-//! solution without it.
+//! Skew estimate: one Gauss-Newton step with the skew as an additional unknown.
 //!
-//! No projector's lens has a skew, but a picture that its electronics distort does: a keystone correction is a
-//! homography of the picture, which leaves a pinhole a pinhole, whose matrix K then has a skew and two focal lengths
-//! (Hartley, Zisserman, "Multiple View Geometry in Computer Vision", 2nd edition, 2004, 6.2.4).
+//! No lens has a skew, but a keystone correction is a homography of the image, after which a pinhole's matrix K has a
+//! skew and two focal lengths (Hartley, Zisserman, "Multiple View Geometry in Computer Vision", 2nd edition, 2004,
+//! 6.2.4).
 
 use super::adjust::{solve_positive, Adjusted};
 use super::covariance::{Correlations, Errors};
@@ -12,10 +11,10 @@ use super::model::Free;
 use super::normal_equations::NormalEquations;
 use super::Skew;
 
-/// A skew that leaves the errors nearly as they are, as a share of the focal length.
+/// Skew that hardly changes the residuals, as a share of the focal length.
 const SMALL: f64 = 0.002;
 
-/// The skew that the samples ask for; none if the lens is not solved for or they do not determine a skew.
+/// Estimates the skew; `None` if the lens is not solved for or the samples do not determine a skew.
 pub(super) fn skew(
     observations: &Observations,
     adjusted: &Adjusted,
@@ -33,7 +32,7 @@ pub(super) fn skew(
     let covariance = if step[column].abs() < SMALL * adjusted.state.lens.focal_px.min() {
         errors.covariance(&equations, &free, correlations)
     } else {
-        // What the skew explains is no error.
+        // The residuals without the skew's effect.
         let errors = Errors::after(observations, adjusted, &free, &step);
         errors.covariance(&equations, &free, &errors.correlations(&equations, &free)?)
     };

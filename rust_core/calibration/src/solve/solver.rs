@@ -1,4 +1,4 @@
-//! The order of the steps: check, find, adjust, choose the distortion, judge.
+//! Sequence of the solver: check, initialise, adjust, select the distortion, judge.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 use rayon::prelude::*;
@@ -6,61 +6,60 @@ use rayon::prelude::*;
 use super::adjust::{self, Adjusted, Effort};
 use super::consensus::{self, Agreed, Score};
 use super::covariance::Errors;
+use super::held_out::{Blocks, HeldOut};
 use super::input::{check_options, Observations};
-use super::left_out::{Blocks, LeftOut};
-use super::model::{constrained, lens_values, Free, State};
-use super::noise::{quantile, Noise, Weight, LIMIT};
+use super::model::{constrained, lens_values, Free, SolverState};
+use super::noise::{Noise, Weight, LIMIT};
 use super::normal_equations::NormalEquations;
 use super::{covariance, motion, moved, orientation, skew, spread};
 use super::{
     DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions, SuspectedMotion,
 };
+use crate::statistics::{median, quantile, root_mean_square};
 use crate::{Lens, Sample};
 
-/// Samples of all scans that a first solution is adjusted to.
+/// Samples of all scans for the first solution.
 const FIRST: usize = 4000;
-/// Samples of each scan that are drawn at least, and of a single one that are drawn at most for the first solution.
+/// Minimum samples of each scan, and maximum of a single one for the first solution.
 const OF_EACH: [usize; 2] = [300, 2000];
-/// Samples of all scans that distortion terms are chosen with and left-out ones are predicted of.
+/// Samples of all scans for the selection of distortion terms and for cross-validation.
 const CHOOSING: usize = 12_000;
-/// Half as many misses with mirrored pixels mean that the samples are mirrored.
+/// Score ratio of mirrored and given pixels below which the samples are mirrored.
 const MIRROR_GAIN: f64 = 0.5;
-/// With a larger share of neighbours that run the same way round in both pictures, gross errors included, nothing is
-/// mirrored.
-const SURELY_SAME_WAY_ROUND: f64 = 0.6;
-/// The least share of neighbours that run the same way round in both pictures.
-const SAME_WAY_ROUND: f64 = 0.3;
-/// The least share of a scan's samples that agree. With less, what agrees could be the minority.
+/// Share of neighbouring triples with equal orientation in both images above which nothing is mirrored, gross errors
+/// included.
+const SURELY_SAME_ORIENTATION: f64 = 0.6;
+/// Minimum share of neighbouring triples with equal orientation in both images.
+const SAME_ORIENTATION: f64 = 0.3;
+/// Minimum share of inliers of a scan: fewer could be the minority.
 const LEAST_INLIERS: f64 = 0.5;
-/// The largest share of samples behind the projector.
+/// Maximum share of samples behind the projector.
 const MOST_BEHIND: f64 = 0.1;
-/// The largest root mean square of inliers, as a share of the picture's width.
-const MOST_MISS: f64 = 0.005;
-/// The smallest outline of the inliers as a share of the picture, if a lens is asked for.
+/// Maximum RMS error of the inliers, as a share of the image's width.
+const MOST_RMS: f64 = 0.005;
+/// Minimum area of the inliers' outline as a share of the image, if the lens is solved for.
 const LEAST_OUTLINE: f64 = 0.15;
-/// The largest relative deviation of a focal length.
+/// Maximum relative deviation of a focal length.
 const MOST_FOCAL_SIGMA: f64 = 0.05;
-/// The largest deviation of a prediction, as a share of the picture's width.
+/// Maximum prediction uncertainty, as a share of the image's width.
 const MOST_PREDICTION_SIGMA: f64 = 0.01;
-/// What all samples share, such as the rounding of depths or what is left of the camera's blur, is in no residual,
-/// since focal length and distance take it up. So nothing is known better than this: the focal length, as a share of
-/// it,
+/// Lower bound of the relative deviation of a focal length. Errors that all samples share, such as the rounding of
+/// depths, show in no residual, since focal length and distance absorb them.
 const LEAST_FOCAL_SHARE: f64 = 6e-6;
-/// and the projector's position along and across its light, as shares of the points' depth.
+/// Lower bounds of the projector's position deviations, as shares of the points' depth, for the same reason.
 const LEAST_POSITION_SHARES: [f64; 3] = [2e-6, 2e-6, 6e-6];
-/// Left-out samples may miss by so many times as much as others, and by so many pixels more: by twice as many if the
-/// samples are no more than this.
+/// Maximum held-out RMS error: a factor of the RMS error plus pixels, which double at `FEW` samples.
 const HELD_OUT_LIMIT: (f64, f64) = (3.0, 1.0);
 const FEW: f64 = 20.0;
-/// Intrinsics that a single plane can determine.
+/// Number of intrinsics that a single plane determines.
 const FLAT_DETERMINES: usize = 2;
-/// Throw ratios (distance by width) of lenses to start from where no linear solution exists.
+/// Throw ratios of initial lenses where no linear solution exists.
 const THROWS: [f64; 4] = [0.7, 1.2, 2.0, 3.5];
 
-/// Solves for the projector's lens and, for each scan, its pose.
+/// Solves for the projector's lens and its pose in each scan.
 ///
 /// # Errors
-/// [`Refusal`]: samples that no solution is to be had from, and why.
+/// [`Refusal`]: the samples do not allow a solution.
 pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Refusal> {
     check_options(options)?;
     let observations = Observations::new(samples, options.size_px)?;
@@ -76,39 +75,39 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
     let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
     let blocks = Blocks::new(&few, options.size_px);
-    let held_out_rms_px = LeftOut::new(&few, &weights, &blocks, &adjusted.state, &free).rms_px();
-    // What other terms would have changed is uncertain; light lands in the same place with them.
+    let held_out_rms_px = HeldOut::new(&few, &weights, &blocks, &adjusted.state, &free).rms_px();
+    // The effect of terms in doubt adds to the uncertainty of the unknowns, not of the prediction.
     let covariance = covariance + &in_doubt * in_doubt.transpose();
     let solution = solver.solution(&adjusted, &free, &covariance, terms);
     let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, motion, ..solution };
     let (factor, more_px) = HELD_OUT_LIMIT;
-    // What the unknowns took up of the errors, which shows where samples are few.
+    // The unknowns absorb part of the errors of few samples.
     let equations = 2.0 * solution.inliers as f64;
-    let taken_up = (equations / (equations - free.len() as f64).max(1.0)).sqrt();
-    if held_out_rms_px > factor * taken_up * solution.rms_px + more_px * (1.0 + FEW / solution.inliers as f64) {
+    let absorbed = (equations / (equations - free.len() as f64).max(1.0)).sqrt();
+    if held_out_rms_px > factor * absorbed * solution.rms_px + more_px * (1.0 + FEW / solution.inliers as f64) {
         return Err(Refusal::Unpredictive { rms_px: solution.rms_px, held_out_px: held_out_rms_px });
     }
     Ok(solution)
 }
 
-/// The terms of the distortion that were chosen.
+/// Solution with the selected distortion terms.
 struct Chosen {
     terms: DistortionTerms,
     free: Free,
     adjusted: Adjusted,
-    /// By how much terms would change the unknowns that make the prediction better, but not noticeably.
+    /// Change of the unknowns by terms that improve the prediction insignificantly.
     in_doubt: DVector<f64>,
 }
 
-/// How certain a solution is.
+/// Uncertainty of a solution.
 struct Judged {
     covariance: DMatrix<f64>,
     prediction_sigma_px: f64,
     skew: Option<Skew>,
 }
 
-/// What is tried one after the other. All of it, because a lens without radial distortion may be mounted askew; k3 last
-/// and for itself, because few lenses have it and it makes the others uncertain.
+/// Distortion terms to try. All are tried, because a lens without radial distortion may be mounted askew; k3 last and
+/// alone, because few lenses have it and it makes the others uncertain.
 fn candidates(options: &SolveOptions) -> Vec<(DistortionTerms, SolveOptions)> {
     let with = |terms: DistortionTerms| (terms, options.clone());
     let mut candidates = vec![with(DistortionTerms::K1), with(DistortionTerms::K1K2)];
@@ -124,7 +123,7 @@ fn candidates(options: &SolveOptions) -> Vec<(DistortionTerms, SolveOptions)> {
 struct Solver<'a> {
     options: &'a SolveOptions,
     observations: &'a Observations,
-    /// All terms that may be solved for.
+    /// Largest set of terms that may be solved for.
     richest: DistortionTerms,
 }
 
@@ -145,12 +144,12 @@ impl<'a> Solver<'a> {
         self.free(self.richest).lens.is_empty()
     }
 
-    /// Whether a single plane leaves the lens open.
+    /// `true` if a single plane does not determine the lens.
     fn needs_relief(&self) -> bool {
         self.free(DistortionTerms::None).lens.len() > FLAT_DETERMINES
     }
 
-    /// The share of each scan's points that lie off its largest plane, of those that are used.
+    /// Share of each scan's used points off its largest plane.
     fn relief(&self, is_used: impl Fn(usize) -> bool) -> Vec<f64> {
         let seed = self.options.seed;
         let relief = |scan: usize| {
@@ -162,7 +161,7 @@ impl<'a> Solver<'a> {
         (0..self.observations.scans.len()).map(relief).collect()
     }
 
-    /// Refuses a single flat scan that shall determine the lens. Several planes may.
+    /// Refuses a single flat scan for a lens. Several planes may determine it.
     fn check_flat(&self, observations: &Observations) -> Result<(), Refusal> {
         if observations.scans.len() == 1
             && self.needs_relief()
@@ -173,7 +172,7 @@ impl<'a> Solver<'a> {
         Ok(())
     }
 
-    /// A first solution, after a comparison with that of mirrored pixels.
+    /// First solution, compared with those of mirrored pixels.
     fn first(&self) -> Result<Agreed, Refusal> {
         let [least, most] = OF_EACH;
         let few =
@@ -185,14 +184,14 @@ impl<'a> Solver<'a> {
         let given = self.agreed(&few, best, is_flat);
         let mut buffer = Vec::new();
         let own = given.as_ref().map_or(f64::INFINITY, |given| {
-            let state = State { lens: given.state.lens, poses: vec![given.state.poses[best]] };
+            let state = SolverState { lens: given.state.lens, poses: vec![given.state.poses[best]] };
             Score::new(&single.all, &state, &mut buffer).mean
         });
         let all = vec![Weight::of_pixels(1.0); single.all.len()];
-        if orientation::agreeing_share(&single, &all) > SURELY_SAME_WAY_ROUND {
+        if orientation::agreeing_share(&single, &all) > SURELY_SAME_ORIENTATION {
             return given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] });
         }
-        // A lens that is free may be turned by 180°, so mirrored along one axis is mirrored along the other.
+        // A free lens may be rotated by 180°, so mirroring one axis equals mirroring the other.
         let axes = if self.options.known_lens.is_some() || self.options.initial.is_some() { 2 } else { 1 };
         for axis in 0..axes {
             let mirrored = single.mirrored(self.options.size_px, axis);
@@ -203,7 +202,7 @@ impl<'a> Solver<'a> {
         given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] })
     }
 
-    /// Lens and poses that most samples agree with; the lens is found from the scan `best`.
+    /// Lens and poses by consensus; the lens comes from the scan `best`.
     fn agreed(&self, few: &Observations, best: usize, is_flat: bool) -> Option<Agreed> {
         let seed = self.options.seed;
         if let Some(lens) = self.options.known_lens.or(self.options.initial) {
@@ -227,8 +226,8 @@ impl<'a> Solver<'a> {
         self.agreed_from(few, &linear.state.lens, Some((best, &linear.state)))
     }
 
-    /// Poses for a lens, then both adjusted together. A pose of one scan may be known.
-    fn agreed_from(&self, few: &Observations, lens: &Lens, known: Option<(usize, &State)>) -> Option<Agreed> {
+    /// Poses for a lens, then both adjusted together. One scan's pose may be known.
+    fn agreed_from(&self, few: &Observations, lens: &Lens, known: Option<(usize, &SolverState)>) -> Option<Agreed> {
         let (options, seed) = (self.options, self.options.seed);
         let scans = few.scans.len();
         let lens = constrained(lens, options, self.richest)?;
@@ -238,7 +237,7 @@ impl<'a> Solver<'a> {
             let single = few.only(scan);
             let mut found = consensus::pose(&single, &lens, seed);
             if let Some((_, state)) = known.filter(|(known, _)| *known == scan) {
-                let state = State { lens, poses: state.poses.clone() };
+                let state = SolverState { lens, poses: state.poses.clone() };
                 let score = Score::new(&single.all, &state, &mut buffer);
                 if found.as_ref().is_none_or(|found| score.mean < found.score.mean) {
                     found = Some(Agreed { state, score });
@@ -246,7 +245,7 @@ impl<'a> Solver<'a> {
             }
             poses.push(found?.state.poses[0]);
         }
-        let mut state = State { lens, poses };
+        let mut state = SolverState { lens, poses };
         let mut score = Score::new(&few.all, &state, &mut buffer);
         let free = Free::new(options, self.richest, scans);
         for _ in 0..4 {
@@ -265,7 +264,7 @@ impl<'a> Solver<'a> {
         score.mean.is_finite().then_some(Agreed { state, score })
     }
 
-    /// The terms that make the prediction of left-out samples better, and the solution with them.
+    /// Selects the distortion terms that improve the prediction of held-out samples.
     fn chosen_terms(&self, few: &Observations, first: &Agreed) -> Chosen {
         let options = self.options;
         let noise = Noise::first(first.score.near, few.all.len() / few.scans.len());
@@ -281,30 +280,30 @@ impl<'a> Solver<'a> {
         let blocks = Blocks::new(few, options.size_px);
         let with = |terms: DistortionTerms, options: &SolveOptions| {
             let lens = constrained(&rich.state.lens, options, terms).unwrap_or(rich.state.lens);
-            let start = State { lens, poses: rich.state.poses.clone() };
+            let start = SolverState { lens, poses: rich.state.poses.clone() };
             let free = Free::new(options, terms, few.scans.len());
             let state = adjust::minimise(few, &rich.weights, &start, &free, Effort::FULL);
-            let left_out = LeftOut::new(few, &rich.weights, &blocks, &state, &free);
-            (terms, free, state, left_out)
+            let held_out = HeldOut::new(few, &rich.weights, &blocks, &state, &free);
+            (terms, free, state, held_out)
         };
         let mut chosen = with(DistortionTerms::None, options);
-        let mut refused: Option<(State, LeftOut)> = None;
+        let mut rejected: Option<(SolverState, HeldOut)> = None;
         for (terms, options) in candidates(options) {
             let trial = with(terms, &options);
             if trial.3.is_better_than(&chosen.3, &rich.weights, &blocks) {
-                (chosen, refused) = (trial, None);
-            } else if refused.as_ref().is_none_or(|(_, refused)| trial.3.rms_px() < refused.rms_px()) {
-                refused = Some((trial.2, trial.3));
+                (chosen, rejected) = (trial, None);
+            } else if rejected.as_ref().is_none_or(|(_, rejected)| trial.3.rms_px() < rejected.rms_px()) {
+                rejected = Some((trial.2, trial.3));
             }
         }
-        let (terms, free, state, left_out) = chosen;
-        let in_doubt = refused.filter(|(_, refused)| refused.rms_px() < left_out.rms_px());
+        let (terms, free, state, held_out) = chosen;
+        let in_doubt = rejected.filter(|(_, rejected)| rejected.rms_px() < held_out.rms_px());
         let in_doubt =
-            in_doubt.map_or_else(|| DVector::zeros(free.len()), |(refused, _)| state.step_to(&refused, &free));
+            in_doubt.map_or_else(|| DVector::zeros(free.len()), |(rejected, _)| state.step_to(&rejected, &free));
         Chosen { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
     }
 
-    /// Refuses fits that many samples contradict. A motion that is too small for that is returned.
+    /// Refuses fits that many samples contradict, and returns a motion too small to refuse.
     fn check_fit(&self, adjusted: &Adjusted) -> Result<Option<SuspectedMotion>, Refusal> {
         let observations = self.observations;
         let motion = motion::check(observations, adjusted, self.options.seed)?;
@@ -326,7 +325,7 @@ impl<'a> Solver<'a> {
                 return Err(Refusal::FewInliers { percent: 100.0 * share, scan: *number });
             }
         }
-        if orientation::agreeing_share(observations, &adjusted.weights) < SAME_WAY_ROUND {
+        if orientation::agreeing_share(observations, &adjusted.weights) < SAME_ORIENTATION {
             return Err(Refusal::Mirrored);
         }
         let (sum, count) = (observations.all.iter().zip(&adjusted.weights))
@@ -334,15 +333,14 @@ impl<'a> Solver<'a> {
             .filter_map(|(o, _)| Some((o.pixel - adjusted.state.project(o.scan, &o.point)?).norm_squared()))
             .fold((0.0, 0.0), |(sum, count), squared| (sum + squared, count + 1.0));
         let typical_px = (sum / count).sqrt();
-        if typical_px.is_nan() || typical_px > MOST_MISS * f64::from(self.options.size_px[0]) {
+        if typical_px.is_nan() || typical_px > MOST_RMS * f64::from(self.options.size_px[0]) {
             return Err(Refusal::Inconsistent { typical_px });
         }
         Ok(motion)
     }
 
-    /// What is left over at the corners of a picture, since the lens has more distortion than is to be solved for,
-    /// agrees with another pose, as if something had moved. With all terms of the distortion, nothing of it is left
-    /// over.
+    /// Distinguishes a motion from unmodelled distortion, whose residuals in the image's corners agree with another pose:
+    /// with all distortion terms they vanish.
     fn distorted_or(&self, moved: Refusal, adjusted: &Adjusted) -> Refusal {
         let all_terms = self.options.with_all_terms();
         if self.lens_is_known() || all_terms == *self.options {
@@ -361,7 +359,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// How certain the solution is, or why it is not certain enough.
+    /// Estimates the uncertainty and refuses solutions that are too uncertain.
     fn judged(&self, adjusted: &Adjusted, free: &Free) -> Result<Judged, Refusal> {
         let (observations, size_px) = (self.observations, self.options.size_px);
         let is_used = |i: usize| adjusted.weights[i].is_used();
@@ -403,7 +401,7 @@ impl<'a> Solver<'a> {
         let depth_m = [0.01, 0.99].map(|share| quantile(&mut depths, share));
         let sigma_px = covariance::prediction_sigma_px(&adjusted.state, free, &covariance, depth_m);
         if sigma_px.is_nan() || sigma_px > MOST_PREDICTION_SIGMA * f64::from(size_px[0]) {
-            return Err(undetermined("where light lands", sigma_px, "pixels"));
+            return Err(undetermined("the projection", sigma_px, "pixels"));
         }
         let skew = skew::skew(observations, adjusted, free, &errors, &correlations);
         Ok(Judged { covariance, prediction_sigma_px: sigma_px, skew })
@@ -431,27 +429,8 @@ impl<'a> Solver<'a> {
         let estimates = Parameter::ALL
             .map(|parameter| Estimate { parameter, value: values[parameter as usize], sigma: sigma_of(parameter) })
             .to_vec();
-        let poses = (observations.scans.iter().enumerate())
-            .map(|(scan, number)| {
-                let pose = adjusted.state.poses[scan];
-                let at = free.pose_column(scan);
-                let range = observations.range(scan);
-                let mut depths: Vec<f64> =
-                    observations.all[range].iter().map(|observation| observation.point.z).collect();
-                let depth_m = quantile(&mut depths, 0.5);
-                let least_m2 = Vector3::from(LEAST_POSITION_SHARES).map(|share| (share * depth_m).powi(2));
-                let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3) + Matrix3::from_diagonal(&least_m2);
-                let rotation = pose.rotation.to_rotation_matrix().into_inner();
-                let in_camera = rotation.transpose() * shift * rotation;
-                ScanPose {
-                    scan: *number,
-                    projector_from_camera: pose,
-                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt()),
-                    orientation_sigma_rad: [0, 1, 2].map(|axis| sigma_at(at + axis)),
-                    inliers: observations.range(scan).filter(|i| adjusted.weights[*i].is_used()).count(),
-                }
-            })
-            .collect();
+        let scans = 0..observations.scans.len();
+        let poses = scans.map(|scan| self.scan_pose(adjusted, free, covariance, scan)).collect();
         let mut residuals: Vec<Residual> = (observations.all.par_iter().zip(&adjusted.weights))
             .filter_map(|(observation, weight)| {
                 let q = adjusted.state.poses[observation.scan] * observation.point;
@@ -468,8 +447,7 @@ impl<'a> Solver<'a> {
         residuals.sort_unstable_by_key(|residual| residual.sample);
         let used = || residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.error_px.norm());
         let inliers = used().count();
-        let rms_px = (used().map(|miss| miss * miss).sum::<f64>() / inliers as f64).sqrt();
-        let max_px = used().fold(0.0, f64::max);
+        let (rms_px, max_px) = (root_mean_square(used()), used().fold(0.0, f64::max));
         Solution {
             lens,
             estimates,
@@ -483,6 +461,25 @@ impl<'a> Solver<'a> {
             prediction_sigma_px: 0.0,
             skew: None,
             motion: None,
+        }
+    }
+
+    /// Pose of a scan with its deviations.
+    fn scan_pose(&self, adjusted: &Adjusted, free: &Free, covariance: &DMatrix<f64>, scan: usize) -> ScanPose {
+        let observations = self.observations;
+        let pose = adjusted.state.poses[scan];
+        let at = free.pose_column(scan);
+        let depth_m = median(&mut observations.depths(scan));
+        let least_m2 = Vector3::from(LEAST_POSITION_SHARES).map(|share| (share * depth_m).powi(2));
+        let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3) + Matrix3::from_diagonal(&least_m2);
+        let rotation = pose.rotation.to_rotation_matrix().into_inner();
+        let in_camera = rotation.transpose() * shift * rotation;
+        ScanPose {
+            scan: observations.scans[scan],
+            projector_from_camera: pose,
+            position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt()),
+            orientation_sigma_rad: [0, 1, 2].map(|axis| covariance[(at + axis, at + axis)].max(0.0).sqrt()),
+            inliers: observations.range(scan).filter(|i| adjusted.weights[*i].is_used()).count(),
         }
     }
 }

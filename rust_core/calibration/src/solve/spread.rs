@@ -1,23 +1,23 @@
-//! Whether samples are spread enough: a scene that is not flat, and an outline that covers part of the picture.
+//! Spatial spread of the samples: flatness of the scene, and covered area of the image.
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::noise::quantile;
 use super::random::SplitMix64;
+use crate::statistics::median;
 
-/// Points within this share of their depth of a plane belong to it: more than depth cameras err.
+/// Maximum distance of a plane's points, as a share of their depth: more than depth cameras' errors.
 const THICKNESS: f64 = 0.012;
-/// A scene is flat if a smaller share of its points lies off its largest plane.
+/// Minimum share of points off the largest plane of a scene that is not flat.
 const OFF_PLANE: f64 = 0.04;
-/// Planes that are tried.
+/// Number of tried planes.
 const PLANES: usize = 200;
-/// Points of a piece of the picture, and the least number of pieces.
+/// Points of a piece of the image, and minimum number of pieces.
 const OF_PIECE: usize = 16;
 const PIECES: usize = 40;
-/// Points that planes are tried on.
+/// Maximum number of points for trying planes.
 const TRIED: usize = 500;
 
-/// The share of points that lie off the plane that most lie on.
+/// Share of points off the largest plane.
 pub(super) fn off_plane(points: &[Point3<f64>], seed: u64) -> f64 {
     if points.len() < 4 {
         return 0.0;
@@ -38,8 +38,8 @@ pub(super) fn off_plane(points: &[Point3<f64>], seed: u64) -> f64 {
     1.0 - most as f64 / few.len() as f64
 }
 
-/// The share of points that lie off the plane that most lie on, depths that are wrong by chance left out: of pieces of
-/// the picture, each by the middle one of its points' distances. `None` for too few points.
+/// Share of pieces of the image off the largest plane, each piece by its median depth, which suppresses noise. `None`
+/// for too few points.
 pub(super) fn pieces_off_plane(points: &[Point3<f64>], pixels: &[Point2<f64>], seed: u64) -> Option<f64> {
     if points.len() < PIECES * OF_PIECE {
         return None;
@@ -47,7 +47,7 @@ pub(super) fn pieces_off_plane(points: &[Point3<f64>], pixels: &[Point2<f64>], s
     let sorted_by = |indices: &mut [usize], axis: usize| {
         indices.sort_unstable_by(|a, b| pixels[*a][axis].total_cmp(&pixels[*b][axis]));
     };
-    // Strips of columns, and pieces of these, each of as many points.
+    // Strips of columns, divided into pieces of equal numbers of points.
     let mut indices: Vec<usize> = (0..points.len()).collect();
     sorted_by(&mut indices, 0);
     let pieces = points.len() / OF_PIECE;
@@ -56,17 +56,17 @@ pub(super) fn pieces_off_plane(points: &[Point3<f64>], pixels: &[Point2<f64>], s
     for strip in indices.chunks_mut(points.len().div_ceil(strips)) {
         sorted_by(strip, 1);
         for piece in strip.chunks_mut(OF_PIECE) {
-            // The point of the middle depth, moved to the middle of the piece along its own ray.
+            // The point at the median inverse depth on the mean ray.
             let count = piece.len() as f64;
             let mean = piece.iter().fold(Vector3::zeros(), |sum, i| sum + points[*i].coords / points[*i].z) / count;
             let mut depths: Vec<f64> = piece.iter().map(|i| 1.0 / points[*i].z).collect();
-            middles.push(Point3::from(mean / quantile(&mut depths, 0.5)));
+            middles.push(Point3::from(mean / median(&mut depths)));
         }
     }
     Some(off_plane(&middles, seed))
 }
 
-/// Whether a scene with this share of points off its largest plane is flat.
+/// `true` if a scene with this share of points off its largest plane is flat.
 pub(super) fn is_flat(off_plane: f64) -> bool {
     off_plane < OFF_PLANE
 }
@@ -75,7 +75,7 @@ fn is_on(point: &Point3<f64>, normal: &Vector3<f64>, offset: f64) -> bool {
     (normal.dot(&point.coords) - offset).abs() < THICKNESS * point.z
 }
 
-/// The plane through the points that are near a plane, by two steps of least squares along the normal.
+/// Least-squares plane through the points near a plane.
 fn refined(points: &[Point3<f64>], mut normal: Vector3<f64>, mut offset: f64) -> (Vector3<f64>, f64) {
     let side = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
     let first = normal.cross(&side).normalize();
@@ -97,7 +97,7 @@ fn refined(points: &[Point3<f64>], mut normal: Vector3<f64>, mut offset: f64) ->
     (normal, offset)
 }
 
-/// The area of the convex outline of pixels as a share of the picture (Andrew's monotone chain, 1979).
+/// Area of the pixels' convex hull as a share of the image (Andrew's monotone chain, 1979).
 pub(super) fn outline_share(pixels: &[Point2<f64>], size_px: [u32; 2]) -> f64 {
     let mut sorted = pixels.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));

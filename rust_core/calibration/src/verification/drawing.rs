@@ -1,8 +1,8 @@
-//! Pictures for the projector: white discs and lines on black, without grey levels, which a projector's gamma bends.
+//! Binary images of discs and lines: no grey levels, which a projector's gamma would distort.
 
 use nalgebra::Point2;
 
-/// A picture of grey levels.
+/// Image of grey levels.
 #[derive(Debug, Clone)]
 pub(super) struct Drawing {
     size: [i64; 2],
@@ -11,13 +11,13 @@ pub(super) struct Drawing {
 }
 
 impl Drawing {
-    /// All black.
+    /// Creates a black image.
     pub(super) fn black(size_px: [u32; 2]) -> Self {
         let [width, height] = size_px;
         Self { size: size_px.map(i64::from), levels: vec![0; width as usize * height as usize] }
     }
 
-    /// A disc around a place; what lies outside of the picture is left out.
+    /// Draws a disc, clipped to the image.
     pub(super) fn disc(&mut self, middle: Point2<f64>, radius: f64) {
         let range = |at: f64, size: i64| {
             let (first, last) = ((at - radius).ceil() as i64, (at + radius).floor() as i64);
@@ -32,7 +32,7 @@ impl Drawing {
         }
     }
 
-    /// A line with round ends, twice as wide as the radius.
+    /// Draws a line with round ends and a width of twice the radius.
     pub(super) fn line(&mut self, from: Point2<f64>, to: Point2<f64>, radius: f64) {
         let steps = (to - from).amax().ceil().clamp(1.0, 1e4);
         for step in 0..=steps as u32 {
@@ -40,7 +40,7 @@ impl Drawing {
         }
     }
 
-    /// Adds what another picture of the same size shows.
+    /// Adds another image of the same size.
     pub(super) fn add(&mut self, other: &Self) {
         self.levels.iter_mut().zip(&other.levels).for_each(|(level, other)| *level = (*level).max(*other));
     }

@@ -1,24 +1,23 @@
-//! The share of the projector's light that arrives at each camera pixel: 0 as in the black picture, 1 as in the white
-//! one, whatever the surface's colour.
+//! Share of the projector's light at each camera pixel, independent of the surface's colour: 0 for black, 1 for white.
 
 use nalgebra::Point2;
 
-/// White must be brighter than black by so many levels for a share to be known.
+/// Minimum difference of white and black for a known share, levels.
 const LEAST_LEVELS: f64 = 10.0;
 
-/// The projector's light in the camera's picture, by its white and black picture.
+/// PosedProjector light in the camera's image, from images of white and black.
 #[derive(Debug, Clone)]
 pub struct LightMap {
     pub(super) width: usize,
-    /// Levels of the black picture.
+    /// Levels of black.
     black: Vec<f32>,
-    /// One through the levels between black and white; 0 where that is too little.
+    /// Reciprocal of white minus black; 0 where the difference is too small.
     per_level: Vec<f32>,
 }
 
 impl LightMap {
-    /// From grey levels of the camera's pictures of white and of black, row by row, `width` pixels wide. `noise` is the
-    /// root mean square by which pictures of the same differ, levels.
+    /// Creates the map from grey levels of the camera's images of white and black, row by row, `width` pixels wide. `noise`
+    /// is the RMS difference of two images of the same, levels.
     pub fn new(white: &[u8], black: &[u8], width: u32, noise: f64) -> Self {
         let least = LEAST_LEVELS.max(4.0 * noise);
         let per_level = |(white, black): (&u8, &u8)| {
@@ -36,7 +35,7 @@ impl LightMap {
         }
     }
 
-    /// Whether the projector lights a pixel and all that are up to `reach` pixels beside it.
+    /// `true` if the projector lights a pixel and all up to `reach` pixels beside it.
     pub(super) fn is_lit_around(&self, x: usize, y: usize, reach: usize) -> bool {
         let height = self.per_level.len() / self.width.max(1);
         let is_inside = x >= reach && y >= reach && x + reach < self.width && y + reach < height;
@@ -47,7 +46,7 @@ impl LightMap {
             })
     }
 
-    /// The shares in a picture of this size, where they are known, else 0.
+    /// Shares of an image of the map's size; 0 where unknown.
     pub(super) fn shares(&self, grey: &[u8]) -> Shares {
         let known = grey.iter().zip(&self.black).zip(&self.per_level);
         let share = |((level, black), per_level): ((&u8, &f32), &f32)| (f32::from(*level) - black) * per_level;
@@ -63,7 +62,7 @@ pub(super) struct Shares {
 }
 
 impl Shares {
-    /// What two pictures both show.
+    /// Minimum of two images: light that both have.
     pub(super) fn common(&self, other: &Self) -> Self {
         let shares = self.shares.iter().zip(&other.shares).map(|(one, other)| one.min(*other)).collect();
         Self { width: self.width, shares }
@@ -73,7 +72,7 @@ impl Shares {
         self.shares.len() / self.width.max(1)
     }
 
-    /// Between four pixels; none beside the picture.
+    /// Bilinear interpolation; `None` outside of the image.
     pub(super) fn at(&self, place: Point2<f64>) -> Option<f64> {
         let (left, top) = (place.x.floor(), place.y.floor());
         if left < 0.0 || top < 0.0 || left + 1.0 >= self.width as f64 || top + 1.0 >= self.height() as f64 {

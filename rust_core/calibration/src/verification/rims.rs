@@ -1,7 +1,7 @@
-//! Outlines of things: lines along the edges of the depth image, a little inside on the nearer surface.
+//! Outlines along the edges of the depth image, slightly inside on the nearer surface.
 //!
-//! At an edge itself depth is uncertain; a few pixels inside it is not. There the outline is drawn, and in many places
-//! it is measured how far beside the line its light lands. Along the line that cannot be seen.
+//! Depth is uncertain at an edge, but not a few pixels inside. The outline is drawn there, and the offset of its light
+//! across the line is measured in many places; the offset along the line is not observable.
 
 use std::collections::VecDeque;
 
@@ -9,71 +9,76 @@ use nalgebra::{Matrix2, Point2, SymmetricEigen, Vector2};
 
 use super::drawing::Drawing;
 use super::light_map::{LightMap, Shares};
-use super::shadow::Shadow;
-use super::surface::{Patch, Projector, Surface};
+use super::shadow::ShadowMap;
+use super::surface::{DepthSurface, Patch, PosedProjector};
 
-/// What lies behind an edge is farther by this share of the depth.
+/// Minimum depth step of an edge, as a share of the depth.
 const JUMP: f64 = 0.04;
-/// It is looked for across so many pixels, some of which may have no depth.
+/// Maximum width of an edge, pixels; pixels between may have no depth.
 const ACROSS_PX: usize = 5;
-/// How far inside the outline is drawn, camera pixels.
+/// Distance of the outline from the edge, camera pixels.
 const INSET_PX: std::ops::Range<f64> = 4.5..5.6;
-/// Depths of the same surface differ by a smaller share than this from the edge to the outline.
+/// Maximum relative depth difference between edge and outline on one surface.
 const SAME: f64 = 0.025;
-/// The projector lights the surface so many camera pixels around the outline.
+/// Width of lit surface required around the outline, camera pixels.
 const LIT_PX: usize = 2;
-/// Half the outline's width as the camera sees it, pixels.
+/// Half the outline's width in the camera's image, pixels.
 const HALF_WIDTH_PX: f64 = 1.0;
-/// Only the longest outlines are drawn, and none of fewer pixels.
+/// Maximum number of outlines and minimum length, pixels: the longest are drawn.
 const MOST_OUTLINES: usize = 16;
 const LEAST_PIXELS: usize = 18;
-/// Outlines are measured every so many pixels, where they are straight over so many on both sides.
+/// Distance of targets on an outline, and half the length over which it must be straight, camera pixels.
 const APART_PX: f64 = 12.0;
 const STRAIGHT_PX: f64 = 6.0;
 const LEAST_STRAIGHT: usize = 8;
-/// The standard deviation of a straight outline's pixels across, at most.
+/// Maximum standard deviation across of a straight outline's pixels.
 const MOST_ACROSS_PX: f64 = 0.75;
-/// Light is looked for so far beside the outline, and another outline is twice as far away.
+/// Search range across the outline, camera pixels; other outlines are at least twice as far away.
 const BESIDE_PX: f64 = 7.0;
-/// The light of the outline is seen if this share arrives.
-const SEEN_SHARE: f64 = 0.25;
+/// Minimum light share of a detected outline.
+const DETECTED_SHARE: f64 = 0.25;
 
-/// A pixel of an outline.
+/// Pixel of an outline.
 #[derive(Debug, Clone, Copy)]
 struct RimPixel {
     patch: Patch,
-    /// The projector pixel that should light it.
+    /// PosedProjector pixel that should light it.
     pixel: Point2<f64>,
-    /// Half the line's width there, projector pixels.
+    /// Half the line's width, projector pixels.
     radius_px: f64,
-    /// Which outline it belongs to.
+    /// Index of its outline.
     outline: usize,
 }
 
-/// The outlines of what the camera sees.
+/// Outlines of the camera's image.
 #[derive(Debug, Clone)]
 pub(super) struct Rims {
     width: usize,
-    /// By the camera's pixels.
+    /// Outline pixels by camera pixel.
     pixels: Vec<Option<RimPixel>>,
-    /// Where they are measured.
+    /// Targets.
     pub(super) places: Vec<RimPlace>,
 }
 
-/// A straight piece of an outline.
+/// Target: a straight piece of an outline.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RimPlace {
-    /// The surface.
+    /// DepthSurface patch.
     pub(super) patch: Patch,
-    /// Where the camera should see its middle, pixels.
+    /// Expected centre in the camera's image, pixels.
     pub(super) expected: Point2<f64>,
-    /// Across the line: a unit vector in the camera's picture.
+    /// Unit normal of the line in the camera's image.
     across: Vector2<f64>,
 }
 
 impl Rims {
-    /// Finds them.
-    pub(super) fn new(surface: &Surface, projector: &Projector, shadow: &Shadow, light: &LightMap) -> Self {
+    /// Finds the outlines of a surface.
+    pub(super) fn new(
+        surface: &DepthSurface,
+        projector: &PosedProjector,
+        shadow: &ShadowMap,
+        light: &LightMap,
+    ) -> Self {
         let [width, height] = surface.size();
         let nearest = nearest_edges(surface);
         let mut pixels = vec![None; width * height];
@@ -92,7 +97,7 @@ impl Rims {
         Self { width, pixels, places }
     }
 
-    /// The picture of all outlines.
+    /// Image of all outlines.
     pub(super) fn picture(&self, size_px: [u32; 2]) -> Drawing {
         let mut drawing = Drawing::black(size_px);
         for (index, rim) in self.pixels.iter().enumerate() {
@@ -109,7 +114,7 @@ impl Rims {
 }
 
 impl RimPixel {
-    fn new(patch: Patch, surface: &Surface, projector: &Projector, shadow: &Shadow) -> Option<Self> {
+    fn new(patch: Patch, surface: &DepthSurface, projector: &PosedProjector, shadow: &ShadowMap) -> Option<Self> {
         let camera = &surface.camera;
         let point = patch.point(camera, patch.middle)?;
         let pixel = projector.pixel(&point).filter(|pixel| projector.lens.contains(*pixel))?;
@@ -121,13 +126,13 @@ impl RimPixel {
 }
 
 impl RimPlace {
-    /// Where the camera sees the outline's light, pixels, looking about so far beside its place; none if it does not.
-    pub(super) fn find(&self, seen: &Shares, shift: Vector2<f64>) -> Option<Point2<f64>> {
+    /// Camera pixel at which the outline's light is detected, searching around an expected shift.
+    pub(super) fn find(&self, image: &Shares, shift: Vector2<f64>) -> Option<Point2<f64>> {
         let along = Vector2::new(-self.across.y, self.across.x);
         let profile = |beside: f64| {
             let shares = (-4..=4).map(|step| {
                 let place = self.expected + shift + self.across * beside + along * f64::from(step);
-                seen.at(place).map(|share| share.clamp(0.0, 1.5))
+                image.at(place).map(|share| share.clamp(0.0, 1.5))
             });
             shares.sum::<Option<f64>>().map(|sum| sum / 9.0)
         };
@@ -136,10 +141,10 @@ impl RimPlace {
             .map(|step| profile(0.5 * f64::from(step)).map(|share| (0.5 * f64::from(step), share)))
             .collect::<Option<_>>()?;
         let (peak, most) = places.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        if most < SEEN_SHARE || peak.abs() + 2.0 > BESIDE_PX {
+        if most < DETECTED_SHARE || peak.abs() + 2.0 > BESIDE_PX {
             return None;
         }
-        // The middle of what is brighter than a third of the peak, within the line's width.
+        // Centroid of light above a third of the peak, within the line's width.
         let near = places.iter().filter(|(beside, _)| (beside - peak).abs() <= 3.0);
         let weighed = near.map(|(beside, share)| (beside, (share - most / 3.0).max(0.0)));
         let (sum, weight) =
@@ -148,13 +153,12 @@ impl RimPlace {
     }
 }
 
-/// For each pixel the nearest one, about, that lies on the nearer side of an edge.
-fn nearest_edges(surface: &Surface) -> Vec<Option<[usize; 2]>> {
+/// Approximately nearest pixel on the near side of an edge, for each pixel: two passes of a distance transform
+/// (Danielsson, "Euclidean distance mapping", 1980).
+fn nearest_edges(surface: &DepthSurface) -> Vec<Option<[usize; 2]>> {
     let [width, height] = surface.size();
     let mut nearest: Vec<Option<[usize; 2]>> =
         (0..width * height).map(|index| is_edge(surface, index).then_some([index % width, index / width])).collect();
-    // Two passes of a distance transform that hands on the places of edges (Danielsson, "Euclidean distance mapping",
-    // 1980).
     let squared = |at: usize, edge: [usize; 2]| {
         let (x, y) = (at % width, at / width);
         edge[0].abs_diff(x).pow(2) + edge[1].abs_diff(y).pow(2)
@@ -175,8 +179,8 @@ fn nearest_edges(surface: &Surface) -> Vec<Option<[usize; 2]>> {
     nearest
 }
 
-/// Whether something much farther away is seen right beside a pixel.
-fn is_edge(surface: &Surface, index: usize) -> bool {
+/// `true` if a pixel beside this one is much farther away.
+fn is_edge(surface: &DepthSurface, index: usize) -> bool {
     let [width, height] = surface.size();
     let (x, y) = ((index % width) as i64, (index / width) as i64);
     let Some(own) = surface.depth_m(index) else { return false };
@@ -190,7 +194,7 @@ fn is_edge(surface: &Surface, index: usize) -> bool {
     })
 }
 
-/// The up to eight pixels around one.
+/// Up to eight neighbours of a pixel.
 fn neighbours(index: usize, width: usize, count: usize) -> impl Iterator<Item = usize> {
     let (x, y) = (index % width, index / width);
     let rows = y.saturating_sub(1)..=(y + 1).min((count / width).saturating_sub(1));
@@ -198,21 +202,21 @@ fn neighbours(index: usize, width: usize, count: usize) -> impl Iterator<Item = 
         .filter(move |other| *other != index)
 }
 
-/// Numbers the outlines by their connection and drops all but the longest.
+/// Labels connected outlines and drops all but the longest.
 fn keep_longest(pixels: &mut [Option<RimPixel>], width: usize) {
-    let mut is_met = vec![false; pixels.len()];
+    let mut is_visited = vec![false; pixels.len()];
     let mut outlines: Vec<Vec<usize>> = Vec::new();
     for start in 0..pixels.len() {
-        if pixels[start].is_none() || is_met[start] {
+        if pixels[start].is_none() || is_visited[start] {
             continue;
         }
-        is_met[start] = true;
+        is_visited[start] = true;
         let (mut outline, mut queue) = (Vec::new(), VecDeque::from([start]));
         while let Some(index) = queue.pop_front() {
             outline.push(index);
             for other in neighbours(index, width, pixels.len()) {
-                if pixels[other].is_some() && !is_met[other] {
-                    is_met[other] = true;
+                if pixels[other].is_some() && !is_visited[other] {
+                    is_visited[other] = true;
                     queue.push_back(other);
                 }
             }
@@ -228,7 +232,7 @@ fn keep_longest(pixels: &mut [Option<RimPixel>], width: usize) {
     }
 }
 
-/// Straight pieces that are apart from each other.
+/// Targets on straight pieces, apart from each other.
 fn places(pixels: &[Option<RimPixel>], width: usize) -> Vec<RimPlace> {
     let mut places: Vec<RimPlace> = Vec::new();
     for rim in pixels.iter().flatten() {
@@ -240,7 +244,7 @@ fn places(pixels: &[Option<RimPixel>], width: usize) -> Vec<RimPlace> {
     places
 }
 
-/// The straight piece around a pixel, if it is one and no other outline is near.
+/// Target around a pixel, if the outline is straight there and no other one is near.
 fn place(rim: &RimPixel, pixels: &[Option<RimPixel>], width: usize) -> Option<RimPlace> {
     let reach = 2.0 * BESIDE_PX;
     let (x, y) = (rim.patch.middle.x, rim.patch.middle.y);
@@ -262,9 +266,9 @@ fn place(rim: &RimPixel, pixels: &[Option<RimPixel>], width: usize) -> Option<Ri
     let spread = SymmetricEigen::new(spread);
     let least = spread.eigenvalues.imin();
     let across: Vector2<f64> = spread.eigenvectors.column(least).into_owned();
-    // In the middle of a piece that is straight and long enough on both sides.
+    // In the middle of a straight piece.
     let is_straight = spread.eigenvalues[least].sqrt() <= MOST_ACROSS_PX && (expected - rim.patch.middle).norm() < 1.5;
-    // What lies across is the outline itself and nothing else.
+    // Only the outline itself lies across.
     let is_alone = around.iter().all(|other| {
         let off = other.patch.middle - expected;
         let along = off.perp(&across).abs();

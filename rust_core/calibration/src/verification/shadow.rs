@@ -1,24 +1,24 @@
-//! What of the surface the projector sees by its file: depths from the projector, in cells of its picture.
+//! ShadowMap map: depths from the projector by its file, in cells of its image.
 
 use nalgebra::Point2;
 
-use super::surface::{Projector, Surface};
+use super::surface::{DepthSurface, PosedProjector};
 
-/// The side of a cell, projector pixels.
+/// Side of a cell, projector pixels.
 const CELL_PX: f64 = 6.0;
-/// A point is hidden if something in a cell beside it is nearer by this share of its depth.
+/// Share of the depth by which an occluder in a neighbouring cell must be nearer.
 const NEARER: f64 = 0.03;
 
-/// The nearest depth in each cell of the projector's picture.
+/// Nearest depth in each cell of the projector's image.
 #[derive(Debug, Clone)]
-pub(super) struct Shadow {
+pub(super) struct ShadowMap {
     cells: [usize; 2],
     nearest_m: Vec<f64>,
 }
 
-impl Shadow {
-    /// Enters all of the surface.
-    pub(super) fn new(surface: &Surface, projector: &Projector) -> Self {
+impl ShadowMap {
+    /// Builds the map from a surface.
+    pub(super) fn new(surface: &DepthSurface, projector: &PosedProjector) -> Self {
         let cells = projector.lens.size_px.map(|side| (f64::from(side) / CELL_PX).ceil() as usize);
         let mut nearest_m = vec![f64::INFINITY; cells[0] * cells[1]];
         let [width, height] = surface.size();
@@ -36,7 +36,7 @@ impl Shadow {
         Self { cells, nearest_m }
     }
 
-    /// Whether the light of a pixel reaches a point of this depth before the projector, metres.
+    /// `true` if a pixel's light reaches a point of this depth from the projector, metres.
     pub(super) fn is_reached(&self, pixel: Point2<f64>, depth_m: f64) -> bool {
         let Some([column, row]) = cell_of(pixel, self.cells) else { return false };
         let columns = column.saturating_sub(1)..=(column + 1).min(self.cells[0] - 1);
@@ -69,8 +69,8 @@ mod tests {
         let is_panel = |index: usize| (70..90).contains(&(index % 160)) && (40..80).contains(&(index / 160));
         let depth_m: Vec<f32> = (0..160 * 120).map(|index| if is_panel(index) { 1.0 } else { 2.0 }).collect();
         let lens = Lens::pinhole([320, 240], [200.0, 200.0], [159.5, 119.5]);
-        let projector = Projector { lens, from_camera: Isometry3::translation(-0.3, 0.0, 0.0) };
-        let shadow = Shadow::new(&Surface::new(&camera, &depth_m), &projector);
+        let projector = PosedProjector { lens, from_camera: Isometry3::translation(-0.3, 0.0, 0.0) };
+        let shadow = ShadowMap::new(&DepthSurface::new(&camera, &depth_m), &projector);
         let is_reached = |point: Point3<f64>| {
             let pixel = projector.pixel(&point).unwrap();
             shadow.is_reached(pixel, point.z)

@@ -1,50 +1,55 @@
-//! Spots of light on the surface: where to put them, how to tell them apart, and where they land.
+//! Spots of light: placement, identification, detection.
 //!
-//! Each spot is in two pictures: one of its row and one of its column in a square table of all spots. No other spot is
-//! in both, so what both pictures show is the light of this spot alone, however far from its place it lands.
+//! Each spot is in two images, that of its row and that of its column in a square table of all spots. No other spot is
+//! in both, so their minimum shows this spot alone, however far it lands from its target.
 
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
 use super::light_map::{LightMap, Shares};
-use super::shadow::Shadow;
-use super::surface::{Patch, Projector, Surface};
+use super::shadow::ShadowMap;
+use super::surface::{DepthSurface, Patch, PosedProjector};
 
-/// The most spots.
+/// Maximum number of spots.
 const MOST: usize = 64;
-/// Spots are so far apart at least, camera pixels.
+/// Minimum distance of two spots, camera pixels.
 const LEAST_APART_PX: f64 = 18.0;
-/// Every so many camera pixels a spot may be put.
+/// Spacing of the candidate lattice, camera pixels.
 const LATTICE_PX: usize = 4;
-/// The radius of a spot as the camera sees it, pixels: wide enough for a middle with fractions.
+/// Radius of a spot in the camera's image, pixels: large enough for a subpixel centroid.
 const RADIUS_PX: f64 = 2.5;
-/// And the least and the most of it in the projector's picture, pixels.
+/// Range of radii in the projector's image, pixels.
 const RADII_PX: std::ops::RangeInclusive<f64> = 2.0..=40.0;
-/// The surface is lit all around a spot, this many camera pixels wide.
+/// Width of lit surface required around a spot, camera pixels.
 const LIT_PX: usize = 6;
-/// A spot is seen if this share of the projector's light arrives somewhere.
-const SEEN_SHARE: f64 = 0.3;
-/// Less of it does not count for its middle.
+/// Minimum light share of a detected spot.
+const DETECTED_SHARE: f64 = 0.3;
+/// Light share that is subtracted for the centroid.
 const FAINT_SHARE: f32 = 0.12;
-/// The middle is that of the light within so many camera pixels.
+/// Radius of the centroid's window, camera pixels.
 const WINDOW_PX: f64 = 7.0;
 
-/// A spot of light that the projector is to put on the surface.
+/// Spot to project onto the surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
-    /// The projector pixel in its middle; a whole one.
+    /// Centre, a whole projector pixel.
     pub(super) pixel: Point2<f64>,
-    /// Its radius, projector pixels.
+    /// Radius, projector pixels.
     radius_px: f64,
-    /// The surface there.
+    /// DepthSurface patch.
     pub(super) patch: Patch,
-    /// Where the camera should see its middle, pixels.
+    /// Expected centre in the camera's image, pixels.
     pub(super) expected: Point2<f64>,
 }
 
-/// Spots spread over what the camera sees, the projector lights and no edge is near to.
-pub(super) fn choose(surface: &Surface, projector: &Projector, shadow: &Shadow, light: &LightMap) -> Vec<Spot> {
+/// Chooses spots spread over the lit surface, away from depth edges.
+pub(super) fn choose(
+    surface: &DepthSurface,
+    projector: &PosedProjector,
+    shadow: &ShadowMap,
+    light: &LightMap,
+) -> Vec<Spot> {
     let [width, height] = surface.size();
     let rows: Vec<usize> = (0..height).step_by(LATTICE_PX).collect();
     let candidates: Vec<Vec<Spot>> = rows
@@ -58,8 +63,8 @@ pub(super) fn choose(surface: &Surface, projector: &Projector, shadow: &Shadow, 
 }
 
 impl Spot {
-    /// The spot in the middle of a patch; none where the projector cannot put it.
-    fn at(patch: Patch, surface: &Surface, projector: &Projector, shadow: &Shadow) -> Option<Self> {
+    /// Spot in the centre of a patch; `None` where the projector cannot show it.
+    fn at(patch: Patch, surface: &DepthSurface, projector: &PosedProjector, shadow: &ShadowMap) -> Option<Self> {
         let camera = &surface.camera;
         let pixel = projector.pixel_of(&patch, camera, patch.middle)?.map(f64::round);
         let expected = projector.seen_at(&patch, camera, pixel)?;
@@ -77,11 +82,10 @@ impl Spot {
     }
 }
 
-/// Chooses one after the other the candidate that is farthest from all before it.
+/// Farthest-point sampling, starting near the mean.
 fn spread(candidates: &[Spot]) -> Vec<Spot> {
     let count = candidates.len().max(1) as f64;
     let mean = candidates.iter().map(|spot| spot.expected.coords).sum::<Vector2<f64>>() / count;
-    // The first one is in the middle of all.
     let mut apart: Vec<f64> = candidates.iter().map(|spot| -(spot.expected.coords - mean).norm()).collect();
     let mut chosen: Vec<Spot> = Vec::new();
     while chosen.len() < MOST {
@@ -99,12 +103,12 @@ fn spread(candidates: &[Spot]) -> Vec<Spot> {
     chosen
 }
 
-/// How many rows, and columns, the square table of so many spots has.
+/// Number of rows and columns of the square table for a number of spots.
 fn side(spots: usize) -> usize {
     (1..).find(|side| side * side >= spots).unwrap_or_default()
 }
 
-/// The pictures by which spots are told apart: those of the rows, then those of the columns.
+/// Images that identify spots: those of the rows, then those of the columns.
 pub(super) fn pictures(spots: &[Spot], size_px: [u32; 2]) -> Vec<Drawing> {
     let side = side(spots.len());
     let mut pictures = vec![Drawing::black(size_px); 2 * side];
@@ -116,20 +120,20 @@ pub(super) fn pictures(spots: &[Spot], size_px: [u32; 2]) -> Vec<Drawing> {
     pictures
 }
 
-/// Where each spot was seen in the camera's pictures of [`pictures`], pixels.
-pub(super) fn find(spots: &[Spot], seen: &[Shares]) -> Vec<Option<Point2<f64>>> {
+/// Detects each spot in the camera's images of [`pictures`], pixels.
+pub(super) fn find(spots: &[Spot], images: &[Shares]) -> Vec<Option<Point2<f64>>> {
     let side = side(spots.len());
     let of_spot = |index: usize| {
-        let (row, column) = (seen.get(index / side)?, seen.get(side + index % side)?);
-        middle(&row.common(column))
+        let (row, column) = (images.get(index / side)?, images.get(side + index % side)?);
+        centroid(&row.common(column))
     };
     (0..spots.len()).into_par_iter().map(of_spot).collect()
 }
 
-/// The middle of the brightest light.
-fn middle(shares: &Shares) -> Option<Point2<f64>> {
+/// Centroid of the brightest light.
+fn centroid(shares: &Shares) -> Option<Point2<f64>> {
     let mut at = brightest(shares)?;
-    // The window follows the light, twice.
+    // The window follows the centroid, twice.
     for _ in 0..3 {
         let [columns, rows] = [(at.x, shares.width), (at.y, shares.height())].map(|(at, size)| {
             let end = (at + WINDOW_PX).floor() as usize + 1;
@@ -154,10 +158,10 @@ fn middle(shares: &Shares) -> Option<Point2<f64>> {
     Some(at)
 }
 
-/// The pixel around which most light arrives, if it is enough for a spot.
+/// Pixel with the brightest neighbourhood, if it is bright enough for a spot.
 fn brightest(shares: &Shares) -> Option<Point2<f64>> {
     let (width, height) = (shares.width, shares.height());
-    let mut best = (SEEN_SHARE as f32, None);
+    let mut best = (DETECTED_SHARE as f32, None);
     for y in 1..height.saturating_sub(1) {
         for x in 1..width.saturating_sub(1) {
             let own = shares.shares[y * width + x];
@@ -192,10 +196,10 @@ mod tests {
             (-0.5 * off.norm_squared() / 4.0).exp() as f32 + noise
         };
         let shares = Shares { width: 60, shares: (0..60 * 40).map(share).collect() };
-        let found = middle(&shares).unwrap();
+        let found = centroid(&shares).unwrap();
         assert!((found - place).norm() < 0.03, "{found}");
         let dark = Shares { width: 60, shares: shares.shares.iter().map(|share| 0.2 * share).collect() };
-        assert_eq!(middle(&dark), None);
-        assert_eq!(middle(&Shares { width: 0, shares: Vec::new() }), None);
+        assert_eq!(centroid(&dark), None);
+        assert_eq!(centroid(&Shares { width: 0, shares: Vec::new() }), None);
     }
 }

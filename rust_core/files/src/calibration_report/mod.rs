@@ -1,8 +1,7 @@
-//! What a calibration says of itself, as two files: `report.yaml` for programs, and `report.html` for people, one page
-//! with its plots, which needs neither network nor scripts.
+//! Calibration report as two files: `report.yaml` for programs, and `report.html` for people, one page with plots that
+//! needs neither network nor scripts.
 
 mod page;
-mod parameters;
 mod plots;
 mod scale;
 mod svg;
@@ -11,27 +10,27 @@ mod yaml;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use rcs_calibration::{Report, Sample, Verdict};
+use rcs_calibration::{Report, Sample};
 
 use crate::atomic_file::write_atomically;
 
-/// The file for programs.
+/// File for programs.
 pub const YAML_FILE: &str = "report.yaml";
-/// The file for people.
+/// File for people.
 pub const PAGE_FILE: &str = "report.html";
 
-/// Why a report cannot be written.
+/// Failure to write a report.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot write: {source}", path.display())]
 pub struct ReportError {
-    /// The file or folder.
+    /// File or folder.
     pub path: PathBuf,
-    /// The system's error.
+    /// System error.
     pub source: std::io::Error,
 }
 
-/// Writes `report.yaml` and `report.html` into a folder, which is made if it does not exist; its parent must. Each file
-/// appears whole or not at all, the one for programs last. `samples` are those that the report's solution is of.
+/// Writes `report.yaml` and `report.html` into a folder, which is created if only its parent exists. Both are written
+/// atomically, the one for programs last. `samples` are those of the report's solution.
 ///
 /// # Errors
 /// [`ReportError`] with the file.
@@ -48,15 +47,6 @@ pub fn write(folder: &Path, report: &Report, samples: &[Sample]) -> Result<(), R
         write_atomically(&path, |file| file.write_all(text.as_bytes()).map_err(io_error), io_error)?;
     }
     Ok(())
-}
-
-/// The word for a verdict in `report.yaml`.
-const fn verdict_word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Good => "good",
-        Verdict::Usable => "usable",
-        Verdict::Again => "again",
-    }
 }
 
 #[cfg(test)]

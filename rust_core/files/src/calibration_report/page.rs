@@ -1,18 +1,18 @@
-//! `report.html`: the verdict and why, the figures, the parameters with their deviations, and the plots. One file that
-//! loads nothing and runs nothing.
+//! `report.html`: verdict and reasons, figures, parameters with deviations, and plots. One self-contained file without
+//! scripts.
 
 use std::fmt::Write as _;
 
-use rcs_calibration::{Report, Sample, ScanPose, Verdict};
+use rcs_calibration::{Parameter, Report, Sample, ScanPose, Verdict};
 
+use super::plots;
 use super::scale::{digits, with_sigma};
 use super::svg::escaped;
-use super::{parameters, plots, verdict_word};
 
-/// How it looks.
+/// Style sheet.
 const STYLE: &str = include_str!("page.css");
 
-/// The text of the file.
+/// Text of the file.
 pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
     let solution = &report.solution;
     let [width, height] = solution.lens.size_px;
@@ -21,21 +21,21 @@ pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
         verdict(report),
         figures(report),
         format!(
-            "<h2>Where light misses</h2>\n<p class=\"note\">Even colours and short arrows are what noise looks like. \
-             Arrows with a pattern, outwards for example, mean that something is not modelled: the lens, or depth \
-             that is wrong over whole areas.</p>\n<div class=\"map\">{}</div>\n",
+            "<h2>Residuals over the picture</h2>\n<p class=\"note\">Noise has even colours and short arrows. Arrows with a \
+            pattern, outwards for example, show an error of the model: the lens, or depth that is wrong over whole \
+            areas.</p>\n<div class=\"map\">{}</div>\n",
             plots::residual_map(solution, samples)
         ),
         format!(
-            "<div class=\"pair\">\n<div><h2>By how much</h2>\n{}</div>\n<div><h2>Where the points are</h2>\n{}</div>\n\
-             </div>\n",
+            "<div class=\"pair\">\n<div><h2>Error histogram</h2>\n{}</div>\n<div><h2>Coverage in depth</h2>\n{}</div>\n\
+            </div>\n",
             plots::histogram(solution),
             plots::depth_coverage(solution, samples)
         ),
         format!(
-            "<h2>Cameras and projector</h2>\n<p class=\"note\">Seen from above the projector. Its light fills the black \
-             pyramid; the rectangles are its picture at the nearest and the farthest points. Axes: x red, y green, \
-             z blue.</p>\n<div class=\"places\">{}</div>\n",
+            "<h2>Cameras and projector</h2>\n<p class=\"note\">View from above the projector. Its frustum is black, with the \
+            picture at the nearest and the farthest points. Axes: x red, y green, z blue.</p>\n\
+            <div class=\"places\">{}</div>\n",
             plots::places(solution, samples, report.coverage.depth_m)
         ),
         lens_table(report),
@@ -45,20 +45,20 @@ pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>Projector calibration: {}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-        verdict_word(report.verdict),
+        report.verdict.name(),
         sections.concat()
     )
 }
 
 fn verdict(report: &Report) -> String {
     let (title, sentence) = match report.verdict {
-        Verdict::Good => ("Good", "Light lands where it should."),
-        Verdict::Usable => ("Usable", "Light lands near where it should. What keeps it from being good:"),
-        Verdict::Again => ("Again", "Not to be used. What has to change:"),
+        Verdict::Good => ("Good", "The projector is calibrated accurately."),
+        Verdict::Usable => ("Usable", "The calibration could be more accurate:"),
+        Verdict::Again => ("Again", "Not usable, scan again:"),
     };
     let reasons: String = report.reasons.iter().map(|reason| format!("<li>{}</li>\n", escaped(reason))).collect();
     let reasons = if reasons.is_empty() { reasons } else { format!("<ul>\n{reasons}</ul>\n") };
-    let class = verdict_word(report.verdict);
+    let class = report.verdict.name();
     format!("<div class=\"verdict {class}\"><strong>{title}.</strong> {sentence}\n{reasons}</div>\n")
 }
 
@@ -67,11 +67,11 @@ fn figures(report: &Report) -> String {
     let [near, far] = coverage.depth_m;
     let share = 100.0 * solution.inliers as f64 / report.points.max(1) as f64;
     let entries = [
-        ("Miss of left-out points, RMS", digits(solution.held_out_rms_px, 3), "px".to_owned()),
-        ("Uncertainty of where light lands", digits(solution.prediction_sigma_px, 3), "px".to_owned()),
-        ("Miss of the points, RMS", digits(solution.rms_px, 3), "px".to_owned()),
-        ("The same at the points' depth", digits(1000.0 * report.rms_m, 3), "mm".to_owned()),
-        ("Farthest inlier", digits(solution.max_px, 3), "px".to_owned()),
+        ("Held-out RMS error", digits(solution.held_out_rms_px, 3), "px".to_owned()),
+        ("Prediction uncertainty", digits(solution.prediction_sigma_px, 3), "px".to_owned()),
+        ("RMS error", digits(solution.rms_px, 3), "px".to_owned()),
+        ("RMS error at the points' depth", digits(1000.0 * report.rms_m, 3), "mm".to_owned()),
+        ("Largest error of an inlier", digits(solution.max_px, 3), "px".to_owned()),
         ("Inliers", thousands(solution.inliers), format!("of {} ({share:.1} %)", thousands(report.points))),
         ("Picture covered", format!("{:.0}", 100.0 * coverage.picture), "%".to_owned()),
         ("Depths", format!("{near:.2} to {far:.2}"), "m".to_owned()),
@@ -86,7 +86,7 @@ fn figures(report: &Report) -> String {
     html + "</dl>\n"
 }
 
-/// A count with narrow spaces between thousands.
+/// Count with narrow spaces between thousands.
 fn thousands(count: usize) -> String {
     let text = count.to_string();
     let groups: Vec<&[u8]> = text.as_bytes().rchunks(3).rev().collect();
@@ -95,7 +95,7 @@ fn thousands(count: usize) -> String {
 }
 
 fn lens_table(report: &Report) -> String {
-    let mut html = "<h2>The lens</h2>\n<div class=\"wide\"><table>\n<tr><th></th><th class=\"number\">value</th>\
+    let mut html = "<h2>Lens</h2>\n<div class=\"wide\"><table>\n<tr><th></th><th class=\"number\">value</th>\
                     <th class=\"number\">± deviation</th><th></th><th></th></tr>\n"
         .to_owned();
     for estimate in &report.solution.estimates {
@@ -105,16 +105,35 @@ fn lens_table(report: &Report) -> String {
         let _ = writeln!(
             html,
             "<tr><td>{}</td><td class=\"number\">{value}</td><td class=\"number\">{sigma}</td><td>{}</td><td>{}</td></tr>",
-            parameters::key(parameter),
-            parameters::unit(parameter),
-            parameters::meaning(parameter),
+            parameter.name(),
+            unit(parameter),
+            meaning(parameter),
         );
     }
     html + "</table></div>\n"
 }
 
+const fn meaning(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Fx => "focal length along u",
+        Parameter::Fy => "focal length along v",
+        Parameter::Cx => "principal point, u",
+        Parameter::Cy => "principal point, v",
+        Parameter::K1 | Parameter::K2 | Parameter::K3 => "radial distortion",
+        Parameter::P1 | Parameter::P2 => "tangential distortion",
+    }
+}
+
+/// Unit; none for distortion.
+const fn unit(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Fx | Parameter::Fy | Parameter::Cx | Parameter::Cy => "px",
+        _ => "",
+    }
+}
+
 fn pose_table(report: &Report) -> String {
-    let mut html = "<h2>The projector's pose</h2>\n<p class=\"note\">In the camera's optical frame (x right, y down, z \
+    let mut html = "<h2>Projector pose</h2>\n<p class=\"note\">In the camera's optical frame (x right, y down, z \
                     along the view), for each scan.</p>\n<div class=\"wide\"><table>\n<tr><th>scan</th>\
                     <th class=\"number\">inliers</th><th class=\"number\">x [mm]</th><th class=\"number\">y [mm]</th>\
                     <th class=\"number\">z [mm]</th><th class=\"number\">roll [°]</th><th class=\"number\">pitch [°]</th>\

@@ -1,6 +1,6 @@
-//! Axes' scales: from quantities to places in a drawing, with tick marks at round numbers.
+//! Axis scales with tick marks at round numbers, colour maps and number formats.
 
-/// A linear scale of an axis.
+/// Linear scale from quantities to drawing coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     low: f64,
@@ -10,8 +10,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Quantities from `low` to `high` at places from `from` to `to`. An empty range is widened, so that every scale
-    /// can be drawn; so is one so narrow that no round number in it could be told from its ends.
+    /// Maps quantities from `low` to `high` to coordinates from `from` to `to`. A range that is empty, or too narrow for
+    /// tick marks, is widened.
     pub(super) fn new([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         const NARROWEST: f64 = 1e-12;
         let is_range = low.is_finite() && high.is_finite() && high - low > NARROWEST * low.abs().max(high.abs());
@@ -23,7 +23,7 @@ impl Scale {
         Self { low, high, from, to }
     }
 
-    /// Quantities at least from `low` to `high`, ending at round numbers.
+    /// Scale whose range is extended to round numbers.
     pub(super) fn rounded([low, high]: [f64; 2], places: [f64; 2]) -> Self {
         let scale = Self::new([low, high], places);
         let step = scale.step(6.0);
@@ -31,33 +31,33 @@ impl Scale {
         Self::new(ends, places)
     }
 
-    /// The first and the last quantity.
+    /// First and last quantity.
     pub(super) fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// Where a quantity is.
+    /// Coordinate of a quantity.
     pub(super) fn place(&self, quantity: f64) -> f64 {
         self.from + self.share(quantity) * (self.to - self.from)
     }
 
-    /// Where a quantity is between the first (0) and the last (1).
+    /// Position of a quantity between the first (0) and the last (1).
     pub(super) fn share(&self, quantity: f64) -> f64 {
         (quantity - self.low) / (self.high - self.low)
     }
 
-    /// About so many round numbers of the range, with their texts.
+    /// Round numbers of the range with their texts, about `about` of them.
     pub(super) fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         let step = self.step(about);
         let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
         let first = (self.low / step - 1e-6).ceil();
         let indices = (0..1000).map(|index| first + f64::from(index));
         let ticks = indices.map(|index| index * step).take_while(|tick| *tick <= self.high + 1e-6 * step);
-        // No minus before a zero.
+        // Adding zero removes the sign of a negative zero.
         ticks.map(|tick| (tick, format!("{:.decimals$}", tick + 0.0))).collect()
     }
 
-    /// 1, 2 or 5 times a power of ten, so that there are about so many steps.
+    /// Step of 1, 2 or 5 times a power of ten that divides the range into about `about` steps.
     fn step(&self, about: f64) -> f64 {
         let wanted = (self.high - self.low) / about.max(1.0);
         let power = 10_f64.powf(wanted.log10().floor());
@@ -66,7 +66,7 @@ impl Scale {
     }
 }
 
-/// A colour between those of a list of stops, which are evenly spread from 0 to 1.
+/// Interpolates between colour stops that are evenly spread from 0 to 1.
 pub(super) fn colour(stops: &[[u8; 3]], share: f64) -> String {
     let [first, .., last] = stops else { return "#000000".to_owned() };
     let at = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
@@ -80,7 +80,7 @@ pub(super) fn colour(stops: &[[u8; 3]], share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A quantity in the way people read it: so many digits that count.
+/// Formats a value with a number of significant digits.
 pub(super) fn digits(value: f64, count: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -89,7 +89,7 @@ pub(super) fn digits(value: f64, count: i32) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A quantity and its deviation, both with the place of the deviation's second digit.
+/// Formats a value and its deviation to the deviation's second significant digit.
 pub(super) fn with_sigma(value: f64, sigma: f64) -> [String; 2] {
     if !(sigma > 0.0 && sigma.is_finite()) {
         return [digits(value, 6), format!("{sigma}")];
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!(texts([0.0, 1.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(texts([-0.013, 0.03]), ["-0.01", "0.00", "0.01", "0.02", "0.03"]);
         assert_eq!(texts([2.0, 2.0]), ["2.0", "2.5", "3.0", "3.5", "4.0"]);
-        // So narrow that rounding would put them outside.
+        // Too narrow for tick marks.
         assert_eq!(texts([1.0, 1.0_f64.next_up()]), ["1.0", "1.2", "1.4", "1.6", "1.8", "2.0"]);
         assert_eq!(texts([-1e20, (-1e20_f64).next_up()]), texts([-1e20, -1e20]));
     }

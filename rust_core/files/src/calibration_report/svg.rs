@@ -1,28 +1,25 @@
-//! Drawings as SVG text: the few shapes that plots need. Every text is escaped, every number finite and short.
+//! Minimal SVG writer for the plots. Texts are escaped, numbers finite and short.
 
 use std::fmt::Write as _;
 
-/// Names of fonts that every system has one of.
+/// Font stack.
 pub(super) const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
 
-/// How a text stands to its place.
+/// Alignment of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
-    /// It begins there.
     Start,
-    /// Its middle is there.
     Middle,
-    /// It ends there.
     End,
 }
 
-/// A drawing in the making. Attributes (`stroke`, `fill` and so on) are given as they stand in the text.
+/// SVG builder. Attributes (`stroke`, `fill`, …) are verbatim text.
 pub(super) struct Svg {
     text: String,
 }
 
 impl Svg {
-    /// An empty drawing of so many units; `title` is what those hear who cannot see it.
+    /// Creates an empty drawing of a size; `title` is for screen readers.
     pub(super) fn new([width, height]: [f64; 2], title: &str) -> Self {
         let title = escaped(title);
         let text = format!(
@@ -47,7 +44,7 @@ impl Svg {
         self.element(&format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" {attributes}", short(radius)));
     }
 
-    /// Lines from place to place.
+    /// Polyline.
     pub(super) fn path(&mut self, places: &[[f64; 2]], attributes: &str) {
         let mut path = String::new();
         for (index, place) in places.iter().enumerate() {
@@ -59,13 +56,13 @@ impl Svg {
         self.element(&format!("path d=\"{path}\" {attributes}"));
     }
 
-    /// Dots of one colour, as one shape; their size is the stroke's width.
+    /// Dots as one shape; their size is the stroke's width.
     pub(super) fn dots(&mut self, places: impl Iterator<Item = [f64; 2]>, attributes: &str) {
         let path: String = places.map(|place| place.map(short)).map(|[x, y]| format!("M{x} {y}h.01")).collect();
         self.element(&format!("path d=\"{path}\" stroke-linecap=\"round\" fill=\"none\" {attributes}"));
     }
 
-    /// An arrow with a head that never is longer than the arrow.
+    /// Arrow; its head is at most 45 % of it.
     pub(super) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], attributes: &str) {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = along[0].hypot(along[1]);
@@ -92,13 +89,13 @@ impl Svg {
         let _ = writeln!(self.text, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" {attributes}>{text}</text>");
     }
 
-    /// A text that reads upwards.
+    /// Text rotated to read upwards.
     pub(super) fn text_upwards(&mut self, place: [f64; 2], text: &str, attributes: &str) {
         let [x, y] = place.map(short);
         self.text(place, Anchor::Middle, text, &format!("transform=\"rotate(-90 {x} {y})\" {attributes}"));
     }
 
-    /// The whole drawing.
+    /// Finished drawing.
     pub(super) fn finish(mut self) -> String {
         self.text += "</svg>\n";
         self.text
@@ -109,17 +106,17 @@ impl Svg {
     }
 }
 
-/// A number of a drawing: two digits behind the point are enough. What is not finite is drawn at the origin.
+/// Rounds to two decimals; values that are not finite become 0.
 fn short(value: f64) -> f64 {
     if value.is_finite() {
-        // No minus before a zero.
+        // Adding zero removes the sign of a negative zero.
         (value.clamp(-1e6, 1e6) * 100.0).round() / 100.0 + 0.0
     } else {
         0.0
     }
 }
 
-/// A text of HTML and SVG, as contents and between quotes.
+/// Escapes a text for HTML and SVG, inside and outside of quotes.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {

@@ -12,7 +12,7 @@
 //! inliers: 198200
 //! coverage: {picture: 0.96, depth_m: [0.62, 1.94], scans: 1}
 //! smooth_depth_error_m: 0.0004
-//! skew_px: {value: 0.04, sigma: 0.05}                   # what K[0][1] would be; not there if the lens was known
+//! skew_px: {value: 0.04, sigma: 0.05}                   # estimated K[0][1]; missing if the lens was known
 //! size_px: [1280, 800]
 //! parameters:
 //!   fx: {value: 1900.2, sigma: 0.3}
@@ -29,10 +29,9 @@ use std::fmt::Write as _;
 
 use rcs_calibration::{Coverage, Report, ScanPose};
 
-use super::{parameters, verdict_word};
 use crate::yaml_text::{exact, figure, figures, list, quoted};
 
-/// The text of the file.
+/// Text of the file.
 pub(super) fn yaml(report: &Report) -> String {
     let Report { solution, coverage, .. } = report;
     let Coverage { picture, depth_m, scans } = coverage;
@@ -42,7 +41,7 @@ pub(super) fn yaml(report: &Report) -> String {
         let _ = writeln!(yaml, "{key}: {value}");
     };
     let reasons: Vec<String> = report.reasons.iter().map(|reason| quoted(reason)).collect();
-    line("verdict", verdict_word(report.verdict));
+    line("verdict", report.verdict.name());
     line("reasons", &format!("[{}]", reasons.join(", ")));
     line("rms_px", &figure(solution.rms_px));
     line("held_out_rms_px", &figure(solution.held_out_rms_px));
@@ -61,7 +60,7 @@ pub(super) fn yaml(report: &Report) -> String {
     yaml += if solution.estimates.is_empty() { "parameters: {}\n" } else { "parameters:\n" };
     for estimate in &solution.estimates {
         let (value, sigma) = (exact(estimate.value), figure(estimate.sigma));
-        let _ = writeln!(yaml, "  {}: {{value: {value}, sigma: {sigma}}}", parameters::key(estimate.parameter));
+        let _ = writeln!(yaml, "  {}: {{value: {value}, sigma: {sigma}}}", estimate.parameter);
     }
     yaml += if solution.poses.is_empty() { "poses: []\n" } else { "poses:\n" };
     yaml.extend(solution.poses.iter().map(pose));

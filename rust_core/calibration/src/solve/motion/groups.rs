@@ -1,14 +1,13 @@
-//! Small groups of samples that the camera sees next to each other.
+//! Small groups of neighbouring samples in the camera's image.
 //!
-//! Whatever changes slowly over the camera's picture (a smooth error of the depth, a distortion that the lens lacks) is
-//! nearly the same for all samples of a group.
+//! Errors that change slowly over the image (smooth depth errors, unmodelled distortion) are nearly equal in a group.
 
 use nalgebra::Vector2;
 
-/// Samples of a group at most; it has half as many at least.
+/// Maximum size of a group; the minimum is half of it.
 const MOST: usize = 24;
 
-/// The indices of places, halved along the longer side at the middle one until the groups are small.
+/// Divides places into groups of indices, by halving at the median along the longer side.
 pub(super) fn groups(places: &[Vector2<f64>]) -> Vec<Vec<usize>> {
     let mut groups = Vec::new();
     let mut open = vec![(0..places.len()).collect::<Vec<usize>>()];
@@ -30,7 +29,7 @@ pub(super) fn groups(places: &[Vector2<f64>]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The member of a group that is nearest to the place `i`, not `i` itself.
+/// Nearest other member of a group to the place `i`.
 pub(super) fn nearest(places: &[Vector2<f64>], group: &[usize], i: usize) -> Option<usize> {
     let distance = |other: &usize| (places[*other] - places[i]).norm_squared();
     group.iter().copied().filter(|other| *other != i).min_by(|a, b| distance(a).total_cmp(&distance(b)))

@@ -1,39 +1,39 @@
-//! The two lots that a scan's samples fall into best: by the order in which they were given, or in any.
+//! Search for the best two clusters of a scan's samples: by their given order, or in any order.
 
 use nalgebra::{SMatrix, Vector2};
 
-use super::misses::{Miss, Misses, Motion, MOTION};
+use super::residuals::{Motion, MotionResidual, MotionResiduals, MOTION};
 use super::split::{solved, Split};
 use crate::solve::random::SplitMix64;
 
-/// Where the order of samples is cut, as shares of them.
+/// Tried cuts of the order, as shares of the samples.
 const CUTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-/// Pairs of neighbours that a motion is tried from, and how many motions are tried. A pair's difference is the motion
-/// or its opposite, so 1 of 16 tries has all signs alike.
+/// Pairs of neighbours per tried motion, and number of tries. A pair's difference is the motion or its opposite, so 1 of
+/// 16 tries has equal signs.
 const PAIRS: usize = 5;
 const TRIES: usize = 150;
-/// Keeps such motions small in directions that a few pairs hardly determine.
+/// Damping of motions in directions that a few pairs hardly determine.
 const DAMPING: f64 = 1e-3;
-/// The share of the pairs, of those that differ most, that are drawn from: they are of different lots.
+/// Share of the most different pairs, from which tries are drawn: these are in different clusters.
 const FARTHEST: f64 = 0.25;
-/// Pairs that tries are compared on, at most.
+/// Maximum number of pairs for comparing tries.
 const COMPARED: usize = 400;
-/// Tries that are refined, and how often at most.
+/// Number of refined tries, and maximum rounds.
 const REFINED: usize = 4;
 const ROUNDS: usize = 15;
 
-/// The best cut of the order; none without samples.
-pub(super) fn by_order(misses: &Misses, given: usize) -> Option<Split> {
+/// Best cut of the order; `None` without samples.
+pub(super) fn by_order(residuals: &MotionResiduals, given: usize) -> Option<Split> {
     let cut = |share: f64| {
         let limit = (share * given as f64) as usize;
-        Split::new(misses, misses.all.iter().map(|miss| miss.order >= limit).collect())
+        Split::new(residuals, residuals.all.iter().map(|residual| residual.order >= limit).collect())
     };
     CUTS.into_iter().filter_map(cut).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The best lots in any order, by k-means from motions that explain random pairs of neighbours.
-pub(super) fn in_any_order(misses: &Misses, unsplit: &Split, seed: u64) -> Option<Split> {
-    let pairs = Pair::all(misses);
+/// Best clusters in any order, by k-means from motions that explain random pairs of neighbours.
+pub(super) fn in_any_order(residuals: &MotionResiduals, unsplit: &Split, seed: u64) -> Option<Split> {
+    let pairs = NeighbourPair::all(residuals);
     let count = (pairs.len() as f64 * FARTHEST) as usize;
     if count < PAIRS {
         return None;
@@ -42,60 +42,62 @@ pub(super) fn in_any_order(misses: &Misses, unsplit: &Split, seed: u64) -> Optio
     let mut random = SplitMix64::new(seed, 0x3307);
     let mut tries: Vec<(f64, Motion)> = (0..TRIES)
         .filter_map(|_| {
-            let motion = Pair::motion(&random.distinct::<PAIRS>(count).map(|i| pairs[i]))?;
+            let motion = NeighbourPair::motion(&random.distinct::<PAIRS>(count).map(|i| pairs[i]))?;
             Some((pairs.iter().step_by(step).map(|pair| pair.cost(&motion)).sum(), motion))
         })
         .collect();
     tries.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let refined = tries.iter().take(REFINED).filter_map(|(_, motion)| refine(misses, unsplit, motion));
+    let refined = tries.iter().take(REFINED).filter_map(|(_, motion)| refine(residuals, unsplit, motion));
     refined.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// Lots and motion in turns, until nothing changes.
-fn refine(misses: &Misses, unsplit: &Split, motion: &Motion) -> Option<Split> {
-    let mut split = Split::new(misses, unsplit.beyond(misses, motion, 0.0))?;
+/// Alternates between clusters and motion until convergence.
+fn refine(residuals: &MotionResiduals, unsplit: &Split, motion: &Motion) -> Option<Split> {
+    let mut split = Split::new(residuals, unsplit.beyond(residuals, motion, 0.0))?;
     for _ in 0..ROUNDS {
-        let nearer = split.beyond(misses, &split.motion, 0.5);
+        let nearer = split.beyond(residuals, &split.motion, 0.5);
         if nearer == split.is_second {
             break;
         }
-        split = Split::new(misses, nearer)?;
+        split = Split::new(residuals, nearer)?;
     }
     Some(split)
 }
 
-/// The difference of two neighbours.
+/// Difference of two neighbours.
 #[derive(Debug, Clone, Copy)]
-struct Pair {
+struct NeighbourPair {
     px: Vector2<f64>,
-    miss: Miss,
+    residual: MotionResidual,
 }
 
-impl Pair {
-    /// Each sample with its nearest neighbour, those first that differ most.
-    fn all(misses: &Misses) -> Vec<Self> {
-        let mut pairs: Vec<Self> =
-            misses.all.iter().map(|miss| Self { px: miss.px - misses.all[miss.nearest].px, miss: *miss }).collect();
-        let size = |pair: &Self| pair.px.dot(&(pair.miss.information * pair.px));
+impl NeighbourPair {
+    /// Each sample with its nearest neighbour, the most different first.
+    fn all(residuals: &MotionResiduals) -> Vec<Self> {
+        let all = residuals.all.iter();
+        let mut pairs: Vec<Self> = all
+            .map(|residual| Self { px: residual.px - residuals.all[residual.nearest].px, residual: *residual })
+            .collect();
+        let size = |pair: &Self| pair.px.dot(&(pair.residual.information * pair.px));
         pairs.sort_by(|a, b| size(b).total_cmp(&size(a)));
         pairs
     }
 
-    /// The motion that explains all of these as differences of the second lot to the first.
+    /// Motion that explains all pairs as differences from the first to the second cluster.
     fn motion(pairs: &[Self]) -> Option<Motion> {
         let (mut matrix, mut right) = (SMatrix::<f64, MOTION, MOTION>::zeros(), Motion::zeros());
-        for Self { px, miss } in pairs {
-            let weighted = miss.slopes.transpose() * miss.information;
-            matrix += weighted * miss.slopes;
+        for Self { px, residual } in pairs {
+            let weighted = residual.slopes.transpose() * residual.information;
+            matrix += weighted * residual.slopes;
             right += weighted * px;
         }
         solved(&matrix, &right, DAMPING)
     }
 
-    /// How badly the pair fits, whether both are of the same lot or of different ones.
+    /// Cost of the pair, with both in the same or in different clusters.
     fn cost(&self, motion: &Motion) -> f64 {
-        let moved = self.miss.slopes * motion;
-        let cost = |left: Vector2<f64>| left.dot(&(self.miss.information * left));
+        let moved = self.residual.slopes * motion;
+        let cost = |left: Vector2<f64>| left.dot(&(self.residual.information * left));
         cost(self.px).min(cost(self.px - moved)).min(cost(self.px + moved))
     }
 }

@@ -1,47 +1,47 @@
-//! Samples in two lots, of which one was seen after a small motion: the motion that explains them best.
+//! Two clusters of samples, one observed after a small motion: the best motion for given clusters.
 //!
-//! Each group of neighbours has an unknown centre of its own, which takes up all that neighbours share, so that the
-//! motion is found from differences of neighbours alone (the "within" estimate of fixed effects in econometrics).
+//! Each group of neighbours has its own unknown centre, which absorbs errors that neighbours share, so that the motion
+//! comes from differences of neighbours alone (the "within" estimator of fixed effects in econometrics).
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, Vector2};
 
-use super::misses::{Miss, Misses, Motion, MOTION};
+use super::residuals::{Motion, MotionResidual, MotionResiduals, MOTION};
 use crate::solve::adjust::solve_positive;
-use crate::solve::noise::quantile;
+use crate::statistics::median;
 
-/// Keeps motions finite that the samples do not determine, as a zoom and a shift along the light before a wall.
+/// Damping of undetermined motions, as a zoom and a shift along the light before a wall.
 const DAMPING: f64 = 1e-6;
 
-/// Samples in two lots.
+/// Two clusters of samples.
 #[derive(Debug, Clone)]
 pub(super) struct Split {
-    /// Whether each sample belongs to the second lot, in the order of the misses.
+    /// Membership of the second cluster, by residual.
     pub(super) is_second: Vec<bool>,
-    /// The motion between both.
+    /// Motion between the clusters.
     pub(super) motion: Motion,
-    /// For each group, the miss of its samples of the first lot.
+    /// Centre of the first cluster in each group.
     centres: Vec<Vector2<f64>>,
-    /// The sum of squared misses, in deviations.
+    /// Sum of squared residuals, in deviations.
     pub(super) cost: f64,
 }
 
-/// What speaks for a split.
+/// Evidence for a split.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Evidence {
-    /// How far apart the light of both lots is, root of the mean square, pixels.
+    /// RMS distance of the clusters, pixels.
     pub(super) apart_px: f64,
-    /// The deviation along the motion that is left over, as a share of that without a motion, in the median group.
-    /// Cutting normal deviates in two leaves 0.60 over, cutting evenly distributed ones 0.5.
-    pub(super) left_over: f64,
-    /// The share of the second lot.
+    /// Remaining deviation along the motion as a share of that without motion, in the median group: 0.60 for a normal
+    /// distribution cut in two, 0.5 for a uniform one.
+    pub(super) remaining: f64,
+    /// Share of the second cluster.
     pub(super) second: f64,
-    /// How often neighbours are of different lots, as a share of how often they would be by chance.
+    /// Rate of neighbours in different clusters, as a share of that by chance.
     pub(super) mixed: f64,
-    /// How much the motion explains for each of its unknowns, as a multiple of what chance does (Fisher's F).
+    /// F statistic of the motion.
     pub(super) explained: f64,
 }
 
-/// The motion that solves normal equations; none if they are singular.
+/// Solves normal equations; `None` if they are singular.
 pub(super) fn solved(matrix: &SMatrix<f64, MOTION, MOTION>, right: &Motion, damping: f64) -> Option<Motion> {
     let mut matrix = DMatrix::from_column_slice(MOTION, MOTION, matrix.as_slice());
     for i in 0..MOTION {
@@ -52,23 +52,23 @@ pub(super) fn solved(matrix: &SMatrix<f64, MOTION, MOTION>, right: &Motion, damp
 }
 
 impl Split {
-    /// The best motion for given lots; none if there is nothing to compare.
-    pub(super) fn new(misses: &Misses, is_second: Vec<bool>) -> Option<Self> {
+    /// Best motion for given clusters; `None` if it is undetermined.
+    pub(super) fn new(residuals: &MotionResiduals, is_second: Vec<bool>) -> Option<Self> {
         let mut matrix = SMatrix::<f64, MOTION, MOTION>::zeros();
         let mut right = Motion::zeros();
-        let mut sums = Vec::with_capacity(misses.ends.len());
-        for (from, group) in misses.groups() {
+        let mut sums = Vec::with_capacity(residuals.ends.len());
+        for (from, group) in residuals.groups() {
             let (mut information, mut moment) = (Matrix2::zeros(), Vector2::zeros());
             let mut slopes = SMatrix::<f64, 2, MOTION>::zeros();
-            for (miss, is_second) in group.iter().zip(&is_second[from..]) {
-                let weighted_px = miss.information * miss.px;
-                information += miss.information;
+            for (residual, is_second) in group.iter().zip(&is_second[from..]) {
+                let weighted_px = residual.information * residual.px;
+                information += residual.information;
                 moment += weighted_px;
                 if *is_second {
-                    let weighted = miss.information * miss.slopes;
+                    let weighted = residual.information * residual.slopes;
                     slopes += weighted;
-                    matrix += miss.slopes.transpose() * weighted;
-                    right += miss.slopes.transpose() * weighted_px;
+                    matrix += residual.slopes.transpose() * weighted;
+                    right += residual.slopes.transpose() * weighted_px;
                 }
             }
             let inverse = information.try_inverse()?;
@@ -79,51 +79,56 @@ impl Split {
         let motion = if is_second.contains(&true) { solved(&matrix, &right, DAMPING)? } else { Motion::zeros() };
         let centres = sums.iter().map(|(inverse, moment, slopes)| inverse * (moment - slopes * motion)).collect();
         let mut split = Self { is_second, motion, centres, cost: 0.0 };
-        split.cost = split.sums(misses, |left, information, _| left.dot(&(information * left))).iter().sum();
+        split.cost = split.sums(residuals, |left, information, _| left.dot(&(information * left))).iter().sum();
         Some(split)
     }
 
-    /// For each group the sum over what is left over of its samples, with its information and the sample's motion.
-    fn sums(&self, misses: &Misses, term: impl Fn(Vector2<f64>, &Matrix2<f64>, Vector2<f64>) -> f64) -> Vec<f64> {
-        let sum = |((from, group), centre): ((usize, &[Miss]), &Vector2<f64>)| {
-            let terms = group.iter().zip(&self.is_second[from..]).map(|(miss, is_second)| {
-                let moved = miss.slopes * self.motion;
-                let left = miss.px - centre - if *is_second { moved } else { Vector2::zeros() };
-                term(left, &miss.information, moved)
+    /// Sums a term over each group: of the remaining residual, its information and the sample's displacement.
+    fn sums(
+        &self,
+        residuals: &MotionResiduals,
+        term: impl Fn(Vector2<f64>, &Matrix2<f64>, Vector2<f64>) -> f64,
+    ) -> Vec<f64> {
+        let sum = |((from, group), centre): ((usize, &[MotionResidual]), &Vector2<f64>)| {
+            let terms = group.iter().zip(&self.is_second[from..]).map(|(residual, is_second)| {
+                let moved = residual.slopes * self.motion;
+                let left = residual.px - centre - if *is_second { moved } else { Vector2::zeros() };
+                term(left, &residual.information, moved)
             });
             terms.sum()
         };
-        misses.groups().zip(&self.centres).map(sum).collect()
+        residuals.groups().zip(&self.centres).map(sum).collect()
     }
 
-    /// Whether each sample lies on the far side of a place between its group's centre (0) and that moved (1).
-    pub(super) fn beyond(&self, misses: &Misses, motion: &Motion, place: f64) -> Vec<bool> {
-        let mut beyond = Vec::with_capacity(misses.all.len());
-        for ((_, group), centre) in misses.groups().zip(&self.centres) {
-            beyond.extend(group.iter().map(|miss| {
-                let moved = miss.slopes * motion;
-                (miss.information * moved).dot(&(miss.px - centre - place * moved)) > 0.0
+    /// `true` for samples beyond a place between their group's centre (0) and the moved centre (1).
+    pub(super) fn beyond(&self, residuals: &MotionResiduals, motion: &Motion, place: f64) -> Vec<bool> {
+        let mut beyond = Vec::with_capacity(residuals.all.len());
+        for ((_, group), centre) in residuals.groups().zip(&self.centres) {
+            beyond.extend(group.iter().map(|residual| {
+                let moved = residual.slopes * motion;
+                (residual.information * moved).dot(&(residual.px - centre - place * moved)) > 0.0
             }));
         }
         beyond
     }
 
-    /// What speaks for this split. `unsplit` has all samples in one lot.
-    pub(super) fn evidence(&self, misses: &Misses, unsplit: &Self) -> Evidence {
-        let count = misses.all.len() as f64;
+    /// Evidence for this split; `unsplit` has all samples in one cluster.
+    pub(super) fn evidence(&self, residuals: &MotionResiduals, unsplit: &Self) -> Evidence {
+        let count = residuals.all.len() as f64;
         let second = self.is_second.iter().filter(|is_second| **is_second).count() as f64 / count;
-        let differing = (misses.all.iter().zip(&self.is_second))
-            .filter(|(miss, is_second)| self.is_second[miss.nearest] != **is_second)
+        let differing = (residuals.all.iter().zip(&self.is_second))
+            .filter(|(residual, is_second)| self.is_second[residual.nearest] != **is_second)
             .count() as f64;
         let in_direction = Self { motion: self.motion, ..unsplit.clone() };
-        let without = in_direction.sums(misses, along_motion);
-        let mut shares: Vec<f64> =
-            self.sums(misses, along_motion).iter().zip(&without).map(|(with, without)| with / without).collect();
-        let apart2 = misses.all.iter().map(|miss| (miss.slopes * self.motion).norm_squared()).sum::<f64>() / count;
-        let freedom = 2.0 * (count - misses.ends.len() as f64) - MOTION as f64;
+        let without = in_direction.sums(residuals, along_motion);
+        let with = self.sums(residuals, along_motion);
+        let mut shares: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with / without).collect();
+        let squares = residuals.all.iter().map(|residual| (residual.slopes * self.motion).norm_squared());
+        let apart2 = squares.sum::<f64>() / count;
+        let freedom = 2.0 * (count - residuals.ends.len() as f64) - MOTION as f64;
         Evidence {
             apart_px: apart2.sqrt(),
-            left_over: quantile(&mut shares, 0.5).sqrt(),
+            remaining: median(&mut shares).sqrt(),
             second,
             mixed: differing / count / (2.0 * second * (1.0 - second)),
             explained: (unsplit.cost - self.cost) / MOTION as f64 / (self.cost / freedom.max(1.0)),
@@ -131,7 +136,7 @@ impl Split {
     }
 }
 
-/// The square of what is left over of a sample along its motion, in deviations.
+/// Squared remaining residual along the motion, in deviations.
 fn along_motion(left: Vector2<f64>, information: &Matrix2<f64>, moved: Vector2<f64>) -> f64 {
     let weighted = information * moved;
     let size = weighted.dot(&moved);

@@ -2,13 +2,14 @@
 
 use rcs_scan_simulator::{has_many_seeds, seeds};
 
-use super::synthetic::{pose, Simulation};
 use super::{solve, DistortionTerms, FocalLengths, Parameter, Refusal, Solution, SolveOptions};
+use synthetic::{pose, Simulation};
 
 mod accuracy;
 mod keystone;
 mod motion;
 mod refusals;
+pub(crate) mod synthetic;
 mod uncertainty;
 
 const SIZE_PX: [u32; 2] = [1280, 800];

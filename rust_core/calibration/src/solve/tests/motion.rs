@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector2, Vector3};
 
 use super::*;
 use crate::solve::random::SplitMix64;
-use crate::solve::synthetic::pose;
+use crate::solve::tests::synthetic::pose;
 use crate::{Report, Sample, Verdict};
 
 /// What happened to the camera, or to the projector's zoom.

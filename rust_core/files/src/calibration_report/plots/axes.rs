@@ -1,21 +1,21 @@
-//! The frame of a plot: two axes with ticks at round numbers, labels with units, and a bar that explains colours.
+//! Plot axes with tick marks and labels, and colour bars.
 
 use super::{GREY, GRID};
 use crate::calibration_report::scale::{colour, Scale};
 use crate::calibration_report::svg::{Anchor, Svg};
 
-/// Two axes and what they are called.
+/// Two axes.
 pub(super) struct Axes<'a> {
     pub(super) x: Scale,
     pub(super) y: Scale,
-    /// With the unit.
+    /// Label with the unit.
     pub(super) x_label: &'a str,
-    /// With the unit.
+    /// Label with the unit.
     pub(super) y_label: &'a str,
 }
 
 impl Axes<'_> {
-    /// Left, top, right and bottom of what they enclose.
+    /// Left, top, right and bottom of the plot area.
     pub(super) fn area(&self) -> [f64; 4] {
         let ([x0, x1], [y0, y1]) = (self.x.range(), self.y.range());
         let (left, right) = (self.x.place(x0), self.x.place(x1));
@@ -23,7 +23,7 @@ impl Axes<'_> {
         [left, one.min(other), right, one.max(other)]
     }
 
-    /// Draws lines at the ticks, their numbers, and the labels.
+    /// Draws grid lines, tick labels and axis labels.
     pub(super) fn draw(&self, svg: &mut Svg) {
         let [left, top, right, bottom] = self.area();
         let small = format!("fill=\"{GREY}\" font-size=\"11\"");
@@ -42,7 +42,7 @@ impl Axes<'_> {
         svg.text_upwards([left - 46.0, 0.5 * (top + bottom)], self.y_label, &label);
     }
 
-    /// Draws a line around, over the data.
+    /// Draws a border over the data.
     pub(super) fn draw_border(&self, svg: &mut Svg) {
         let [left, top, right, bottom] = self.area();
         let border = format!("fill=\"none\" stroke=\"{GREY}\" stroke-width=\"1\"");
@@ -50,17 +50,17 @@ impl Axes<'_> {
     }
 }
 
-/// A bar that explains colours, to the right of the axes.
+/// Colour bar to the right of the axes.
 pub(super) struct ColourBar<'a> {
-    /// Where its left side is.
+    /// Left edge.
     pub(super) left: f64,
-    /// The places are from bottom to top.
+    /// Scale from bottom to top.
     pub(super) scale: Scale,
-    /// The colours of the scale's range.
+    /// Colour map of the scale's range.
     pub(super) stops: &'a [[u8; 3]],
-    /// The quantities that are marked, with their texts.
+    /// Marked quantities with their texts.
     pub(super) ticks: Vec<(f64, String)>,
-    /// With the unit.
+    /// Label with the unit.
     pub(super) label: &'a str,
 }
 
@@ -75,7 +75,7 @@ impl ColourBar<'_> {
         for index in 0..STEPS {
             let fill = colour(stops, (f64::from(index) + 0.5) / f64::from(STEPS));
             let y = bottom - step * f64::from(index + 1);
-            // Half a unit more, so that no gap shows between them.
+            // Half a unit more hides gaps.
             svg.rect([*left, y], [WIDTH, step + 0.5], &format!("fill=\"{fill}\""));
         }
         let small = format!("fill=\"{GREY}\" font-size=\"11\"");

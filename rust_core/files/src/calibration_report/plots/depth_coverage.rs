@@ -1,6 +1,6 @@
-//! Where the points lie across the picture and in depth. A calibration holds where it has points: with all of them at
-//! one depth, the focal length and the distance cannot be told apart.
+//! Coverage across the image and in depth: points at one depth cannot separate focal length and distance.
 
+use rcs_calibration::statistics::quantile;
 use rcs_calibration::{Sample, Solution};
 
 use super::axes::{Axes, ColourBar};
@@ -11,7 +11,7 @@ use crate::calibration_report::svg::Svg;
 const COLUMNS: usize = 36;
 const ROWS: usize = 26;
 
-/// The drawing.
+/// Draws the plot.
 pub(in crate::calibration_report) fn depth_coverage(solution: &Solution, samples: &[Sample]) -> String {
     let [left, top, right, bottom] = [62.0, 12.0, 390.0, 262.0];
     let width_px = f64::from(solution.lens.size_px[0].max(1));
@@ -20,9 +20,7 @@ pub(in crate::calibration_report) fn depth_coverage(solution: &Solution, samples
         .filter_map(|residual| samples.get(residual.sample).map(|sample| [sample.pixel.x, residual.depth_m]))
         .collect();
     let mut depths: Vec<f64> = places.iter().map(|[_, depth]| *depth).collect();
-    depths.sort_by(f64::total_cmp);
-    let quantile = |per_mille: usize| depths.get(depths.len().saturating_sub(1) * per_mille / 1000).copied();
-    let range = [quantile(5).unwrap_or(0.0), quantile(995).unwrap_or(1.0)];
+    let range = if depths.is_empty() { [0.0, 1.0] } else { [0.005, 0.995].map(|share| quantile(&mut depths, share)) };
     let axes = Axes {
         x: Scale::new([-0.5, width_px - 0.5], [left, right]),
         y: Scale::rounded(range, [bottom, top]),
@@ -36,7 +34,7 @@ pub(in crate::calibration_report) fn depth_coverage(solution: &Solution, samples
             cells[row as usize * COLUMNS + column as usize] += 1;
         }
     }
-    // Powers of ten: walls have hundreds of times the points of what stands before them.
+    // Logarithmic: walls have hundreds of times the points of objects before them.
     let most = f64::from(cells.iter().copied().max().unwrap_or(0).max(10));
     let colours = Scale::new([0.0, most.log10()], [bottom, top]);
 
@@ -47,7 +45,7 @@ pub(in crate::calibration_report) fn depth_coverage(solution: &Solution, samples
         let (column, row) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);
         let fill = colour(&COLD, colours.share(f64::from(*count).log10()));
         let place = [left + column * width, bottom - (row + 1.0) * height];
-        // A little more, so that no gap shows between them.
+        // A little more hides gaps.
         svg.rect([place[0], place[1] - 0.3], [width + 0.3, height + 0.3], &format!("fill=\"{fill}\""));
     }
     axes.draw_border(&mut svg);

@@ -1,5 +1,6 @@
-//! How many points miss by how much.
+//! Histogram of reprojection errors.
 
+use rcs_calibration::statistics::quantile;
 use rcs_calibration::Solution;
 
 use super::axes::Axes;
@@ -9,30 +10,29 @@ use crate::calibration_report::svg::{Anchor, Svg};
 
 const BINS: usize = 36;
 
-/// The drawing.
+/// Draws the plot.
 pub(in crate::calibration_report) fn histogram(solution: &Solution) -> String {
     let [left, top, right, bottom] = [62.0, 34.0, 450.0, 262.0];
-    let misses =
-        solution.residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.error_px.norm());
-    let mut misses: Vec<f64> = misses.filter(|miss| miss.is_finite()).collect();
-    misses.sort_by(f64::total_cmp);
-    // The last half percent would make all others narrow.
-    let nearly_all = misses.get(misses.len() * 995 / 1000).or(misses.last()).copied().unwrap_or(1.0);
+    let inliers = solution.residuals.iter().filter(|residual| residual.is_inlier);
+    let mut errors: Vec<f64> =
+        inliers.map(|residual| residual.error_px.norm()).filter(|error| error.is_finite()).collect();
+    // The largest half percent would squeeze the others.
+    let nearly_all = if errors.is_empty() { 1.0 } else { quantile(&mut errors, 0.995) };
     let marks = [solution.rms_px, solution.held_out_rms_px].map(|rms| if rms.is_finite() { rms } else { 0.0 });
     let last = marks.iter().fold(nearly_all, |last, rms| last.max(1.1 * rms));
     let x = Scale::rounded([0.0, last], [left, right]);
     let mut bins = [0_usize; BINS];
-    for miss in &misses {
-        if let Some(bin) = bins.get_mut((x.share(*miss) * BINS as f64) as usize) {
+    for error in &errors {
+        if let Some(bin) = bins.get_mut((x.share(*error) * BINS as f64) as usize) {
             *bin += 1;
         }
     }
-    let percent = |count: usize| 100.0 * count as f64 / misses.len().max(1) as f64;
+    let percent = |count: usize| 100.0 * count as f64 / errors.len().max(1) as f64;
     let highest = bins.iter().map(|count| percent(*count)).fold(0.0, f64::max);
     let y = Scale::rounded([0.0, highest], [bottom, top]);
-    let axes = Axes { x, y, x_label: "distance from where it should land [px]", y_label: "points [%]" };
+    let axes = Axes { x, y, x_label: "reprojection error [px]", y_label: "points [%]" };
 
-    let mut svg = Svg::new([right + 20.0, bottom + 50.0], "Histogram of residuals");
+    let mut svg = Svg::new([right + 20.0, bottom + 50.0], "Error histogram");
     axes.draw(&mut svg);
     let width = (right - left) / BINS as f64;
     for (index, count) in bins.iter().enumerate() {
@@ -45,10 +45,10 @@ pub(in crate::calibration_report) fn histogram(solution: &Solution) -> String {
     svg.finish()
 }
 
-/// Lines at the RMS of the points and of those that were left out; their texts keep apart.
+/// Draws lines at the RMS and the held-out RMS error; their texts do not overlap.
 fn draw_marks(svg: &mut Svg, axes: &Axes<'_>, [rms, held_out]: [f64; 2]) {
     let [_, top, right, bottom] = axes.area();
-    let marks = [(rms, "RMS", INK, 20.0), (held_out, "RMS of left-out points", "#b3261e", 6.0)];
+    let marks = [(rms, "RMS", INK, 20.0), (held_out, "held-out RMS", "#b3261e", 6.0)];
     for (value, name, ink, above) in marks {
         let x = axes.x.place(value);
         svg.line(

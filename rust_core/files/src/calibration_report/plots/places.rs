@@ -1,6 +1,5 @@
-//! Where the projector and the cameras were, and what was between them: a parallel projection, seen obliquely from
-//! above and from the projector's right, so that its light goes to the right. Everything is drawn in the projector's
-//! optical frame (x right, y down, z along the light).
+//! Projector, cameras and points in space: a parallel projection, viewed obliquely from above and from the projector's
+//! right, in the projector's optical frame (x right, y down, z along the light).
 
 use nalgebra::{Isometry3, Point2, Point3, Vector3};
 use rcs_calibration::{Lens, Sample, Solution};
@@ -11,23 +10,23 @@ use crate::calibration_report::svg::{Anchor, Svg};
 
 const SIZE: [f64; 2] = [720.0, 430.0];
 const MARGIN: f64 = 24.0;
-/// The most points that are drawn.
+/// Maximum number of drawn points.
 const MOST_DOTS: usize = 1500;
-/// Half the angle of view that cameras are drawn with, as a slope; their lenses are not known here.
+/// Slopes of the drawn cameras' frustums; their lenses are not known here.
 const CAMERA_SLOPE: [f64; 2] = [0.55, 0.42];
-/// Red, green and blue: x, y and z, as everywhere in robotics.
+/// Colours of x, y and z.
 const AXES: [&str; 3] = ["#d62728", "#2a9d4b", "#1f4fd1"];
 
-/// From points to places in the drawing.
-struct View {
+/// Parallel projection onto the drawing.
+struct Projection {
     right: Vector3<f64>,
     down: Vector3<f64>,
     unit: f64,
     offset: [f64; 2],
 }
 
-impl View {
-    /// A view in which all of these points fit.
+impl Projection {
+    /// Projection that fits all points.
     fn of(points: &[Point3<f64>]) -> Self {
         let (turn, tilt) = (-55_f64.to_radians(), 24_f64.to_radians());
         let forward = Vector3::new(turn.sin() * tilt.cos(), tilt.sin(), turn.cos() * tilt.cos());
@@ -53,7 +52,7 @@ impl View {
     }
 }
 
-/// The drawing.
+/// Draws the plot.
 pub(in crate::calibration_report) fn places(solution: &Solution, samples: &[Sample], depth_m: [f64; 2]) -> String {
     let [near_m, far_m] = match depth_m {
         [near, far] if near.is_finite() && far.is_finite() && far > 0.0 => [near.max(0.0).min(far), far],
@@ -64,14 +63,14 @@ pub(in crate::calibration_report) fn places(solution: &Solution, samples: &[Samp
     let camera_m = 0.14 * far_m;
     let mut all: Vec<Point3<f64>> = dots.iter().flat_map(|(_, points)| points.iter().copied()).collect();
     all.extend(corners(far_m));
-    // Behind it there is room for its name.
+    // Room for the projector's name.
     all.extend([Point3::origin(), Point3::new(-0.1 * far_m, 0.0, -0.06 * far_m)]);
     for pose in &solution.poses {
         let camera = &pose.projector_from_camera;
         all.extend([-1.0, 1.0].map(|side| camera * Point3::new(0.0, side * camera_m, camera_m)));
         all.push(camera * Point3::origin());
     }
-    let view = View::of(&all);
+    let view = Projection::of(&all);
 
     let mut svg = Svg::new(SIZE, "Cameras and projector in space");
     for (index, points) in &dots {
@@ -97,9 +96,9 @@ pub(in crate::calibration_report) fn places(solution: &Solution, samples: &[Samp
     svg.finish()
 }
 
-/// Says which colour is which scan.
+/// Draws the legend of the scans' colours.
 fn draw_legend(svg: &mut Svg, solution: &Solution) {
-    /// More scans than this are not told apart by their colours.
+    /// Maximum number of scans with different colours.
     const MOST: usize = SCANS.len();
     let poses = &solution.poses;
     for (index, pose) in poses.iter().take(MOST).enumerate() {
@@ -117,7 +116,7 @@ fn draw_legend(svg: &mut Svg, solution: &Solution) {
     }
 }
 
-/// Inliers in the projector's frame by the index of their scan, evenly taken from all.
+/// Evenly drawn inliers in the projector's frame, by scan index.
 fn dots(solution: &Solution, samples: &[Sample]) -> Vec<(usize, Vec<Point3<f64>>)> {
     let inliers = solution.residuals.iter().filter(|residual| residual.is_inlier);
     let step = (inliers.clone().count() / MOST_DOTS).max(1);
@@ -130,7 +129,7 @@ fn dots(solution: &Solution, samples: &[Sample]) -> Vec<(usize, Vec<Point3<f64>>
     dots
 }
 
-/// The corners of the projector's picture at a depth; where the distortion has no inverse, a pinhole's.
+/// Corners of the projector's image at a depth; where the distortion has no inverse, those of a pinhole.
 fn corners(lens: &Lens, depth: f64) -> [Point3<f64>; 4] {
     let [width, height] = lens.size_px.map(f64::from);
     [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]].map(|[u, v]| {
@@ -140,8 +139,8 @@ fn corners(lens: &Lens, depth: f64) -> [Point3<f64>; 4] {
     })
 }
 
-/// Draws the edges of a frustum, its near and its far side.
-fn draw_frustum(svg: &mut Svg, view: &View, pose: &Isometry3<f64>, sides: [&[Point3<f64>; 4]; 2], colour: &str) {
+/// Draws the edges of a frustum with its near and far sides.
+fn draw_frustum(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, sides: [&[Point3<f64>; 4]; 2], colour: &str) {
     let place = |point: &Point3<f64>| view.place(&(pose * point));
     let line = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.2\" stroke-linejoin=\"round\"");
     let faint = format!("{line} stroke-opacity=\"0.6\"");
@@ -154,7 +153,7 @@ fn draw_frustum(svg: &mut Svg, view: &View, pose: &Isometry3<f64>, sides: [&[Poi
     }
 }
 
-fn draw_axes(svg: &mut Svg, view: &View, pose: &Isometry3<f64>, length_m: f64) {
+fn draw_axes(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, length_m: f64) {
     let origin = view.place(&(pose * Point3::origin()));
     for (index, colour) in AXES.iter().enumerate() {
         let mut end = Point3::origin();
@@ -165,11 +164,11 @@ fn draw_axes(svg: &mut Svg, view: &View, pose: &Isometry3<f64>, length_m: f64) {
 }
 
 /// Draws the optical axis with marks at round depths.
-fn draw_depths(svg: &mut Svg, view: &View, far_m: f64) {
+fn draw_depths(svg: &mut Svg, view: &Projection, far_m: f64) {
     let on_axis = |depth: f64| view.place(&Point3::new(0.0, 0.0, depth));
     let line = format!("stroke=\"{GREY}\" stroke-width=\"1\"");
     svg.line(on_axis(0.0), on_axis(far_m), &format!("{line} stroke-dasharray=\"6 4\""));
-    // A white rim keeps the texts readable before other lines.
+    // A white outline keeps the texts readable.
     let readable =
         format!("fill=\"{GREY}\" font-size=\"11\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"");
     for (depth, text) in Scale::new([0.0, far_m], [0.0, 1.0]).ticks(5.0).into_iter().skip(1) {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 
-use super::random::SplitMix64;
+use crate::solve::random::SplitMix64;
 use crate::{Distortion, Lens, Sample};
 
 /// The depth camera's focal length, pixels.

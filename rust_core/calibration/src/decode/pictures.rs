@@ -1,0 +1,98 @@
+//! Input of the decoder, its errors, and a decoded pixel.
+
+use crate::patterns::Pattern;
+
+/// Images of a scan.
+#[derive(Debug, Clone)]
+pub struct Pictures<'a> {
+    /// Width and height of the camera's images, pixels.
+    pub size_px: [u32; 2],
+    /// Projected pattern of each image.
+    pub patterns: &'a [Pattern],
+    /// Images in the order of the patterns: grey levels, row by row.
+    pub levels: Vec<&'a [u8]>,
+}
+
+/// Failure to decode a scan.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// A required image is missing.
+    #[error("{0} is missing")]
+    Missing(&'static str),
+    /// Stripes have no inverse.
+    #[error("bit {bit} of the stripes along {axis} has no inverse")]
+    NoInverse {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// Bit; 0 is the most significant.
+        bit: u32,
+    },
+    /// A bit of the code is missing although a finer one exists.
+    #[error("bit {bit} of the code along {axis} is missing")]
+    MissingBit {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// Bit; 0 is the most significant.
+        bit: u32,
+    },
+    /// The code has fewer values than the projector has columns or rows.
+    #[error("the code along {axis} has {codes} values, too few for the {size_px} pixels of the projector: is it of another size?")]
+    ShortCode {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// Number of values.
+        codes: u64,
+        /// Pixels of the projector along the axis.
+        size_px: u32,
+    },
+    /// Stripes or their most significant bit are missing.
+    #[error("no code along {0}: its most significant bit is missing")]
+    NoCode(&'static str),
+    /// More stripes than supported.
+    #[error("{count} different stripes along {axis}, at most {most} can be used")]
+    TooMany {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// Number of different stripes.
+        count: usize,
+        /// Supported number.
+        most: usize,
+    },
+    /// An image differs in size.
+    #[error("picture {index} has {count} pixels, not {expected}")]
+    Size {
+        /// Index of the image.
+        index: usize,
+        /// Number of its pixels.
+        count: usize,
+        /// Expected number.
+        expected: usize,
+    },
+    /// The numbers of images and patterns differ.
+    #[error("{pictures} pictures of {patterns} patterns")]
+    Count {
+        /// Number of images.
+        pictures: usize,
+        /// Number of patterns.
+        patterns: usize,
+    },
+}
+
+/// Projector pixel that lights a camera pixel; all values are NaN if it is unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DecodedPixel {
+    /// Subpixel column and row.
+    pub at: [f32; 2],
+    /// Standard deviations, projector pixels.
+    pub sigma: [f32; 2],
+}
+
+impl DecodedPixel {
+    /// Unknown pixel.
+    pub const NONE: Self = Self { at: [f32::NAN; 2], sigma: [f32::NAN; 2] };
+
+    /// `true` if the pixel is known.
+    pub fn is_decoded(&self) -> bool {
+        !self.at[0].is_nan()
+    }
+}
