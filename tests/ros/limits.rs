@@ -90,11 +90,9 @@ fn listening_addresses(program: &Running) -> BTreeSet<String> {
 fn the_node_listens_where_ros_ip_says_and_warns_where_it_cannot() {
     let master = RosMaster::start().unwrap();
     // The last one is an address of a network for examples.
-    for (ip, addresses, warnings) in [
-        ("127.0.0.1", &["0100007F"][..], 0),
-        ("", &["00000000", "0100007F"], 0),
-        ("192.0.2.1", &["00000000", "0100007F"], 1),
-    ] {
+    for (ip, addresses, warnings) in
+        [("127.0.0.1", &["0100007F"][..], 0), ("", &["00000000"], 0), ("192.0.2.1", &["00000000"], 1)]
+    {
         let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_ros_probe")));
         let probe = Running::start(command.args(["listen"]).env("ROS_IP", ip)).unwrap();
         assert!(probe.line_with("ready").is_some(), "{:?}", probe.errors());

@@ -66,9 +66,8 @@ impl QueuedLines {
 }
 
 impl LineQueue {
-    /// A queue for `stream`, written by a thread called `name`. No thread is started yet, because [`rcs_ros::init`] may
-    /// still change environment variables.
-    pub(crate) fn new(
+    /// Lines for a stream. `name` is that of the thread which will write them.
+    pub(super) fn new(
         name: &'static str,
         stream: File,
         notice: impl Fn(u64) -> String + Send + Sync + 'static,

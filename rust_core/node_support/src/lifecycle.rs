@@ -96,13 +96,11 @@ pub struct EndRequest {
 }
 
 impl EndRequest {
-    /// Handles SIGINT and SIGTERM, and prepares the process for its ROS node. To be called before any thread is started,
-    /// see [`rcs_ros::init`].
+    /// Handles SIGINT and SIGTERM from now on.
     ///
     /// # Errors
-    /// A signal handler cannot be installed, or no port is left.
+    /// When the signal handlers cannot be installed.
     pub fn watch_signals() -> io::Result<Self> {
-        rcs_ros::init()?;
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             // In this order: the first signal sets the flag, a second one finds it set.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use rcs_scene::join_within;
 use rustix::event::{poll, PollFd, PollFlags};
 
-use crate::IDLE_TIMEOUT;
+use crate::socket::IDLE_TIMEOUT;
 
 /// How long accepting pauses after an error: no descriptor is left, say, and others may be closed soon.
 const ERROR_PAUSE: Duration = Duration::from_millis(20);

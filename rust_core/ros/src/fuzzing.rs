@@ -7,8 +7,8 @@
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
+use crate::socket::TimedRead;
 use crate::tcpros::header::Header;
-use crate::timed_read::TimedRead;
 use crate::xmlrpc::http::{self, Side};
 use crate::xmlrpc::value;
 

@@ -12,7 +12,8 @@ use rcs_messages::std_msgs::Header;
 use rcs_messages::{Image, SharedBytes, Time};
 use rcs_scene::Picture;
 
-use crate::node::{NodeError, RosNode};
+use crate::error::NodeError;
+use crate::node::RosNode;
 use crate::publisher::Publisher;
 use crate::tcpros::Change;
 

@@ -9,10 +9,9 @@ use std::time::Duration;
 use rcs_scene::lock;
 
 use crate::graph::Master;
+use crate::names::{master_uri, Host};
 use crate::node_api::{self, NodeState};
 use crate::registrar::{Entry, Registrar};
-use crate::rosrust_master;
-use crate::startup::Startup;
 use crate::tcpros::{Description, Listener, Observer, Publication, Service};
 use crate::xmlrpc::Server;
 
@@ -29,7 +28,7 @@ pub(crate) struct Network {
     is_asked_to_end: Arc<AtomicBool>,
     /// One publisher at a time comes or goes.
     publishing: Mutex<()>,
-    _servers: [Server; 2],
+    _api: Server,
 }
 
 /// The address to listen at, for the host name that others are given.
@@ -61,14 +60,12 @@ impl Network {
     /// # Errors
     /// The system's, where a port or a thread cannot be had.
     pub(crate) fn start(
-        startup: &Startup,
-        rosrust_listener: TcpListener,
         node_name: &str,
         on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
     ) -> io::Result<Arc<Self>> {
-        let Startup { master_uri, host, is_host_chosen, .. } = startup;
-        let ip = listening_address(host, *is_host_chosen);
-        if *is_host_chosen && ip.is_unspecified() {
+        let Host { name: host, is_chosen } = Host::of_process();
+        let ip = listening_address(&host, is_chosen);
+        if is_chosen && ip.is_unspecified() {
             // Debian's own /etc/hosts leads the machine's name to a loopback address.
             let level = if host.parse::<IpAddr>().is_ok() { log::Level::Warn } else { log::Level::Info };
             log::log!(level, "{host} is no address of this machine that others reach: listening at all addresses");
@@ -77,9 +74,9 @@ impl Network {
         let state = Arc::new(Mutex::new(None));
         let api = node_api::serve((ip, 0).into(), Arc::clone(&state))?;
         let master = Master {
-            uri: master_uri.clone(),
+            uri: master_uri(),
             node_name: node_name.to_owned(),
-            node_uri: format!("http://{}:{}/", bracketed(host), api.address().port()),
+            node_uri: format!("http://{}:{}/", bracketed(&host), api.address().port()),
         };
         let is_asked_to_end = Arc::new(AtomicBool::new(false));
         let registrar = Registrar::new(master, Arc::clone(&is_asked_to_end), on_publisher_left);
@@ -89,17 +86,9 @@ impl Network {
             registrar: Arc::clone(&registrar),
             is_asked_to_end: Arc::clone(&is_asked_to_end),
         }));
-        let rosrust_master = rosrust_master::start(rosrust_listener, Arc::clone(&registrar))?;
         let running = Arc::clone(&registrar);
         std::thread::Builder::new().name("ros-registrar".to_owned()).spawn(move || running.run())?;
-        Ok(Arc::new(Self {
-            listener,
-            host: host.clone(),
-            registrar,
-            is_asked_to_end,
-            publishing: Mutex::default(),
-            _servers: [api, rosrust_master],
-        }))
+        Ok(Arc::new(Self { listener, host, registrar, is_asked_to_end, publishing: Mutex::default(), _api: api }))
     }
 
     /// The node's registrations.

@@ -1,17 +1,15 @@
 //! The process's node: connecting, subscribing, services, parameters, shutting down.
-//!
-//! rosrust is the node to the process: names, ROS's arguments. Its place in the network is
-//! [`crate::network`]'s.
 
 use crate::clock::RosClock;
 use crate::contacts::Unreachable;
+use crate::error::NodeError;
 use crate::events::{EventQueue, EventSender, NodeEvent, ServiceCall, TriggerReply};
 use crate::graph::Publications;
+use crate::names::{master_uri, private_arguments, Names};
 use crate::network::Network;
 use crate::param_writer::ParamWriter;
-use crate::startup::{startup, Startup};
 use crate::tcpros::Service;
-use crate::topic::{Received, Topic, TopicSubscription};
+use crate::topic::{Listener, Received, TopicSubscription, Topics};
 use crate::waiting::{ask_until_answered, check_master, wait_for_master};
 use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
@@ -21,7 +19,7 @@ use rcs_scene::lock;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{sync_channel, RecvTimeoutError};
-use std::sync::{Arc, Mutex, MutexGuard, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
 /// Queue size of `/tf`. Robots send some hundred messages a second.
@@ -30,75 +28,12 @@ const TF_QUEUE_SIZE: usize = 1000;
 pub(crate) const MOST_QUEUED_CALLS: usize = 64;
 /// How long a caller of a service waits for the scene's thread.
 pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
-/// By how much rosrust's own threads may wake up late.
-const WAKE_SLACK: Duration = Duration::from_millis(20);
 /// How long the node may take to end before the process ends without that. The master's part has limits of its own.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Why the node could not do something.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NodeError {
-    /// Waiting for the master was cancelled.
-    #[error("gave up waiting for the ROS master at {0}")]
-    Cancelled(String),
-    /// There is no master.
-    #[error("no ROS master at {uri}: {reason}")]
-    NoMaster {
-        /// Where it should be.
-        uri: String,
-        /// What is there instead.
-        reason: String,
-    },
-    /// [`init`](crate::init) was not called, or the process has its one node already.
-    #[error("the process is not prepared for a ROS node, or has one already")]
-    NotPrepared,
-    /// A port or a thread cannot be had.
-    #[error("cannot start {what}: {reason}")]
-    Start {
-        /// What was to be started.
-        what: &'static str,
-        /// The system's reason.
-        reason: String,
-    },
-    /// The address of the master cannot be parsed.
-    #[error("'{0}' is not the address of a ROS master")]
-    MasterUri(String),
-    /// The name is not one that ROS allows.
-    #[error("'{0}' is not a valid ROS name")]
-    Name(String),
-    /// A parameter has a value of another type than those that are read.
-    #[error("parameter {0}: it is neither a text, a number, true nor false, nor a list of these")]
-    Parameter(String),
-    /// The node subscribes to the topic with another type already.
-    #[error("{topic} is subscribed to as {subscribed}, not {wanted}")]
-    TypeMismatch {
-        /// The topic's whole name.
-        topic: String,
-        /// Its type so far.
-        subscribed: &'static str,
-        /// The other type.
-        wanted: &'static str,
-    },
-    /// rosrust reports an error.
-    #[error("{what}: {reason}")]
-    Ros {
-        /// What was tried, with the name of the topic or service.
-        what: String,
-        /// rosrust's error.
-        reason: String,
-    },
-}
-
-impl NodeError {
-    pub(crate) fn ros(what: impl Into<String>, error: &rosrust::api::error::Error) -> Self {
-        let reasons: Vec<String> = error.iter().map(ToString::to_string).collect();
-        Self::Ros { what: what.into(), reason: reasons.join(": ") }
-    }
-}
-
 /// The process's node, which turns what it receives into [`NodeEvent`]s.
 ///
-/// rosrust has one node in a process; a second `RosNode` is an error.
+/// A process has one node at a time.
 ///
 /// ```no_run
 /// use rcs_messages::MessageKind;
@@ -129,12 +64,12 @@ pub struct RosNode {
 
 /// What the node's threads share.
 pub(crate) struct Shared {
-    name: String,
+    pub(crate) names: Names,
     pub(crate) network: Arc<Network>,
     pub(crate) events: Arc<EventQueue>,
     pub(crate) calls: Arc<EventQueue<ServiceCall>>,
     clock: Arc<RosClock>,
-    topics: Mutex<BTreeMap<String, Arc<Topic>>>,
+    topics: Arc<Topics>,
     /// The parameters that are polled, and whether it was reported that they are not set.
     pub(crate) followed_parameters: Mutex<BTreeMap<String, bool>>,
 }
@@ -150,17 +85,6 @@ pub struct NodeTime {
     pub is_simulated: bool,
 }
 
-impl Shared {
-    pub(crate) fn topics(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Topic>>> {
-        lock(&self.topics)
-    }
-}
-
-/// The process's arguments without those that are for ROS (`a:=b`), and without the program's name.
-pub fn plain_args() -> Vec<String> {
-    rosrust::args().into_iter().skip(1).collect()
-}
-
 /// The process's node, where there is one.
 static NODE: Mutex<Weak<Shared>> = Mutex::new(Weak::new());
 
@@ -174,7 +98,7 @@ pub fn is_asked_to_end() -> bool {
 pub fn node_time() -> Option<NodeTime> {
     let shared = lock(&NODE).upgrade()?;
     let (stamp, is_simulated) = (shared.clock.now(), shared.clock.is_simulated());
-    Some(NodeTime { name: shared.name.clone(), stamp, is_simulated })
+    Some(NodeTime { name: shared.names.node().to_owned(), stamp, is_simulated })
 }
 
 impl RosNode {
@@ -187,10 +111,9 @@ impl RosNode {
     /// # Errors
     /// [`NodeError::Cancelled`], or why the node cannot start.
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let startup = startup().ok_or(NodeError::NotPrepared)?;
-        wait_for_master(&startup.master_uri, cancelled)?;
+        wait_for_master(&master_uri(), cancelled)?;
         let default_name = default_name.to_owned();
-        unless_cancelled(startup, cancelled, move |given_up| Self::start(startup, &default_name, given_up))
+        unless_cancelled(cancelled, move |given_up| Self::start(&default_name, given_up))
     }
 
     /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
@@ -198,42 +121,38 @@ impl RosNode {
     /// # Errors
     /// [`NodeError::NoMaster`] if no master answers at its address, else as [`connect`](Self::connect).
     pub fn connect_now(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let startup = startup().ok_or(NodeError::NotPrepared)?;
         let default_name = default_name.to_owned();
-        unless_cancelled(startup, cancelled, move |given_up| {
-            check_master(&startup.master_uri)?;
-            Self::start(startup, &default_name, given_up)
+        unless_cancelled(cancelled, move |given_up| {
+            check_master(&master_uri())?;
+            Self::start(&default_name, given_up)
         })
     }
 
-    fn start(startup: &Startup, default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let rosrust_listener = startup.take_rosrust_listener().ok_or(NodeError::NotPrepared)?;
+    fn start(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
+        let (names, arguments) = (Names::of_process(default_name)?, private_arguments()?);
         let events: Arc<EventQueue> = Arc::default();
         let sender = events.sender(0);
         let on_publisher_left = move |topic: &str| sender.push(NodeEvent::PublisherLeft { topic: topic.into() });
-        let network = Network::start(startup, rosrust_listener, &whole_name(default_name), on_publisher_left)
+        let network = Network::start(names.node(), on_publisher_left)
             .map_err(|error| NodeError::Start { what: "the node's ports", reason: error.to_string() })?;
         let master = network.registrar().master();
-        // The private parameters that are given as arguments are set by then.
-        while let Err(error) = with_wake_slack(|| rosrust::try_init_with_options(default_name, false)) {
-            if check_master(&startup.master_uri).is_ok() {
-                return Err(NodeError::ros(format!("cannot start node {default_name}"), &error));
-            }
-            wait_for_master(&startup.master_uri, cancelled)?;
+        for (name, value) in arguments {
+            let name = names.resolve(&name)?;
+            ask_until_answered(&master.uri, cancelled, || master.set_param(&name, value.clone()))?;
         }
-        let param = |name: &str| ask_until_answered(&startup.master_uri, cancelled, || master.param(name));
+        let param = |name: &str| ask_until_answered(&master.uri, cancelled, || master.param(name));
         let simulated = param("/use_sim_time")? == Some(Value::Bool(true));
         let private = match param(&master.node_name)? {
             Some(Value::Struct(values)) => values,
             _ => BTreeMap::new(),
         };
         let shared = Arc::new(Shared {
-            name: rosrust::name(),
+            names,
             network,
             events,
             calls: Arc::default(),
             clock: Arc::new(RosClock::new(simulated)),
-            topics: Mutex::default(),
+            topics: Arc::default(),
             followed_parameters: Mutex::default(),
         });
         *lock(&NODE) = Arc::downgrade(&shared);
@@ -256,7 +175,7 @@ impl RosNode {
 
     /// The node's whole name.
     pub fn name(&self) -> &str {
-        &self.shared.name
+        self.shared.names.node()
     }
 
     /// The queue of what was received.
@@ -282,8 +201,7 @@ impl RosNode {
     /// The whole name of a topic, service or parameter, after remapping: `x` is in the node's namespace, `~x` below its
     /// name.
     pub fn resolve(&self, name: &str) -> Result<String, NodeError> {
-        let param = rosrust::param(name).ok_or_else(|| NodeError::Name(name.to_owned()))?;
-        Ok(param.name().to_owned())
+        self.shared.names.resolve(name)
     }
 
     /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time
@@ -441,9 +359,8 @@ impl RosNode {
         let subscriptions = std::mem::take(&mut *lock(&self.own_subscriptions));
         let ending = move || {
             drop(subscriptions);
-            shared.topics().clear();
+            shared.topics.clear();
             shared.network.end();
-            rosrust::shutdown();
             // Fails if it took too long and the caller went on.
             let _ = done.send(());
         };
@@ -475,20 +392,8 @@ impl RosNode {
         sender: Option<EventSender>,
         on_message: impl Fn(&Arc<str>, &Received<'_>) + Send + Sync + 'static,
     ) -> Result<TopicSubscription, NodeError> {
-        let whole_name = self.resolve(name)?;
-        // Under the lock from beginning to end: the last listener of the topic may be leaving.
-        let mut topics = self.shared.topics();
-        let topic = match topics.get(&whole_name) {
-            Some(topic) => Arc::clone(topic),
-            None => {
-                let topic = Arc::new(Topic::new(&whole_name, kind, self.network()));
-                topics.insert(whole_name, Arc::clone(&topic));
-                topic
-            }
-        };
-        topic.check_kind(kind)?;
-        let listener = topic.add_listener(Box::new(on_message));
-        Ok(TopicSubscription::new(topic, listener, sender, &self.shared))
+        let listener: Listener = Box::new(on_message);
+        self.shared.topics.subscribe(self.network(), self.resolve(name)?, kind, sender, listener)
     }
 
     fn keep(&self, subscription: TopicSubscription) {
@@ -506,7 +411,6 @@ impl Drop for RosNode {
 /// Starts the node on a thread of its own, because the master may stop answering at any time. `start` is told when the
 /// caller has given up.
 fn unless_cancelled(
-    startup: &Startup,
     cancelled: &dyn Fn() -> bool,
     start: impl FnOnce(&dyn Fn() -> bool) -> Result<RosNode, NodeError> + Send + 'static,
 ) -> Result<RosNode, NodeError> {
@@ -525,39 +429,10 @@ fn unless_cancelled(
             Err(RecvTimeoutError::Timeout) if !cancelled() => {}
             Err(_) => {
                 is_abandoned.store(true, Ordering::Release);
-                return Err(NodeError::Cancelled(startup.master_uri.clone()));
+                return Err(NodeError::Cancelled(master_uri()));
             }
         }
     }
-}
-
-/// The node's whole name, as rosrust makes it of ROS's arguments and variables.
-fn whole_name(default_name: &str) -> String {
-    let (namespace, name) = (rosrust::api::resolve::namespace(), rosrust::api::resolve::name(default_name));
-    let namespace = namespace.trim_matches('/');
-    if namespace.is_empty() {
-        format!("/{name}")
-    } else {
-        format!("/{namespace}/{name}")
-    }
-}
-
-/// Calls `start`; the threads that it starts may wake up late by [`WAKE_SLACK`], and are named after rosrust.
-///
-/// rosrust polls for calls from other nodes every five milliseconds, whether there are any or not, which costs a third
-/// of a percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that
-/// starts them, and its name where they get none of their own, so both are set for that moment. If the system refuses,
-/// nothing changes.
-fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
-    let slack_ns = u64::try_from(WAKE_SLACK.as_nanos()).ok().and_then(std::num::NonZeroU64::new);
-    let before = rustix::thread::current_timer_slack().ok().and_then(std::num::NonZeroU64::new);
-    let name = rustix::thread::name();
-    let _ = rustix::thread::set_current_timer_slack(slack_ns);
-    let _ = rustix::thread::set_name(c"rosrust");
-    let started = start();
-    let _ = rustix::thread::set_current_timer_slack(before);
-    let _ = name.and_then(|name| rustix::thread::set_name(&name));
-    started
 }
 
 fn text_or_error(name: &str, value: &Value) -> Result<String, NodeError> {

@@ -10,7 +10,7 @@ use rcs_scene::lock;
 use crate::graph::{strings, Master};
 use crate::registrar::Registrar;
 use crate::tcpros::Listener;
-use crate::xmlrpc::{parse_call, Answer, Server, Value};
+use crate::xmlrpc::{parse_call, Server, Value};
 
 /// What the API answers from.
 pub(crate) struct NodeState {
@@ -41,12 +41,12 @@ pub(crate) fn serve(address: SocketAddr, state: Arc<Mutex<Option<Arc<NodeState>>
     })
 }
 
-fn succeed(value: Value) -> Answer {
-    Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]))
+fn succeed(value: Value) -> Value {
+    Value::Array(vec![Value::Int(1), "".into(), value])
 }
 
-fn refuse(reason: &str) -> Answer {
-    Answer::Value(Value::Array(vec![Value::Int(-1), reason.into(), Value::Int(0)]))
+fn refuse(reason: &str) -> Value {
+    Value::Array(vec![Value::Int(-1), reason.into(), Value::Int(0)])
 }
 
 /// Counters have 32 bits in the API, and start again where they are full.
@@ -55,7 +55,7 @@ fn count(count: u64) -> Value {
 }
 
 impl NodeState {
-    fn answer(&self, method: &str, params: &[Value]) -> Answer {
+    fn answer(&self, method: &str, params: &[Value]) -> Value {
         match (method, params) {
             ("getPid", _) => succeed(Value::Int(std::process::id() as i32)),
             ("getMasterUri", _) => succeed(self.registrar.master().uri.as_str().into()),

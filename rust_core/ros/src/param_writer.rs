@@ -89,7 +89,7 @@ mod tests {
             written.send((name.to_owned(), value)).unwrap();
             answers.recv().unwrap();
         });
-        let next = || is_written.recv_timeout(crate::TEST_PATIENCE).unwrap();
+        let next = || is_written.recv_timeout(crate::socket::TEST_PATIENCE).unwrap();
         assert_eq!(next(), ("/first".to_owned(), Value::Int(0)));
         // The thread waits for an answer.
         for value in 0..1000 {
@@ -118,6 +118,6 @@ mod tests {
         };
         set("/bad");
         set("/good");
-        assert_eq!(is_written.recv_timeout(crate::TEST_PATIENCE).unwrap(), "/good");
+        assert_eq!(is_written.recv_timeout(crate::socket::TEST_PATIENCE).unwrap(), "/good");
     }
 }

@@ -4,10 +4,10 @@
 //! first and then in the namespaces around it; a name that is remapped to an absolute one there alone. A parameter that
 //! is not set yet is polled once a second, as rviz does. One that is not a string counts as an empty one, as in rviz.
 
-use crate::graph::Master;
-use crate::node::{text_of, Shared};
+use crate::events::NodeEvent;
+use crate::names::remapping_of;
+use crate::node::{text_of, RosNode, Shared};
 use crate::xmlrpc::CallError;
-use crate::{NodeEvent, RosNode};
 use rcs_scene::lock;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
@@ -68,7 +68,7 @@ fn poll(shared: &Weak<Shared>) {
         for (name, is_reported) in names {
             let Some(shared) = shared.upgrade() else { return };
             // A master that is silent says nothing about a parameter.
-            let Ok(text) = find(shared.network.registrar().master(), &name) else { continue };
+            let Ok(text) = find(&shared, &name) else { continue };
             let mut followed = lock(&shared.followed_parameters);
             if text.is_some() {
                 followed.remove(&name);
@@ -93,8 +93,8 @@ fn poll(shared: &Weak<Shared>) {
 ///
 /// # Errors
 /// [`CallError`] if the master does not answer.
-fn find(master: &Master, name: &str) -> Result<Option<Arc<str>>, CallError> {
-    let Some(own) = rosrust::param(name).map(|param| param.name().to_owned()) else { return Ok(None) };
+fn find(shared: &Shared, name: &str) -> Result<Option<Arc<str>>, CallError> {
+    let (Ok(own), master) = (shared.names.resolve(name), shared.network.registrar().master()) else { return Ok(None) };
     let (namespace, _) = master.node_name.rsplit_once('/').unwrap_or_default();
     for candidate in candidates(own, namespace, name, remapping_of(name).as_deref()) {
         if let Some(value) = master.param(&candidate)? {
@@ -102,15 +102,6 @@ fn find(master: &Master, name: &str) -> Result<Option<Arc<str>>, CallError> {
         }
     }
     Ok(None)
-}
-
-/// The right side of the remapping `name:=other` among the program's arguments, if there is one.
-pub fn remapping_of(name: &str) -> Option<String> {
-    std::env::args_os().skip(1).find_map(|argument| {
-        let argument = argument.to_string_lossy().into_owned();
-        let (from, to) = argument.split_once(":=")?;
-        (from.trim_start_matches('/') == name).then(|| to.to_owned())
-    })
 }
 
 /// The whole names that a name may stand for, in the order in which they are looked up. `own` is the name as it was

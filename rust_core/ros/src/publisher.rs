@@ -12,8 +12,9 @@ use rcs_messages::std_msgs::Header;
 use rcs_messages::{encode, Image, Message, SharedBytes};
 
 use crate::clock::RosClock;
+use crate::error::NodeError;
 use crate::network::Network;
-use crate::node::{NodeError, RosNode};
+use crate::node::RosNode;
 use crate::registrar::Entry;
 use crate::tcpros::{Change, Description, Frame, Observer, Publication};
 

@@ -5,10 +5,12 @@
 //! a [`ServiceCall::Reconfigure`], which the owner answers with the values that hold then, and a change is published
 //! with [`ReconfigureServer::set_config`].
 
+use crate::error::NodeError;
+use crate::events::{Reply, ServiceCall};
 use crate::network::Network;
-use crate::node::{MOST_QUEUED_CALLS, REPLY_TIMEOUT};
+use crate::node::{RosNode, MOST_QUEUED_CALLS, REPLY_TIMEOUT};
+use crate::publisher::Publisher;
 use crate::xmlrpc::Value;
-use crate::{NodeError, Publisher, Reply, RosNode, ServiceCall};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -14,7 +14,8 @@ use rcs_messages::std_srvs::EmptyRes;
 use rcs_messages::Time;
 use rcs_scene::{lock, wait_timeout};
 
-use crate::node::{NodeError, RosNode};
+use crate::error::NodeError;
+use crate::node::RosNode;
 
 const TOPIC: &str = "/rosout";
 /// Lines that wait for the thread; the oldest give way.

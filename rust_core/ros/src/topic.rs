@@ -2,11 +2,11 @@
 //!
 //! A listener that is added later gets the latched messages, as a new subscriber does from roscpp.
 
+use crate::error::NodeError;
+use crate::events::EventSender;
 use crate::network::Network;
-use crate::node::Shared;
 use crate::registrar::{Entry, Registrar};
 use crate::tcpros::{Handler, Source, Subscription, Wanted};
-use crate::{EventSender, NodeError};
 use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor};
 use rcs_scene::lock;
 use std::collections::{BTreeMap, HashMap};
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 const WARN_PERIOD: Duration = Duration::from_secs(5);
 
 /// Called with the topic's name and a message.
-type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
+pub(crate) type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
 
 /// A message as listeners get it.
 pub(crate) struct Received<'a> {
@@ -28,11 +28,11 @@ pub(crate) struct Received<'a> {
     pub(crate) at: Instant,
 }
 
-pub(crate) struct Topic {
+/// A subscribed topic, registered until it is dropped.
+struct Topic {
     name: Arc<str>,
     kind: MessageKind,
     receiver: Arc<Receiver>,
-    /// Registered for as long as the topic lives.
     subscription: Arc<Subscription>,
     network: Arc<Network>,
 }
@@ -71,7 +71,7 @@ impl MessageVisitor for Describe {
 
 impl Topic {
     /// Subscribes to a topic by its whole name. Listeners are to be added before messages can be expected.
-    pub(crate) fn new(name: &str, kind: MessageKind, network: &Arc<Network>) -> Self {
+    fn new(name: &str, kind: MessageKind, network: &Arc<Network>) -> Self {
         let name: Arc<str> = name.into();
         let registrar = Arc::clone(network.registrar());
         let receiver = Arc::new(Receiver { name: Arc::clone(&name), kind, registrar, state: Mutex::default() });
@@ -84,7 +84,7 @@ impl Topic {
         Self { name, kind, receiver, subscription, network: Arc::clone(network) }
     }
 
-    pub(crate) fn check_kind(&self, wanted: MessageKind) -> Result<(), NodeError> {
+    fn check_kind(&self, wanted: MessageKind) -> Result<(), NodeError> {
         if wanted == self.kind {
             return Ok(());
         }
@@ -96,7 +96,7 @@ impl Topic {
     }
 
     /// Adds a listener and calls it with the latched messages.
-    pub(crate) fn add_listener(&self, listener: Listener) -> u64 {
+    fn add_listener(&self, listener: Listener) -> u64 {
         let (mut state, at) = (lock(&self.receiver.state), Instant::now());
         for (publisher, message) in state.latched.values() {
             if let Some(message) = message {
@@ -180,19 +180,54 @@ pub struct Publishing {
     pub is_latched: bool,
 }
 
+/// The subscribed topics of a node, by their whole names.
+#[derive(Default)]
+pub(crate) struct Topics(Mutex<BTreeMap<String, Arc<Topic>>>);
+
+impl Topics {
+    /// Adds a listener to a topic, which is subscribed to if it is not yet. `sender` is that of the listener, if it
+    /// queues the messages.
+    ///
+    /// # Errors
+    /// [`NodeError::TypeMismatch`].
+    pub(crate) fn subscribe(
+        self: &Arc<Self>,
+        network: &Arc<Network>,
+        name: String,
+        kind: MessageKind,
+        sender: Option<EventSender>,
+        listener: Listener,
+    ) -> Result<TopicSubscription, NodeError> {
+        // Under the lock from beginning to end: the last listener of the topic may be leaving.
+        let mut topics = lock(&self.0);
+        let topic = match topics.get(&name) {
+            Some(topic) => Arc::clone(topic),
+            None => {
+                let topic = Arc::new(Topic::new(&name, kind, network));
+                topics.insert(name, Arc::clone(&topic));
+                topic
+            }
+        };
+        topic.check_kind(kind)?;
+        let listener = topic.add_listener(listener);
+        Ok(TopicSubscription { topic, listener, sender, topics: Arc::downgrade(self) })
+    }
+
+    /// Unsubscribes from all topics.
+    pub(crate) fn clear(&self) {
+        lock(&self.0).clear();
+    }
+}
+
 /// Keeps a topic subscribed until it is dropped.
 pub struct TopicSubscription {
     topic: Arc<Topic>,
     listener: u64,
     sender: Option<EventSender>,
-    node: Weak<Shared>,
+    topics: Weak<Topics>,
 }
 
 impl TopicSubscription {
-    pub(crate) fn new(topic: Arc<Topic>, listener: u64, sender: Option<EventSender>, node: &Arc<Shared>) -> Self {
-        Self { topic, listener, sender, node: Arc::downgrade(node) }
-    }
-
     /// The topic's whole name, after remapping: the one that its events carry.
     pub fn topic(&self) -> &Arc<str> {
         &self.topic.name
@@ -231,9 +266,9 @@ impl TopicSubscription {
 impl Drop for TopicSubscription {
     /// Drops its queued messages, and unsubscribes if there is no other listener.
     fn drop(&mut self) {
-        let Some(node) = self.node.upgrade() else { return };
+        let Some(topics) = self.topics.upgrade() else { return };
         // Under the lock, or a listener that is added now would be left with a topic that is no longer subscribed to.
-        let mut topics = node.topics();
+        let mut topics = lock(&topics.0);
         let unused = self.topic.remove_listener(self.listener);
         if let Some(sender) = &self.sender {
             sender.drop_queued();

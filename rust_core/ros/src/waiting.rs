@@ -3,10 +3,10 @@
 use std::sync::mpsc::{sync_channel, RecvTimeoutError};
 use std::time::Duration;
 
+use crate::error::NodeError;
 use crate::graph::ping;
 use crate::xmlrpc::client::host_and_port;
 use crate::xmlrpc::CallError;
-use crate::NodeError;
 
 /// How often a master that is not there yet is tried.
 const WAIT_PERIOD: Duration = Duration::from_millis(300);

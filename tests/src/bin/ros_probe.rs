@@ -20,7 +20,6 @@ use std::time::{Duration, Instant};
 fn main() -> Result<(), Box<dyn Error>> {
     log::set_logger(&StandardError)?;
     log::set_max_level(log::LevelFilter::Info);
-    rcs_ros::init()?;
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;

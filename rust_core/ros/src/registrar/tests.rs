@@ -1,9 +1,9 @@
 //! Registering with a master that answers as a test wants it.
 
 use super::*;
+use crate::socket::TEST_PATIENCE;
 use crate::tcpros::{Handler, Source, Wanted};
-use crate::xmlrpc::{parse_call, Answer, Server, Value};
-use crate::TEST_PATIENCE;
+use crate::xmlrpc::{parse_call, Server, Value};
 use std::sync::mpsc::{channel, Receiver};
 
 /// A master that notes its calls, and may forget everything.
@@ -20,13 +20,13 @@ fn start() -> TestMaster {
     start_with(no_list, |_| {})
 }
 
-fn no_list() -> Answer {
-    Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)]))
+fn no_list() -> Value {
+    Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])
 }
 
 /// A master whose list `system_state` answers.
 fn start_with(
-    system_state: impl Fn() -> Answer + Send + Sync + 'static,
+    system_state: impl Fn() -> Value + Send + Sync + 'static,
     on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
 ) -> TestMaster {
     let (sender, calls) = channel();
@@ -36,11 +36,9 @@ fn start_with(
     let named = Arc::clone(&publishers);
     let server = Server::start("master", "127.0.0.1:0".parse().unwrap(), move |text| {
         let (method, params) = parse_call(text).unwrap();
-        let answer = |value| Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]));
+        let answer = |value| Value::Array(vec![Value::Int(1), "".into(), value]);
         match method.as_str() {
-            "lookupNode" if !*lock(&is_known) => {
-                Answer::Value(Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]))
-            }
+            "lookupNode" if !*lock(&is_known) => Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]),
             // This node's own address.
             "lookupNode" => answer("http://127.0.0.1:1/".into()),
             "getSystemState" => system_state(),
@@ -162,7 +160,7 @@ fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
         if let Some(registrar) = registrar.filter(|one| lock(&one.state).registered.contains(&removed)) {
             registrar.remove(&removed);
         }
-        Answer::Value(Value::Array(vec![Value::Int(1), "".into(), state.clone()]))
+        Value::Array(vec![Value::Int(1), "".into(), state.clone()])
     };
     let master = start_with(system_state, |_| {});
     *lock(&registrar) = Some(Arc::clone(&master.registrar));
@@ -174,7 +172,7 @@ fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
 
 #[test]
 fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
-    let list = || Answer::Value(Value::Array(vec![Value::Int(1), "".into(), talker_and_node()]));
+    let list = || Value::Array(vec![Value::Int(1), "".into(), talker_and_node()]);
     let master = start_with(list, |_| {});
     let talker = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let talker_uri = format!("http://{}/", talker.local_addr().unwrap());

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use crate::timed_read::TimedRead;
+use crate::socket::TimedRead;
 
 /// The longest header that is read. The definition of a message of many parts has some ten thousand bytes.
 const MAX_BYTES: usize = 1 << 20;

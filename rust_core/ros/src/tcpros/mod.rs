@@ -23,23 +23,3 @@ pub use publication::Change;
 pub(crate) use publication::{Description, Frame, Observer, Publication};
 pub(crate) use service::Service;
 pub(crate) use subscription::{Handler, Link, Source, Subscription, Wanted};
-
-use std::io;
-use std::net::TcpStream;
-use std::time::Duration;
-
-use rustix::net::sockopt;
-
-/// A peer that has vanished without a word is noticed after some minutes of silence.
-const KEEP_ALIVE_IDLE: Duration = Duration::from_secs(60);
-const KEEP_ALIVE_PERIOD: Duration = Duration::from_secs(20);
-const KEEP_ALIVE_PROBES: u32 = 6;
-
-/// Has the system ask a silent peer now and then whether it is still there, and end the connection where it is not.
-fn keep_alive(stream: &TcpStream) -> io::Result<()> {
-    sockopt::set_socket_keepalive(stream, true)?;
-    sockopt::set_tcp_keepidle(stream, KEEP_ALIVE_IDLE)?;
-    sockopt::set_tcp_keepintvl(stream, KEEP_ALIVE_PERIOD)?;
-    sockopt::set_tcp_keepcnt(stream, KEEP_ALIVE_PROBES)?;
-    Ok(())
-}

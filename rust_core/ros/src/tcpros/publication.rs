@@ -19,8 +19,7 @@ use rcs_messages::SharedBytes;
 use rcs_scene::lock;
 
 use super::header::Header;
-use super::keep_alive;
-use crate::IDLE_TIMEOUT;
+use crate::socket::{keep_alive, IDLE_TIMEOUT};
 
 /// What waits in the kernel for a subscriber that does not read is old when it goes on, so it is kept small.
 const SEND_BUFFER_BYTES: usize = 512 * 1024;
@@ -366,7 +365,7 @@ fn write_messages(subscriber: &Subscriber, is_closed: &AtomicBool) -> io::Result
 mod tests {
     use super::super::listener::Listener;
     use super::*;
-    use crate::TEST_PATIENCE;
+    use crate::socket::TEST_PATIENCE;
     use std::sync::mpsc::{channel, Receiver};
     use std::time::{Duration, Instant};
 

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use rcs_scene::lock;
 
 use super::header::{read_exact, Header};
-use super::keep_alive;
 use crate::registrar::Entry;
+use crate::socket::keep_alive;
 
 /// How long a caller may take to send its request, and to read the answer.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
@@ -125,7 +125,7 @@ impl Service {
 mod tests {
     use super::super::listener::Listener;
     use super::*;
-    use crate::TEST_PATIENCE;
+    use crate::socket::TEST_PATIENCE;
     use std::io::Read;
 
     fn listener() -> Listener {

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use rcs_scene::{lock, IDLE_PERIOD};
 
 use super::header::Header;
-use super::keep_alive;
+use crate::socket::keep_alive;
 use crate::xmlrpc::client::{connect, in_order};
 use crate::xmlrpc::{call, CallError, Value};
 

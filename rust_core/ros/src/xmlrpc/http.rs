@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use crate::timed_read::TimedRead;
+use crate::socket::TimedRead;
 
 /// No client of ROS sends a longer head.
 const MAX_HEAD_BYTES: usize = 16 * 1024;

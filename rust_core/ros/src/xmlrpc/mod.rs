@@ -13,5 +13,5 @@ pub(crate) mod server;
 pub(crate) mod value;
 
 pub(crate) use client::{call, CallError};
-pub(crate) use server::{Answer, Server};
+pub(crate) use server::Server;
 pub(crate) use value::{parse_call, Value};

@@ -12,14 +12,6 @@ use crate::acceptor::{Acceptor, Limits};
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
 const LIMITS: Limits = Limits { connections: 64, stack_bytes: 512 * 1024 };
 
-/// What a handler makes of a call.
-pub(crate) enum Answer {
-    /// The value to answer with.
-    Value(Value),
-    /// A whole answer as XML, as another server gave it.
-    Xml(String),
-}
-
 /// Answers calls until it is dropped.
 pub(crate) struct Server(Acceptor);
 
@@ -27,25 +19,13 @@ impl Server {
     /// Listens at an address (port 0: a free one) and answers each call, given as text, on a thread of its own.
     ///
     /// # Errors
-    /// The system's, where the address cannot be had or there is no thread left.
+    /// The address or a thread cannot be had.
     pub(crate) fn start(
         name: &str,
         address: SocketAddr,
-        handler: impl Fn(&str) -> Answer + Send + Sync + 'static,
+        handler: impl Fn(&str) -> Value + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        Self::serve(name, TcpListener::bind(address)?, handler)
-    }
-
-    /// As [`start`](Self::start), on a port that is open already.
-    ///
-    /// # Errors
-    /// The system's, where there is no thread left.
-    pub(crate) fn serve(
-        name: &str,
-        listener: TcpListener,
-        handler: impl Fn(&str) -> Answer + Send + Sync + 'static,
-    ) -> io::Result<Self> {
-        Acceptor::start(name, listener, LIMITS, move |stream| answer(stream, &handler)).map(Self)
+        Acceptor::start(name, TcpListener::bind(address)?, LIMITS, move |stream| answer(stream, &handler)).map(Self)
     }
 
     /// Where it listens.
@@ -54,13 +34,10 @@ impl Server {
     }
 }
 
-fn answer(mut stream: TcpStream, handler: &dyn Fn(&str) -> Answer) -> io::Result<()> {
+fn answer(mut stream: TcpStream, handler: &dyn Fn(&str) -> Value) -> io::Result<()> {
     let body = http::read_body(&mut stream, Side::Request, Instant::now() + CALL_TIMEOUT)?;
     let text = String::from_utf8_lossy(&body);
-    let xml = match handler(&text) {
-        Answer::Value(value) => value::response(&value),
-        Answer::Xml(xml) => xml,
-    };
+    let xml = value::response(&handler(&text));
     let head = format!(
         "HTTP/1.1 200 OK\r\nServer: rviz_camera_stream\r\nContent-Type: text/xml\r\nConnection: close\r\nContent-Length: {}\r\n\r\n",
         xml.len()
@@ -79,7 +56,7 @@ mod tests {
         Server::start("echo", "127.0.0.1:0".parse().unwrap(), |text| {
             let (method, params) = value::parse_call(text).unwrap_or_default();
             let answer = vec![Value::Int(1), method.into(), Value::Array(params)];
-            Answer::Value(Value::Array(answer))
+            Value::Array(answer)
         })
         .unwrap()
     }
@@ -93,9 +70,9 @@ mod tests {
             TcpStream::connect(server.address()).unwrap().write_all(garbage).unwrap();
         }
         let params = [Value::from("x"), Value::Int(3)];
-        let answer = call(&uri, "m", &params, crate::TEST_PATIENCE).unwrap();
+        let answer = call(&uri, "m", &params, crate::socket::TEST_PATIENCE).unwrap();
         assert_eq!(answer, Value::Array(params.to_vec()));
-        assert!(post(&uri, "no xml", crate::TEST_PATIENCE).is_ok());
+        assert!(post(&uri, "no xml", crate::socket::TEST_PATIENCE).is_ok());
         drop(silent);
     }
 

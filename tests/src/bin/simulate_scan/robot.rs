@@ -35,7 +35,6 @@ pub(crate) fn small(rig: &Rig) -> Rig {
 
 /// Runs the robot until a signal comes or ROS asks it to end.
 pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
-    rcs_ros::init()?;
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [SIGTERM, SIGINT] {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;

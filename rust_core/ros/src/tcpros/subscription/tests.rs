@@ -1,8 +1,8 @@
 //! Connections with publishers that a test plays.
 
 use super::*;
-use crate::xmlrpc::{parse_call, Answer, Server};
-use crate::TEST_PATIENCE;
+use crate::socket::TEST_PATIENCE;
+use crate::xmlrpc::{parse_call, Server};
 use std::io::Write;
 use std::net::TcpListener;
 use std::sync::mpsc::{channel, Receiver, Sender};
@@ -20,7 +20,7 @@ impl Publisher {
         let server = Server::start("publisher", "127.0.0.1:0".parse().unwrap(), move |text| {
             assert_eq!(parse_call(text).unwrap().0, "requestTopic");
             let place = vec!["TCPROS".into(), "127.0.0.1".into(), Value::Int(port)];
-            Answer::Value(Value::Array(vec![Value::Int(1), "".into(), Value::Array(place)]))
+            Value::Array(vec![Value::Int(1), "".into(), Value::Array(place)])
         });
         Self { server: server.unwrap(), listener }
     }
