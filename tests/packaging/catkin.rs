@@ -114,6 +114,7 @@ fn the_scripts_work_after(setup: &Path, folder: &Path) {
 }
 
 #[test]
+#[ignore = "the same build by another tool: ./test full"]
 fn catkin_build_installs_what_rosrun_and_rviz_find() {
     let workspace = workspace();
     let at = workspace.path();

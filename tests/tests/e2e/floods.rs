@@ -6,6 +6,7 @@ use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use crate::load::{of_process, watched, FILM};
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
     let fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
@@ -33,6 +34,7 @@ fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn a_thousand_sizes_of_the_picture_cost_nothing_afterwards() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);

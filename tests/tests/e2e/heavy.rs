@@ -106,6 +106,7 @@ fn cloud_of(style: &str, topic: &str) -> String {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
     let displays = [("Flat Squares", "squares"), ("Spheres", "spheres"), ("Boxes", "boxes")];
     let displays = displays.map(|(style, topic)| cloud_of(style, topic));
@@ -124,6 +125,7 @@ fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
     let display = cloud_of("Flat Squares", "squares");
     let fixture = fixture(&[&display]);
@@ -137,6 +139,7 @@ fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn pictures_go_on_beside_markers_of_very_many_lines_triangles_and_translucent_spheres() {
     let fixture = fixture(&[MARKERS]);
     let list = "of_points(Marker.LINE_LIST, around(1000000))";

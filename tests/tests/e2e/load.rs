@@ -206,17 +206,20 @@ fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_
 }
 
 #[test]
+#[ignore = "a figure of memory: ./test full"]
 fn a_huge_picture_gives_its_memory_back() {
     memory_is_given_back_after(16384, 16384, &[], 40);
 }
 
 /// Its colours, its depths and the copy that is read back have 72 MB each.
 #[test]
+#[ignore = "a figure of memory: ./test full"]
 fn a_large_picture_of_the_gpu_gives_its_memory_back() {
     memory_is_given_back_after(6000, 3000, &["--renderer", "gpu"], 60);
 }
 
 #[test]
+#[ignore = "a figure of memory: ./test full"]
 fn large_pictures_and_depths_leave_no_memory_behind() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
@@ -246,6 +249,7 @@ fn large_pictures_and_depths_leave_no_memory_behind() {
 }
 
 #[test]
+#[ignore = "a figure of memory: ./test full"]
 fn a_huge_message_leaves_no_memory_behind_once_it_is_unused() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
@@ -270,6 +274,7 @@ fn a_huge_message_leaves_no_memory_behind_once_it_is_unused() {
 }
 
 #[test]
+#[ignore = "a figure of memory: ./test full"]
 fn a_hundred_thousand_markers_give_their_memory_back() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
@@ -311,6 +316,7 @@ pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
          return max(b - a for a, b in zip(times, times[1:]))";
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     for kind in ["SPHERE", "ARROW", "TEXT_VIEW_FACING"] {
@@ -356,6 +362,7 @@ fn print_rate(fixture: &RosFixture, what: &str) {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn forty_displays_that_all_change_are_drawn() {
     let classes = [
         ("PointCloud2, Style: Flat Squares, Size (m): 0.01, Topic", "points", 5000),
@@ -385,6 +392,7 @@ fn forty_displays_that_all_change_are_drawn() {
 }
 
 #[test]
+#[ignore = "a load: ./test full"]
 fn a_thousand_markers_that_change_a_hundred_times_a_second_are_drawn() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();

@@ -25,6 +25,7 @@ fn printed(soak: &Running, report: &Path) -> String {
 }
 
 #[test]
+#[ignore = "a soak: ./test full"]
 fn half_a_minute_of_faults_costs_neither_pictures_nor_connections() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
@@ -49,6 +50,7 @@ fn children(parent: u32, name: &str) -> Vec<PathBuf> {
 }
 
 #[test]
+#[ignore = "a soak: ./test full"]
 fn pictures_that_stop_are_found_and_an_interrupted_run_leaves_a_report_and_no_process() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
