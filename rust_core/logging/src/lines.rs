@@ -66,8 +66,8 @@ impl QueuedLines {
 }
 
 impl LineQueue {
-    /// Lines for a stream. `name` is that of the thread which will write them.
-    pub(super) fn new(
+    /// A queue for `stream`, written by a thread called `name`.
+    pub(crate) fn new(
         name: &'static str,
         stream: File,
         notice: impl Fn(u64) -> String + Send + Sync + 'static,

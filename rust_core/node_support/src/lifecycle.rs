@@ -96,10 +96,10 @@ pub struct EndRequest {
 }
 
 impl EndRequest {
-    /// Handles SIGINT and SIGTERM from now on.
+    /// Handles SIGINT and SIGTERM.
     ///
     /// # Errors
-    /// When the signal handlers cannot be installed.
+    /// A signal handler cannot be installed.
     pub fn watch_signals() -> io::Result<Self> {
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
