@@ -1,7 +1,5 @@
-//! The window's content: the newest picture, or black because pictures stopped coming, or what a key asked for as far
-//! as that may be lit.
-//!
-//! It knows no window system and no clock, so that it can be tested without either.
+//! The window's content: the newest picture, black for stale pictures, or the view that a key selected, within its
+//! permit. Independent of window system and clock, for tests.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,27 +7,27 @@ use std::time::{Duration, Instant};
 use rcs_scene::Picture;
 
 use crate::keys::WindowKey;
-use crate::light::{Light, Mask, WindowPermit};
+use crate::light::{LightLimit, Mask, WindowPermit};
 use crate::screen_picture::ScreenPicture;
 use crate::test_pictures::TestPicture;
 
-/// What is to be on the screen.
+/// The content of the screen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Face<'a> {
-    /// Nothing: no light.
+pub(crate) enum ScreenContent<'a> {
+    /// No light.
     Black,
-    /// A picture that came.
+    /// A received picture.
     Picture(&'a ScreenPicture),
-    /// A test picture in the monitor's resolution, as far as the mask allows it.
+    /// A test picture in the monitor's resolution, within the mask.
     Test(TestPicture, Option<&'a Arc<dyn Mask>>),
 }
 
-/// What the user asked for with a key.
+/// The view that the user selected with a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mode {
-    /// The pictures as they come.
+enum ViewMode {
+    /// The newest picture.
     Live,
-    /// The picture that was shown when the key was pressed.
+    /// The picture at the time of the key press.
     Paused,
     /// Black.
     Black,
@@ -37,84 +35,84 @@ enum Mode {
     Test(usize),
 }
 
-/// A picture that came.
+/// A received picture.
 #[derive(Debug, Default)]
-pub(crate) struct Image {
-    /// As the screen takes it.
+pub(crate) struct ContentImage {
+    /// The picture in the screen's format.
     pub(crate) picture: ScreenPicture,
-    /// Before its mask.
+    /// The picture before its mask.
     pub(crate) drawn: Option<Arc<Picture>>,
-    /// What may be lit in its place.
+    /// Limits of content in its place.
     pub(crate) permit: WindowPermit,
 }
 
-/// What the window shows.
+/// The content of a window over time.
 #[derive(Debug)]
-pub(crate) struct Content {
-    /// The newest; none while it is held.
-    newest: Option<Image>,
+pub(crate) struct WindowContent {
+    /// The newest picture; `None` while it is held.
+    newest: Option<ContentImage>,
     /// The paused picture.
-    held: Option<Image>,
-    /// What may be lit in place of the newest picture; none before the first.
+    held: Option<ContentImage>,
+    /// Limits of content in place of the newest picture; `None` before the first.
     permit: Option<WindowPermit>,
-    /// What test pictures may light without a picture, and when pictures have stopped.
-    silent_test: Light,
+    /// Limit of test pictures before the first picture, and when pictures are stale.
+    silent_test: LightLimit,
     arrived: Option<Instant>,
     stale_timeout: Option<Duration>,
     is_stale: bool,
-    mode: Mode,
+    mode: ViewMode,
 }
 
-impl Content {
-    /// Black; later pictures are replaced by black when no other came for `stale_timeout`.
-    pub(crate) fn new(stale_timeout: Option<Duration>, silent_test: Light) -> Self {
+impl WindowContent {
+    /// Black until the first picture, and `stale_timeout` after the last one.
+    pub(crate) fn new(stale_timeout: Option<Duration>, silent_test: LightLimit) -> Self {
         let stale_timeout = stale_timeout.filter(|timeout| !timeout.is_zero());
         let (newest, held, permit, arrived) = (None, None, None, None);
-        Self { newest, held, permit, silent_test, arrived, stale_timeout, is_stale: false, mode: Mode::Live }
+        Self { newest, held, permit, silent_test, arrived, stale_timeout, is_stale: false, mode: ViewMode::Live }
     }
 
-    /// Another time after which pictures are stale; zero: never.
+    /// Sets the time after which pictures are stale; zero: never.
     pub(crate) fn set_stale_timeout(&mut self, timeout: Duration) {
         self.stale_timeout = Some(timeout).filter(|timeout| !timeout.is_zero());
     }
 
-    /// What is to be on the screen.
-    pub(crate) fn face(&self) -> Face<'_> {
+    /// The content of the screen.
+    pub(crate) fn on_screen(&self) -> ScreenContent<'_> {
         let permit = self.permit.as_ref().filter(|_| !self.is_stale);
         match (self.mode, permit) {
-            (Mode::Test(index), permit) => {
+            (ViewMode::Test(index), permit) => {
                 let light = permit.map_or(&self.silent_test, |permit| &permit.test);
                 let test = TestPicture::ALL.get(index).filter(|_| !light.is_nothing());
                 let mask = match light {
-                    Light::Masked(mask) => Some(mask),
-                    Light::All | Light::Nothing => None,
+                    LightLimit::Masked(mask) => Some(mask),
+                    LightLimit::All | LightLimit::Nothing => None,
                 };
-                test.map_or(Face::Black, |test| Face::Test(*test, mask))
+                test.map_or(ScreenContent::Black, |test| ScreenContent::Test(*test, mask))
             }
-            (Mode::Black, _) | (_, None) => Face::Black,
-            (Mode::Paused, Some(permit)) if !permit.paused.is_nothing() => picture_of(self.held.as_ref()),
-            (Mode::Live | Mode::Paused, Some(_)) => picture_of(self.newest.as_ref()),
+            (ViewMode::Black, _) | (_, None) => ScreenContent::Black,
+            (ViewMode::Paused, Some(permit)) if !permit.paused.is_nothing() => picture_of(self.held.as_ref()),
+            (ViewMode::Live | ViewMode::Paused, Some(_)) => picture_of(self.newest.as_ref()),
         }
     }
 
-    /// The picture that came last, or is held.
+    /// The newest picture, or the held one.
     pub(crate) fn picture(&self) -> Option<&ScreenPicture> {
         self.newest.as_ref().or(self.held.as_ref()).map(|image| &image.picture)
     }
 
-    /// Takes a new picture. Returns the memory of one that is not needed any more, and whether the screen changes.
-    pub(crate) fn take(&mut self, image: Image, now: Instant) -> (Option<ScreenPicture>, bool) {
+    /// Takes a new picture. Returns a replaced picture for its memory, and whether the screen changes.
+    pub(crate) fn take(&mut self, image: ContentImage, now: Instant) -> (Option<ScreenPicture>, bool) {
         let mut changes = self.note_alive(now) | self.set_permit(&image.permit);
         let old = self.newest.replace(image);
         match self.mode {
-            Mode::Live => changes = true,
-            Mode::Paused => changes |= self.go_on_holding(),
-            Mode::Black | Mode::Test(_) => {}
+            ViewMode::Live => changes = true,
+            ViewMode::Paused => changes |= self.update_held(),
+            ViewMode::Black | ViewMode::Test(_) => {}
         }
         (old.map(|image| image.picture), changes)
     }
 
-    /// The newest picture is shown again. Returns whether the screen changes by that.
+    /// Takes the newest picture again, with its permit. Returns `true` if the screen changes.
     pub(crate) fn repeat(&mut self, permit: &WindowPermit, now: Instant) -> bool {
         self.note_alive(now) | self.set_permit(permit)
     }
@@ -122,19 +120,19 @@ impl Content {
     fn set_permit(&mut self, permit: &WindowPermit) -> bool {
         let old = self.permit.replace(permit.clone());
         match self.mode {
-            Mode::Test(_) => old.is_none_or(|old| old.test.differs(&permit.test)),
-            Mode::Paused => old.is_none_or(|old| old.paused.differs(&permit.paused)),
-            Mode::Live | Mode::Black => false,
+            ViewMode::Test(_) => old.is_none_or(|old| old.test.differs(&permit.test)),
+            ViewMode::Paused => old.is_none_or(|old| old.paused.differs(&permit.paused)),
+            ViewMode::Live | ViewMode::Black => false,
         }
     }
 
-    /// Keeps what is paused as it may be lit now, or holds the newest picture from now on. Returns whether what is held
-    /// has changed.
-    fn go_on_holding(&mut self) -> bool {
-        // The newest is shown, which is dark for a reason.
+    /// Applies the permit to the paused picture, or holds the newest picture from now on. Returns `true` if the held
+    /// picture changed.
+    fn update_held(&mut self) -> bool {
+        // The newest picture is blacked out.
         let Some(permit) = self.permit.as_ref().filter(|permit| !permit.paused.is_nothing()) else { return true };
         match (&mut self.held, &permit.paused) {
-            (Some(held), Light::Masked(mask)) if held.permit.scene == permit.scene => {
+            (Some(held), LightLimit::Masked(mask)) if held.permit.scene == permit.scene => {
                 let masked = held.drawn.as_ref().map(|drawn| mask.post_process(drawn));
                 let is_read = masked.is_some_and(|masked| held.picture.read(&(&masked).into()).is_ok());
                 if !is_read {
@@ -150,33 +148,33 @@ impl Content {
         }
     }
 
-    /// There is no picture any more. Returns whether the screen changes.
+    /// Drops all pictures. Returns `true` if the screen changes.
     pub(crate) fn clear(&mut self) -> bool {
         (self.newest, self.held, self.permit, self.arrived, self.is_stale) = (None, None, None, None, false);
         true
     }
 
-    /// Pictures keep coming. Returns whether the screen changes by that.
+    /// Records that pictures are current. Returns `true` if the screen changes.
     pub(crate) fn note_alive(&mut self, now: Instant) -> bool {
         self.arrived = Some(now);
         let was_stale = std::mem::replace(&mut self.is_stale, false);
         if was_stale {
-            log::info!("pictures come again");
+            log::info!("pictures arrive again");
         }
         was_stale
     }
 
-    /// The picture that came last was called current then. Returns whether the screen changes by that.
+    /// Records that the newest picture was current at a time. Returns `true` if the screen changes.
     pub(crate) fn confirm(&mut self, at: Instant) -> bool {
         self.arrived.is_some_and(|arrived| arrived < at) && self.note_alive(at)
     }
 
-    /// When [`check`](Self::check) is to be called, if pictures do not go on.
+    /// Time of the next [`check`](Self::check), unless another picture arrives.
     pub(crate) fn next_check(&self) -> Option<Instant> {
         self.arrived?.checked_add(self.stale_timeout.filter(|_| !self.is_stale)?)
     }
 
-    /// Checks whether the pictures have stopped. Returns whether the screen changes.
+    /// Checks for stale pictures. Returns `true` if the screen changes.
     pub(crate) fn check(&mut self, now: Instant) -> bool {
         if self.next_check().is_none_or(|at| now < at) {
             return false;
@@ -187,66 +185,68 @@ impl Content {
         true
     }
 
-    /// Does what a key asks for; pressed again, it goes back to the pictures. Returns whether that is anything.
+    /// Selects the view of a key; pressed again, the key returns to the pictures. Returns `false` for other keys.
     pub(crate) fn press(&mut self, key: WindowKey) -> bool {
         let wanted = match key {
-            WindowKey::Space | WindowKey::Character('p' | 'P') => Mode::Paused,
-            WindowKey::Character('b' | 'B') => Mode::Black,
+            WindowKey::Space | WindowKey::Character('p' | 'P') => ViewMode::Paused,
+            WindowKey::Character('b' | 'B') => ViewMode::Black,
             WindowKey::Character('t' | 'T') => self.next_test(),
             _ => return false,
         };
-        self.mode = if self.mode == wanted { Mode::Live } else { wanted };
+        self.mode = if self.mode == wanted { ViewMode::Live } else { wanted };
         match self.mode {
-            Mode::Live => log::info!("showing pictures"),
-            Mode::Paused => log::info!("paused: the picture stays until the key is pressed again"),
-            Mode::Black => log::info!("black until the key is pressed again"),
-            Mode::Test(index) => {
+            ViewMode::Live => log::info!("showing pictures"),
+            ViewMode::Paused => log::info!("paused: the picture stays until the key is pressed again"),
+            ViewMode::Black => log::info!("black until the key is pressed again"),
+            ViewMode::Test(index) => {
                 log::info!("test picture {}", TestPicture::ALL.get(index).map_or("", |test| test.name()));
             }
         }
         match self.mode {
-            // A picture that is dark for a reason is not held.
-            Mode::Paused => {
-                self.go_on_holding();
+            // A blacked-out picture is not held.
+            ViewMode::Paused => {
+                self.update_held();
             }
             _ => self.newest = self.newest.take().or(self.held.take()),
         }
-        self.held = self.held.take().filter(|_| self.mode == Mode::Paused);
+        self.held = self.held.take().filter(|_| self.mode == ViewMode::Paused);
         true
     }
 
-    /// The next test picture, and after the last one the pictures.
-    fn next_test(&self) -> Mode {
+    /// The next test picture; after the last one, the pictures.
+    fn next_test(&self) -> ViewMode {
         match self.mode {
-            Mode::Test(index) if index + 1 < TestPicture::ALL.len() => Mode::Test(index + 1),
-            Mode::Test(_) => Mode::Live,
-            _ => Mode::Test(0),
+            ViewMode::Test(index) if index + 1 < TestPicture::ALL.len() => ViewMode::Test(index + 1),
+            ViewMode::Test(_) => ViewMode::Live,
+            _ => ViewMode::Test(0),
         }
     }
 }
 
-fn picture_of(image: Option<&Image>) -> Face<'_> {
-    image.map_or(Face::Black, |image| Face::Picture(&image.picture))
+fn picture_of(image: Option<&ContentImage>) -> ScreenContent<'_> {
+    image.map_or(ScreenContent::Black, |image| ScreenContent::Picture(&image.picture))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn picture(level: u8) -> Image {
-        Image { picture: ScreenPicture::from_fn(1, 1, |_, _| [level; 3]), ..Image::default() }
+    fn picture(level: u8) -> ContentImage {
+        ContentImage { picture: ScreenPicture::from_fn(1, 1, |_, _| [level; 3]), ..ContentImage::default() }
     }
 
-    fn content(timeout_secs: Option<u64>) -> Content {
-        Content::new(timeout_secs.map(Duration::from_secs), Light::All)
+    fn content(timeout_secs: Option<u64>) -> WindowContent {
+        WindowContent::new(timeout_secs.map(Duration::from_secs), LightLimit::All)
     }
 
-    /// The content of a screen of one pixel: its level, or the test picture's name and whether it is masked.
-    fn shown(content: &Content) -> String {
-        match content.face() {
-            Face::Black => "black".to_owned(),
-            Face::Picture(picture) => (picture.pixels()[0] & 0xff).to_string(),
-            Face::Test(test, mask) => format!("{}{}", test.name(), if mask.is_some() { " masked" } else { "" }),
+    /// The level of a screen of one pixel, or the test picture's name and whether it is masked.
+    fn shown(content: &WindowContent) -> String {
+        match content.on_screen() {
+            ScreenContent::Black => "black".to_owned(),
+            ScreenContent::Picture(picture) => (picture.pixels()[0] & 0xff).to_string(),
+            ScreenContent::Test(test, mask) => {
+                format!("{}{}", test.name(), if mask.is_some() { " masked" } else { "" })
+            }
         }
     }
 
@@ -345,7 +345,7 @@ mod tests {
         assert_eq!(shown(&content), "black");
     }
 
-    /// Adds its number to what was drawn.
+    /// A mask that adds its number to each level.
     #[derive(Debug)]
     struct Added(u8);
 
@@ -361,20 +361,20 @@ mod tests {
     }
 
     /// A picture of this level that was drawn as a hundred more.
-    fn masked(level: u8, scene: u64, mask: u8) -> Image {
+    fn masked(level: u8, scene: u64, mask: u8) -> ContentImage {
         let mut drawn = Picture::default();
         drawn.reset(1, 1, rcs_scene::Encoding::Mono8);
         drawn.data = vec![level + 100];
-        let light = || Light::Masked(Arc::new(Added(mask)));
-        Image {
+        let light = || LightLimit::Masked(Arc::new(Added(mask)));
+        ContentImage {
             drawn: Some(Arc::new(drawn)),
             permit: WindowPermit { paused: light(), test: light(), scene },
             ..picture(level)
         }
     }
 
-    fn dark(test: Light) -> Image {
-        Image { permit: WindowPermit { paused: Light::Nothing, test, scene: 0 }, ..picture(0) }
+    fn dark(test: LightLimit) -> ContentImage {
+        ContentImage { permit: WindowPermit { paused: LightLimit::Nothing, test, scene: 0 }, ..picture(0) }
     }
 
     #[test]
@@ -383,7 +383,7 @@ mod tests {
         let mut content = content(None);
         content.take(picture(1), now);
         content.press(WindowKey::Space);
-        assert!(content.take(dark(Light::All), now).1);
+        assert!(content.take(dark(LightLimit::All), now).1);
         assert_eq!(shown(&content), "0");
         assert!(content.take(picture(2), now).1);
         assert_eq!(shown(&content), "1");
@@ -395,7 +395,7 @@ mod tests {
     fn a_pause_that_begins_in_the_dark_holds_the_first_picture_with_light() {
         let now = Instant::now();
         let mut content = content(None);
-        content.take(dark(Light::All), now);
+        content.take(dark(LightLimit::All), now);
         content.press(WindowKey::Space);
         assert_eq!(shown(&content), "0");
         content.take(picture(1), now);
@@ -432,14 +432,14 @@ mod tests {
     fn masks_beat_test_pictures_and_what_is_only_too_old_does_not() {
         let now = Instant::now();
         let name = TestPicture::ALL[0].name();
-        let mut content = Content::new(Some(Duration::from_secs(1)), Light::Nothing);
+        let mut content = WindowContent::new(Some(Duration::from_secs(1)), LightLimit::Nothing);
         content.press(TEST);
         assert_eq!(shown(&content), "black", "no mask has come yet");
         assert!(content.take(masked(1, 0, 5), now).1);
         assert_eq!(shown(&content), format!("{name} masked"));
-        assert!(content.take(dark(Light::Nothing), now).1);
+        assert!(content.take(dark(LightLimit::Nothing), now).1);
         assert_eq!(shown(&content), "black", "the mask is too old");
-        assert!(content.take(dark(Light::All), now).1);
+        assert!(content.take(dark(LightLimit::All), now).1);
         assert_eq!(shown(&content), name, "something else is too old");
         assert!(content.check(now + Duration::from_secs(1)));
         assert_eq!(shown(&content), "black", "nothing is known of masks any more");

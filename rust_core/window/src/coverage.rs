@@ -1,27 +1,27 @@
-//! Whether the window covers its monitor, and when it has to be put there again.
+//! Keeping the window over its monitor.
 //!
-//! A window system needs a moment to put a new window in its place. Later the monitor may change its mode, or vanish
-//! and come back (a projector that is switched off and on), and window managers then leave the window on another
-//! monitor. The window is polled, often at first and every two seconds later, and [`CoverageWatch`] decides what to do.
-//! It knows no window system, so that it can be tested without one.
+//! A window system needs a moment to place a new window. Later the monitor may change its mode, or vanish and come back
+//! (a projector that is switched off and on), and window managers then leave the window on another monitor. The window is
+//! polled, often at first and every two seconds later, and [`CoverageWatch`] decides what to do. It is independent of the
+//! window system, for tests.
 
 use std::time::{Duration, Instant};
 
-/// How long the window system may take to put the window in its place.
+/// Time in which the window system places the window.
 const SETTLE_TIME: Duration = Duration::from_millis(1500);
 /// Poll period while the window settles.
 const SETTLE_PERIOD: Duration = Duration::from_millis(100);
 /// Poll period later.
 const WATCH_PERIOD: Duration = Duration::from_secs(2);
-/// How many times in a row the window is put in its place before that is given up.
-const MOST_ATTEMPTS: u32 = 3;
+/// Attempts in a row to place the window.
+const MAX_ATTEMPTS: u32 = 3;
 
-/// What is to be done.
+/// Reaction to a poll.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CoverageStep {
-    /// Nothing.
+    /// No reaction.
     Nothing,
-    /// Put the window on its monitor again.
+    /// Place the window on its monitor again.
     CoverAgain,
     /// Warn that the window does not cover its monitor.
     WarnMisplaced,
@@ -29,7 +29,7 @@ pub(crate) enum CoverageStep {
     WarnMonitorGone,
 }
 
-/// The state from one poll to the next.
+/// State between two polls.
 #[derive(Debug, Clone)]
 pub(crate) struct CoverageWatch {
     placed_at: Instant,
@@ -40,22 +40,22 @@ pub(crate) struct CoverageWatch {
 }
 
 impl CoverageWatch {
-    /// For a window that was just opened.
+    /// A watch for a window that was just opened.
     pub(crate) fn new(now: Instant) -> Self {
         Self { placed_at: now, next_poll: now, attempts: 0, has_warned: false, is_gone: false }
     }
 
-    /// When the window is to be polled again.
+    /// Time of the next poll.
     pub(crate) fn next_poll(&self) -> Instant {
         self.next_poll
     }
 
-    /// Whether the window system still has time to place the window.
+    /// `true` while the window system still has time to place the window.
     pub(crate) fn is_settling(&self, now: Instant) -> bool {
         now < self.placed_at + SETTLE_TIME
     }
 
-    /// What to do about a window, given whether its monitor exists and whether the window covers it exactly.
+    /// The reaction, given whether the monitor exists and whether the window covers it exactly.
     pub(crate) fn poll(&mut self, now: Instant, is_monitor_there: bool, is_in_place: bool) -> CoverageStep {
         let step = self.step(now, is_monitor_there, is_in_place);
         self.next_poll = now + if self.is_settling(now) { SETTLE_PERIOD } else { WATCH_PERIOD };
@@ -74,7 +74,7 @@ impl CoverageWatch {
         if is_in_place || (self.is_settling(now) && !was_gone) {
             return CoverageStep::Nothing;
         }
-        if self.attempts < MOST_ATTEMPTS {
+        if self.attempts < MAX_ATTEMPTS {
             self.attempts += 1;
             self.placed_at = now;
             return CoverageStep::CoverAgain;
@@ -90,7 +90,7 @@ impl CoverageWatch {
 mod tests {
     use super::*;
 
-    /// Polls so many times, each when it is due; the steps other than [`CoverageStep::Nothing`].
+    /// Polls `polls` times, each when it is due; the steps other than [`CoverageStep::Nothing`].
     fn steps(watch: &mut CoverageWatch, polls: usize, there: bool, in_place: bool) -> Vec<CoverageStep> {
         let poll = |_| {
             let now = watch.next_poll();

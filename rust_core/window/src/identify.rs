@@ -1,4 +1,4 @@
-//! Which monitor is which: each shows its number, name, resolution and place for a while.
+//! Identification of monitors: each shows its number, name, resolution and position for a while.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -10,16 +10,16 @@ use crate::{
     list_monitors, run_with, MonitorChoice, MonitorInfo, PictureSink, ScreenPicture, WindowError, WindowOptions,
 };
 
-/// How often the end is asked for.
+/// Period of checks for the end.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// How long all windows together may take to close.
-const END_PATIENCE: Duration = Duration::from_secs(4);
+/// Longest time for all windows to close.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Shows on each monitor which one it is, until a key ends it there, for `duration`, or until `is_ending`.
+/// Shows each monitor's identification on it, until Escape or q there, for `duration`, or until `is_ending`.
 ///
 /// # Errors
-/// The first [`WindowError`]; the other monitors are shown nevertheless.
+/// The first [`WindowError`]; the other monitors are identified nevertheless.
 pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), WindowError> {
     let mut shown = Vec::new();
     for (index, monitor) in list_monitors()?.into_iter().enumerate() {
@@ -35,10 +35,10 @@ pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), 
     }
     shown.iter().for_each(|(sink, _)| sink.close());
     let asked = Instant::now();
-    let ended = shown.into_iter().map(|(_, thread)| join_within(thread, END_PATIENCE.saturating_sub(asked.elapsed())));
+    let ended = shown.into_iter().map(|(_, thread)| join_within(thread, CLOSE_TIMEOUT.saturating_sub(asked.elapsed())));
     let results = ended.map(|result| match result {
         Some(Ok(result)) => result,
-        // A thread that panicked has said so.
+        // The panic was printed.
         Some(Err(_)) => Ok(()),
         None => Err(WindowError::Lost("the display server does not answer".to_owned())),
     });

@@ -1,5 +1,5 @@
-//! The keys that a window reports, by the symbols that the keyboard's layout gives them: what the program does on one
-//! is its own affair. Escape and q are not among them, they end the window.
+//! Keys that a window reports, by the symbols of the keyboard's layout. Escape and q are not among them: they end the
+//! window.
 
 use xkeysym::{key, Keysym};
 
@@ -14,13 +14,13 @@ pub enum WindowKey {
     Backspace,
     /// Tab.
     Tab,
-    /// An arrow.
+    /// Arrow left.
     Left,
-    /// An arrow.
+    /// Arrow right.
     Right,
-    /// An arrow.
+    /// Arrow up.
     Up,
-    /// An arrow.
+    /// Arrow down.
     Down,
     /// Page up.
     PageUp,
@@ -35,7 +35,7 @@ pub enum WindowKey {
 }
 
 impl WindowKey {
-    /// The key of a symbol; none for others.
+    /// The key of a symbol; `None` for other symbols.
     pub(crate) fn from_keysym(keysym: Keysym) -> Option<Self> {
         Some(match keysym.raw() {
             key::space | key::KP_Space => Self::Space,
@@ -55,7 +55,7 @@ impl WindowKey {
     }
 }
 
-/// Whether a key ends the window.
+/// `true` for a key that ends the window.
 pub(crate) fn is_quit_key(keysym: Keysym) -> bool {
     matches!(keysym.raw(), key::Escape | key::q | key::Q)
 }

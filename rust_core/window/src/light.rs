@@ -1,69 +1,68 @@
-//! The light that a window may show in place of the newest picture. The program that hands pictures over decides that;
-//! the window obeys.
+//! Limits of light for content in place of the newest picture. The program sets them with each picture.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use rcs_scene::Picture;
 
-/// Takes light away where there must be none.
+/// A mask of the light at each pixel.
 pub trait Mask: Debug + Send + Sync {
-    /// A picture that was drawn earlier, as it may be lit now.
+    /// Applies the current mask to a picture that was drawn earlier.
     fn post_process(&self, drawn: &Picture) -> Picture;
 
-    /// The share of light that is allowed at each pixel of a monitor of this size: a mono8 picture, 255 all of it. What
-    /// is beyond the picture's edges is dark.
+    /// The allowed share of light at each pixel of a monitor of this size: a mono8 picture, 255 for all. Pixels beyond
+    /// the picture's edges are dark.
     fn shares(&self, monitor_px: [u32; 2]) -> Picture;
 }
 
-/// How much of something may be lit.
+/// Limit of the light of some content.
 #[derive(Debug, Clone, Default)]
-pub enum Light {
-    /// All of it.
+pub enum LightLimit {
+    /// No limit.
     #[default]
     All,
-    /// Only the light that the mask leaves.
+    /// The light within the mask.
     Masked(Arc<dyn Mask>),
-    /// Nothing.
+    /// No light.
     Nothing,
 }
 
-impl Light {
-    /// Whether nothing may be lit.
+impl LightLimit {
+    /// `true` for no light.
     pub(crate) fn is_nothing(&self) -> bool {
         matches!(self, Self::Nothing)
     }
 
-    /// Whether what is shown by this has to be drawn again for the other.
+    /// `true` if content has to be drawn again for the other limit.
     pub(crate) fn differs(&self, other: &Self) -> bool {
         !matches!((self, other), (Self::All, Self::All) | (Self::Nothing, Self::Nothing))
     }
 }
 
-/// What may be lit in place of a picture.
+/// Limits of content in place of a picture.
 #[derive(Debug, Clone, Default)]
 pub struct WindowPermit {
-    /// An earlier picture, which the user has paused. Where it is nothing, the newest picture is shown.
-    pub paused: Light,
-    /// Test pictures.
-    pub test: Light,
-    /// An earlier picture may stay only in the place of those of its own number; otherwise the pause goes on with the
-    /// newest.
+    /// Limit of an earlier, paused picture. For [`LightLimit::Nothing`] the newest picture is drawn.
+    pub paused: LightLimit,
+    /// Limit of test pictures.
+    pub test: LightLimit,
+    /// Scene number. A paused picture stays only while it is that of the newest picture; otherwise the pause goes on with
+    /// the newest one.
     pub scene: u64,
 }
 
-/// A picture as it was drawn, and what may be lit in its place.
+/// A picture with the limits of content in its place.
 #[derive(Debug, Clone)]
 pub struct LitPicture {
     /// The picture.
     pub picture: Arc<Picture>,
-    /// The picture before its mask, which a pause needs below newer masks.
+    /// The picture before its mask: a paused picture gets newer masks.
     pub drawn: Option<Arc<Picture>>,
-    /// What may be lit in its place.
+    /// Limits of content in its place.
     pub permit: WindowPermit,
 }
 
-/// Takes away from pixels, `0x00RRGGBB`, what is not allowed; the shares are those of as many pixels.
+/// Scales pixels, `0x00RRGGBB`, by their shares; pixels without a share are dark.
 pub(crate) fn dim(pixels: &mut [u32], shares: &[u8]) {
     let scaled = |level: u32, share: u8| (level & 0xff) * u32::from(share) / 255;
     for (index, pixel) in pixels.iter_mut().enumerate() {

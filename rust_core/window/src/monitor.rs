@@ -1,9 +1,8 @@
-//! Which monitor the picture goes to.
+//! Choice of the monitor.
 //!
-//! A projector is, to the computer, one more monitor. [`MonitorChoice`] is what the user asked for: nothing (the last
-//! monitor that is not the primary one, which is the projector on a robot with a screen, else the only one), a number
-//! from the list, or a name such as `HDMI-1`. [`MonitorInfo`] is what a window system reports of one monitor, in
-//! physical pixels of the whole desktop.
+//! A projector is one more monitor of the computer. By default [`MonitorChoice`] is the last monitor that is not the
+//! primary one, which is the projector on a robot with a screen; else a number from the list, or a name such as
+//! `HDMI-1`. [`MonitorInfo`] describes a monitor in physical pixels of the whole desktop.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -18,9 +17,9 @@ pub struct MonitorInfo {
     pub position_px: (i32, i32),
     /// Width and height, physical pixels.
     pub size_px: (u32, u32),
-    /// Whether the window system calls it the primary monitor.
+    /// `true` for the window system's primary monitor.
     pub is_primary: bool,
-    /// Whether it is only a name for a part of the desktop, given with `xrandr --setmonitor`.
+    /// `true` for a name of a part of the desktop, given with `xrandr --setmonitor`.
     pub is_virtual: bool,
 }
 
@@ -40,7 +39,7 @@ impl fmt::Display for MonitorInfo {
     }
 }
 
-/// The monitor that the user asked for.
+/// The user's choice of a monitor.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum MonitorChoice {
     /// The last monitor that is neither the primary one nor virtual, or the only one.
@@ -61,16 +60,16 @@ impl FromStr for MonitorChoice {
     }
 }
 
-/// Why no monitor was chosen.
+/// Error of choosing a monitor.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MonitorError {
     /// The window system reports no monitor at all.
     #[error("the window system reports no monitor")]
     None,
     /// No monitor has this name or number.
-    #[error("there is no monitor '{wanted}'; there are: {present}")]
+    #[error("no monitor '{wanted}'; monitors: {present}")]
     Unknown {
-        /// What the user asked for.
+        /// The user's choice.
         wanted: String,
         /// The monitors that exist, each with its number.
         present: String,
@@ -78,10 +77,10 @@ pub enum MonitorError {
 }
 
 impl MonitorChoice {
-    /// The index in `monitors` of the chosen one.
+    /// The index of the chosen monitor.
     ///
     /// # Errors
-    /// [`MonitorError`] when there is no monitor, or none of that name or number.
+    /// [`MonitorError`] without monitors, or for an unknown name or number.
     pub fn resolve(&self, monitors: &[MonitorInfo]) -> Result<usize, MonitorError> {
         if monitors.is_empty() {
             return Err(MonitorError::None);
@@ -156,7 +155,7 @@ mod tests {
     #[test]
     fn an_unknown_monitor_is_named_with_those_that_exist() {
         let error = choice("VGA-1").resolve(&[monitor("HDMI-1", -1280, false)]).unwrap_err();
-        assert_eq!(error.to_string(), "there is no monitor 'VGA-1'; there are: 0: HDMI-1 1280x800-1280+0");
+        assert_eq!(error.to_string(), "no monitor 'VGA-1'; monitors: 0: HDMI-1 1280x800-1280+0");
         assert!(choice("7").resolve(&[monitor("HDMI-1", 0, false)]).is_err());
     }
 }

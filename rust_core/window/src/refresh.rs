@@ -1,4 +1,4 @@
-//! When the screen shows new pixels: at a steady rate, from a moment that the display server told.
+//! Refresh times of a screen: periodic, from a time that the display server reported.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ pub struct Refresh {
 }
 
 impl Refresh {
-    /// A screen that was or will be refreshed at this moment, and so on with this period; `None` without a period.
+    /// Refreshes at `at` and every `period` before and after; `None` for a period of zero.
     pub fn new(at: Instant, period: Duration) -> Option<Self> {
         (!period.is_zero()).then_some(Self { at, period })
     }
@@ -20,7 +20,7 @@ impl Refresh {
         self.period
     }
 
-    /// The first refresh that is not before `time`.
+    /// The first refresh at or after `time`.
     pub fn next(&self, time: Instant) -> Instant {
         let nanos = self.period.as_nanos();
         let past = |nanos: u128| Duration::from_nanos(u64::try_from(nanos).unwrap_or(u64::MAX));

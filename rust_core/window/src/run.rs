@@ -1,83 +1,37 @@
-//! The window from its opening to its end, whatever the window system: waits for what happens, and draws what is to be
-//! seen.
+//! The event loop of a window on any window system: waits for events, and draws the content.
 
 use std::collections::HashSet;
-use std::os::fd::BorrowedFd;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use rcs_files::picture_file;
 use rcs_scene::{Encoding, Picture};
-use xkeysym::Keysym;
 
-use crate::content::{Content, Face, Image};
+use crate::content::{ContentImage, ScreenContent, WindowContent};
+use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
 use crate::light::{dim, LitPicture};
 use crate::monitor::MonitorInfo;
-use crate::refresh::Refresh;
 use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
-use crate::sink::{Handed, PictureSink};
+use crate::sink::{PictureSink, SunkPicture};
+use crate::system_window::{SystemEvent, SystemWindow, WindowOptions};
 use crate::test_pictures::TestPicture;
-use crate::{WindowError, WindowOptions};
 
-/// A window that is open, on one of the window systems.
-pub(crate) trait SystemWindow {
-    /// Its monitor, as it was checked last.
-    fn monitor(&self) -> &MonitorInfo;
-
-    /// Columns and rows of the window now; zero while it is not on the screen.
-    fn size_px(&self) -> (u32, u32);
-
-    /// Whether the window system takes a picture now; otherwise an event will tell.
-    fn is_ready(&self) -> bool;
-
-    /// Brings pixels of the window's size to the screen, `0x00RRGGBB`, rows from the top.
-    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError>;
-
-    /// When its monitor is refreshed, if the window system tells.
-    fn refresh(&self) -> Option<Refresh> {
-        None
-    }
-
-    /// Waits until something happens, `wake` is readable, or it is `until`. Returns what happened.
-    fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError>;
-
-    /// When [`check`](Self::check) is to be called again.
-    fn next_check(&self) -> Instant;
-
-    /// Checks whether the window covers its monitor, and puts right what is not. Returns whether the monitor's position
-    /// or size changed.
-    fn check(&mut self, now: Instant) -> Result<bool, WindowError>;
-}
-
-/// What a window system reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum SystemEvent {
-    /// The window has to be drawn again, or can be.
-    Expose,
-    /// A key was pressed, or is held down.
-    Key(Keysym),
-    /// The monitors changed.
-    Monitors,
-    /// The user closed the window.
-    Close,
-}
-
-/// What happens to the window that a program may answer.
+/// An event for the program.
 #[derive(Debug, Clone, Copy)]
 pub enum UserEvent<'a> {
-    /// The window is open on this monitor: the first event, and once.
+    /// The window is open on this monitor: the first event.
     Opened(&'a MonitorInfo),
-    /// The monitor has another position or size.
+    /// The monitor's position or size changed.
     MonitorChanged(&'a MonitorInfo),
     /// The user pressed a key, or holds it down.
     Key(WindowKey),
 }
 
-/// Who answers keys other than those that end the window.
+/// The handler of keys other than Escape and q.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Keys {
+pub(crate) enum KeyHandler {
     /// The window: pause, black, test pictures.
     Window,
     /// The program.
@@ -88,27 +42,27 @@ pub(crate) enum Keys {
 pub(crate) fn run(
     window: &mut dyn SystemWindow,
     options: &WindowOptions,
-    keys: Keys,
+    keys: KeyHandler,
     sink: &PictureSink,
     handle: &mut dyn FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
     handle(UserEvent::Opened(window.monitor()), sink);
-    let mut shown = Shown::new(options);
+    let mut painter = WindowPainter::new(options);
     while !sink.is_closing() {
         let now = Instant::now();
         if now >= window.next_check() {
-            shown.check(window, sink, handle)?;
-            // Makes up for what a busy display server lost.
-            shown.is_due = true;
+            painter.check(window, sink, handle)?;
+            // A busy display server may have lost pixels.
+            painter.is_due = true;
         }
         if let Some(timeout) = sink.stale_timeout() {
-            shown.content.set_stale_timeout(timeout);
+            painter.content.set_stale_timeout(timeout);
         }
-        shown.take_picture(sink, window.monitor(), now);
-        shown.is_due |= sink.confirmed().is_some_and(|at| shown.content.confirm(at));
-        shown.is_due |= shown.content.check(now);
-        shown.draw_if_due(window)?;
-        let until = shown.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));
+        painter.take_picture(sink, window.monitor(), now);
+        painter.is_due |= sink.confirmed().is_some_and(|at| painter.content.confirm(at));
+        painter.is_due |= painter.content.check(now);
+        painter.draw_if_due(window)?;
+        let until = painter.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));
         let events = window.wait(sink.wake_fd(), until)?;
         sink.clear_wake();
         sink.set_refresh(window.refresh());
@@ -119,44 +73,44 @@ pub(crate) fn run(
                 SystemEvent::Key(key) => {
                     let Some(key) = WindowKey::from_keysym(key) else { continue };
                     match keys {
-                        Keys::Window => shown.is_due |= shown.content.press(key),
-                        Keys::Program => handle(UserEvent::Key(key), sink),
+                        KeyHandler::Window => painter.is_due |= painter.content.press(key),
+                        KeyHandler::Program => handle(UserEvent::Key(key), sink),
                     }
                 }
                 SystemEvent::Monitors => {
-                    shown.check(window, sink, handle)?;
-                    shown.is_due = true;
+                    painter.check(window, sink, handle)?;
+                    painter.is_due = true;
                 }
-                SystemEvent::Expose => shown.is_due = true,
+                SystemEvent::Expose => painter.is_due = true,
             }
         }
     }
     Ok(())
 }
 
-/// What is on the screen.
-struct Shown<'a> {
+/// Draws the content of a window.
+struct WindowPainter<'a> {
     source: &'a str,
-    content: Content,
-    /// Where a picture was read into before, whose memory the next one takes.
-    spare: Option<ScreenPicture>,
-    /// The picture that was read last, as it was drawn.
+    content: WindowContent,
+    /// Scratch buffer for the next picture.
+    scratch: Option<ScreenPicture>,
+    /// The picture that was converted last. Holding it keeps its address from being reused.
     last_drawn: Option<Arc<Picture>>,
     last_error: Option<PictureError>,
-    /// Pixels of the window's size, where picture and window differ.
+    /// Pixels of the window's size, for content of another size.
     composed: Vec<u32>,
     screenshot: Option<PathBuf>,
-    /// Sizes (of the picture, of the monitor) that a warning was logged for.
+    /// Sizes of picture and monitor for which a warning was logged.
     warned_sizes: HashSet<((u32, u32), (u32, u32))>,
     is_due: bool,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> WindowPainter<'a> {
     fn new(options: &'a WindowOptions) -> Self {
         Self {
             source: &options.source,
-            content: Content::new(options.stale_timeout, options.test_light.clone()),
-            spare: None,
+            content: WindowContent::new(options.stale_timeout, options.test_light.clone()),
+            scratch: None,
             last_drawn: None,
             last_error: None,
             composed: Vec::new(),
@@ -166,7 +120,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// Checks the window's place.
+    /// Checks that the window covers its monitor.
     fn check(
         &mut self,
         window: &mut dyn SystemWindow,
@@ -182,36 +136,35 @@ impl<'a> Shown<'a> {
         Ok(())
     }
 
-    /// Takes the newest picture, if there is a new one.
+    /// Takes the newest picture from the sink, if there is a new one.
     fn take_picture(&mut self, sink: &PictureSink, monitor: &MonitorInfo, now: Instant) {
         let image = match sink.take() {
             None => return,
-            Some(Handed::Nothing) => {
+            Some(SunkPicture::Nothing) => {
                 self.is_due |= self.content.clear();
                 self.last_drawn = None;
                 return;
             }
-            Some(Handed::Read(picture, permit)) => Image { picture, drawn: None, permit },
-            Some(Handed::Drawn(LitPicture { picture: seen, drawn, permit })) => {
-                if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &seen)) {
+            Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, drawn: None, permit },
+            Some(SunkPicture::Drawn(LitPicture { picture: source, drawn, permit })) => {
+                if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source)) {
                     self.is_due |= self.content.repeat(&permit, now);
                     return;
                 }
-                let Some(picture) = self.read(&seen) else { return };
-                // Kept, so that its memory cannot become another picture's.
-                self.last_drawn = Some(seen);
-                Image { picture, drawn, permit }
+                let Some(picture) = self.read(&source) else { return };
+                self.last_drawn = Some(source);
+                ContentImage { picture, drawn, permit }
             }
         };
         let size = image.picture.size_px();
         let (old, is_changed) = self.content.take(image, now);
-        self.spare = old.or(self.spare.take());
+        self.scratch = old.or(self.scratch.take());
         self.is_due |= is_changed;
         self.compare_sizes(size, monitor);
     }
 
     fn read(&mut self, drawn: &Picture) -> Option<ScreenPicture> {
-        let mut picture = self.spare.take().unwrap_or_default();
+        let mut picture = self.scratch.take().unwrap_or_default();
         match picture.read(&drawn.into()) {
             Ok(()) => {
                 self.last_error = None;
@@ -240,19 +193,19 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// Draws what is to be seen, as soon as the window system takes it.
+    /// Draws the content if that is due and the window system is ready.
     fn draw_if_due(&mut self, window: &mut dyn SystemWindow) -> Result<(), WindowError> {
         let size = window.size_px();
         if !self.is_due || size.0 == 0 || size.1 == 0 || !window.is_ready() {
             return Ok(());
         }
         self.is_due = false;
-        let is_picture = matches!(self.content.face(), Face::Picture(_));
-        let pixels = match self.content.face() {
-            Face::Picture(picture) if picture.size_px() == size => picture.pixels(),
-            face => {
+        let is_picture = matches!(self.content.on_screen(), ScreenContent::Picture(_));
+        let pixels = match self.content.on_screen() {
+            ScreenContent::Picture(picture) if picture.size_px() == size => picture.pixels(),
+            content => {
                 self.composed.resize(size.0 as usize * size.1 as usize, 0);
-                compose(face, window.monitor(), &mut self.composed, size);
+                compose(content, window.monitor(), &mut self.composed, size);
                 &self.composed
             }
         };
@@ -262,19 +215,19 @@ impl<'a> Shown<'a> {
                 let (width_px, height_px) = size;
                 let data = rgb_bytes(pixels);
                 picture_file::write(&path, &Picture { width_px, height_px, encoding: Encoding::Rgb8, data })?;
-                log::info!("saved what the window shows: {}", path.display());
+                log::info!("saved the window's pixels: {}", path.display());
             }
         }
         Ok(())
     }
 }
 
-/// Lays what is to be seen on pixels of the window's size.
-fn compose(face: Face<'_>, monitor: &MonitorInfo, pixels: &mut [u32], (width_px, height_px): (u32, u32)) {
-    match face {
-        Face::Black => pixels.fill(0),
-        Face::Picture(picture) => picture.draw_unscaled(pixels, width_px),
-        Face::Test(test, mask) => match test_picture(test, monitor, [width_px, height_px]) {
+/// Draws the content into pixels of the window's size.
+fn compose(content: ScreenContent<'_>, monitor: &MonitorInfo, pixels: &mut [u32], (width_px, height_px): (u32, u32)) {
+    match content {
+        ScreenContent::Black => pixels.fill(0),
+        ScreenContent::Picture(picture) => picture.draw_unscaled(pixels, width_px),
+        ScreenContent::Test(test, mask) => match test_picture(test, monitor, [width_px, height_px]) {
             Ok(picture) => {
                 picture.draw_unscaled(pixels, width_px);
                 if let Some(mask) = mask {

@@ -1,12 +1,11 @@
-//! A received picture as the screen takes it.
+//! A received picture in the format of the window's surface.
 //!
-//! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`, which is what the window's surface takes. It is made from
-//! the fields of a `sensor_msgs/Image`, in any [`Encoding`] that a camera stream can have. Alpha is dropped, as
-//! `image_view` drops it. Sixteen bits of grey become eight by the rule 65535 → 255 with rounding, so that an eight-bit
-//! picture widened to sixteen bits comes back exactly.
+//! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`. It is made from the fields of a `sensor_msgs/Image`, in any
+//! [`Encoding`] of a camera stream. Alpha is dropped, as in `image_view`. Sixteen bits of grey become eight with rounding,
+//! so an eight-bit picture widened to sixteen bits comes back exactly.
 //!
-//! [`ScreenPicture::draw_unscaled`] lays it on a surface of any size: picture pixel (u, v) is surface pixel (u, v),
-//! what does not fit is cut off, what is not covered is black.
+//! [`ScreenPicture::draw_unscaled`] copies it to a surface of any size: picture pixel (u, v) is surface pixel (u, v), the
+//! rest is cropped or black.
 
 use rcs_scene::{Encoding, Picture};
 
@@ -33,7 +32,7 @@ pub struct ScreenPicture {
     pixels: Vec<u32>,
 }
 
-/// The fields of a `sensor_msgs/Image`, borrowed from wherever they were received.
+/// The borrowed fields of a `sensor_msgs/Image`.
 #[derive(Debug, Clone, Copy)]
 pub struct ReceivedPicture<'a> {
     /// Columns.
@@ -44,7 +43,7 @@ pub struct ReceivedPicture<'a> {
     pub step_bytes: u32,
     /// Name of the pixel format, as in `sensor_msgs/image_encodings.h`.
     pub encoding: &'a str,
-    /// Whether pixels of more than eight bits a channel have their high byte first.
+    /// `true` if pixels of more than eight bits a channel have their high byte first.
     pub is_bigendian: bool,
     /// The pixels.
     pub data: &'a [u8],
@@ -55,7 +54,7 @@ impl<'a> From<&'a Picture> for ReceivedPicture<'a> {
         Self {
             width_px: picture.width_px,
             height_px: picture.height_px,
-            // A width that fits no u32 in bytes is that of no picture with data.
+            // No picture with data has rows beyond u32.
             step_bytes: u32::try_from(picture.step()).unwrap_or(u32::MAX),
             encoding: picture.encoding.name(),
             is_bigendian: false,
@@ -64,11 +63,11 @@ impl<'a> From<&'a Picture> for ReceivedPicture<'a> {
     }
 }
 
-/// Why a received picture cannot be shown.
+/// Error of a received picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
     /// The encoding is not an [`Encoding`].
-    #[error("encoding '{encoding}' cannot be shown (rgb8, rgba8, bgr8, bgra8, mono8 and mono16 can)")]
+    #[error("unsupported encoding '{encoding}'; supported: rgb8, rgba8, bgr8, bgra8, mono8, mono16")]
     UnknownEncoding {
         /// The encoding that the message names.
         encoding: String,
@@ -93,14 +92,14 @@ pub enum PictureError {
         /// The step that the message claims.
         step_bytes: u32,
     },
-    /// There is less data than rows and step claim.
+    /// The data are shorter than rows and step require.
     #[error("{height_px} rows of {step_bytes} bytes need {needed_bytes} bytes of data, but there are {got_bytes}")]
     DataTooShort {
         /// Rows.
         height_px: u32,
         /// The step that the message claims.
         step_bytes: u32,
-        /// Bytes that the claimed rows need (the last one without its padding).
+        /// Bytes of the claimed rows (the last one without its padding).
         needed_bytes: u64,
         /// Bytes received.
         got_bytes: usize,
@@ -129,7 +128,7 @@ fn row<const N: usize>(bytes: &[u8], pixels: &mut Vec<u32>, to_rgb: impl Fn([u8;
     pixels.extend(bytes.as_chunks().0.iter().map(|pixel| pack(to_rgb(*pixel))));
 }
 
-/// Reads a row of pixels of three bytes, four pixels at once: faster than each byte by itself.
+/// Reads a row of pixels of three bytes, four pixels at once, which is faster.
 fn row_of_three(
     bytes: &[u8],
     pixels: &mut Vec<u32>,
@@ -157,7 +156,7 @@ fn four_bgr(first: [u8; 8], last: [u8; 4]) -> [u32; 4] {
     [first as u32 & RGB, (first >> 24) as u32 & RGB, third & RGB, last >> 8]
 }
 
-/// How rows of an encoding are read.
+/// The function that reads rows of an encoding.
 fn read_row(encoding: Encoding, is_bigendian: bool) -> ReadRow {
     match encoding {
         Encoding::Rgb8 => |bytes, pixels| row_of_three(bytes, pixels, four_rgb, |[r, g, b]| [r, g, b]),
@@ -184,7 +183,7 @@ impl ScreenPicture {
         Ok(picture)
     }
 
-    /// Becomes a received picture, in the memory that this one has. On an error it stays as it is.
+    /// Replaces the picture by a received one, in the same memory. Unchanged on an error.
     ///
     /// # Errors
     /// As for [`Self::from_received`].
@@ -220,7 +219,7 @@ impl ScreenPicture {
         Ok(())
     }
 
-    /// A drawn picture as the screen takes it.
+    /// Converts a drawn picture.
     ///
     /// # Errors
     /// [`PictureError`] if the picture is empty, or has less data than its size needs.
@@ -237,12 +236,12 @@ impl ScreenPicture {
         Self { width_px, height_px, pixels }
     }
 
-    /// Whether nothing of it is lit.
+    /// `true` if all pixels are black.
     pub fn is_black(&self) -> bool {
         self.pixels.iter().all(|pixel| *pixel == 0)
     }
 
-    /// `0x00RRGGBB`, rows from the top.
+    /// The pixels, `0x00RRGGBB`, rows from the top.
     pub(crate) fn pixels(&self) -> &[u32] {
         &self.pixels
     }
@@ -252,8 +251,7 @@ impl ScreenPicture {
         (self.width_px, self.height_px)
     }
 
-    /// Lays the picture on a surface `surface_width_px` wide, both top left corners together, without scaling.
-    /// The rest of the surface becomes black.
+    /// Copies the picture to the top left of a surface `surface_width_px` wide, without scaling. The rest becomes black.
     pub fn draw_unscaled(&self, surface: &mut [u32], surface_width_px: u32) {
         if surface_width_px == 0 {
             return;

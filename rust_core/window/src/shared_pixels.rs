@@ -1,8 +1,7 @@
-//! Pixels in memory that the display server reads: two pictures, of which one is written while the server still reads
-//! the other.
+//! Double-buffered pixels in memory that the display server reads.
 //!
-//! The memory is an anonymous file of the kernel's (`memfd_create`), whose descriptor goes to the server. The server
-//! maps it; this side writes it with `pwrite`, which reaches the same pages, so that nothing has to be mapped here.
+//! The memory is an anonymous file (`memfd_create`), whose descriptor is sent to the server. The server maps it; this
+//! side writes with `pwrite`, which needs no mapping and no `unsafe`.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -13,11 +12,10 @@ use rustix::io::pwrite;
 
 /// Bytes of a pixel, `0x00RRGGBB` in the machine's byte order.
 pub(crate) const PIXEL_BYTES: u32 = 4;
-/// How many pictures fit in.
+/// Number of pictures.
 const SLOTS: usize = 2;
 
-/// A picture's place in one memory. The server's word that it has read it can come when that memory is replaced
-/// already.
+/// A picture in one memory. The server may release it after that memory was replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SharedSlot {
     memory: u64,
@@ -27,7 +25,7 @@ pub(crate) struct SharedSlot {
 /// Memory for two pictures of one size.
 #[derive(Debug)]
 pub(crate) struct SharedPixels {
-    /// Unlike that of any other memory of this process.
+    /// Unique in this process.
     id: u64,
     file: OwnedFd,
     size_px: (u32, u32),
@@ -35,7 +33,7 @@ pub(crate) struct SharedPixels {
 }
 
 impl SharedPixels {
-    /// For pictures of this size.
+    /// Memory for pictures of this size.
     pub(crate) fn new(size_px: (u32, u32)) -> io::Result<Self> {
         static NEXT_ID: AtomicU64 = AtomicU64::new(0);
         let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
@@ -45,7 +43,7 @@ impl SharedPixels {
         Ok(pixels)
     }
 
-    /// The file.
+    /// The file's descriptor.
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         self.file.as_fd()
     }
@@ -60,27 +58,27 @@ impl SharedPixels {
         u64::from(self.size_px.0) * u64::from(self.size_px.1) * u64::from(PIXEL_BYTES)
     }
 
-    /// Where a picture begins in the file, bytes.
+    /// Offset of a picture in the file, bytes.
     pub(crate) fn offset(&self, slot: usize) -> u64 {
         self.slot_bytes() * slot as u64
     }
 
-    /// A place that the server does not read.
+    /// A slot that the server does not read.
     pub(crate) fn free_slot(&self) -> Option<usize> {
         self.is_read.iter().position(|is_read| !is_read)
     }
 
-    /// The place of a slot.
+    /// The handle of a slot.
     pub(crate) fn shared_slot(&self, slot: usize) -> SharedSlot {
         SharedSlot { memory: self.id, slot }
     }
 
-    /// Records that the server was told to read a picture.
+    /// Records that the server reads a picture.
     pub(crate) fn begin_reading(&mut self, slot: usize) {
         self.set(slot, true);
     }
 
-    /// Records that the server has read a picture, unless that was in other memory.
+    /// Records that the server has released a picture, unless it was in other memory.
     pub(crate) fn end_reading(&mut self, slot: SharedSlot) {
         if slot.memory == self.id {
             self.set(slot.slot, false);
@@ -93,7 +91,7 @@ impl SharedPixels {
         }
     }
 
-    /// Writes a picture, `0x00RRGGBB` a pixel. What is more than its size is left out.
+    /// Writes a picture, `0x00RRGGBB` a pixel. Pixels beyond its size are left out.
     pub(crate) fn write(&self, slot: usize, pixels: &[u32]) -> io::Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(pixels);
         let size = usize::try_from(self.slot_bytes()).unwrap_or(usize::MAX);
@@ -132,8 +130,9 @@ mod tests {
         pread(pixels.fd(), &mut bytes, 0).unwrap();
         assert_eq!(bytemuck::cast_slice::<u8, u32>(&bytes), [1, 2, 3, 4]);
     }
+
     #[test]
-    fn a_late_word_about_memory_that_was_replaced_frees_nothing() {
+    fn a_late_release_of_replaced_memory_frees_nothing() {
         let old = SharedPixels::new((2, 1)).unwrap();
         let late = old.shared_slot(0);
         drop(old);

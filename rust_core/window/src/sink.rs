@@ -1,5 +1,5 @@
-//! The window's handle for other threads: the newest picture and the wish to close, with a descriptor that wakes the
-//! window's thread while it waits for its window system.
+//! The window's handle for other threads: the newest picture and the request to close, with a descriptor that wakes the
+//! window's thread.
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,44 +14,43 @@ use crate::light::{LitPicture, WindowPermit};
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
 
-/// A picture as it was handed over.
+/// A picture in the sink.
 #[derive(Debug, Clone)]
-pub(crate) enum Handed {
-    /// Read already.
+pub(crate) enum SunkPicture {
+    /// A converted picture.
     Read(ScreenPicture, WindowPermit),
-    /// As it was drawn; the window's thread reads it.
+    /// A drawn picture, which the window's thread converts.
     Drawn(LitPicture),
-    /// No picture: black.
+    /// Black.
     Nothing,
 }
 
-/// The window's handle for other threads, which show pictures with it and close the window.
+/// The window's handle for other threads, to show pictures and to close the window.
 #[derive(Debug, Clone)]
-pub struct PictureSink(Arc<Inner>);
+pub struct PictureSink(Arc<SinkState>);
 
 #[derive(Debug)]
-struct Inner {
-    /// With when the first was handed over of those that were not taken.
-    newest: Mutex<Option<(Handed, Instant)>>,
+struct SinkState {
+    /// The newest picture, and since when the window has not taken one.
+    newest: Mutex<Option<(SunkPicture, Instant)>>,
     is_closing: AtomicBool,
     refresh: Mutex<Option<Refresh>>,
-    /// In place of the options'.
+    /// Overrides the options.
     stale_timeout: Mutex<Option<Duration>>,
-    /// When the last picture was last called current.
+    /// Time of the last confirmation that the picture is current.
     confirmed: Mutex<Option<Instant>>,
-    /// An event descriptor of the kernel's.
+    /// An eventfd.
     wake: OwnedFd,
 }
 
 impl PictureSink {
-    /// For a window that is opened with [`crate::run_with`]: pictures may be shown before it is open, and it may be
-    /// opened again.
+    /// A sink for [`crate::run_with`]: pictures may be shown before the window is open, and it may be opened again.
     ///
     /// # Errors
-    /// When the process has no descriptors left.
+    /// The process has no descriptors left.
     pub fn new() -> std::io::Result<Self> {
         let wake = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        Ok(Self(Arc::new(Inner {
+        Ok(Self(Arc::new(SinkState {
             newest: Mutex::default(),
             is_closing: AtomicBool::new(false),
             refresh: Mutex::default(),
@@ -61,22 +60,22 @@ impl PictureSink {
         })))
     }
 
-    /// Shows a picture, in place of one that was not drawn yet.
+    /// Shows a picture; replaces one that was not drawn yet.
     pub fn show(&self, picture: ScreenPicture) {
         self.show_permitted(picture, WindowPermit::default());
     }
 
-    /// Shows a picture, and says what may be lit in its place.
+    /// Shows a picture, with limits of content in its place.
     pub fn show_permitted(&self, picture: ScreenPicture, permit: WindowPermit) {
-        self.hand_over(Handed::Read(picture, permit));
+        self.hand_over(SunkPicture::Read(picture, permit));
     }
 
-    /// Shows a picture that others hold as well; it is read on the window's thread.
+    /// Shows a shared picture; it is converted on the window's thread.
     pub fn show_drawn(&self, picture: LitPicture) {
-        self.hand_over(Handed::Drawn(picture));
+        self.hand_over(SunkPicture::Drawn(picture));
     }
 
-    /// Has the window become black when no picture came for so long; zero: never. In place of the options' time.
+    /// Overrides the options' time without a picture after which the window becomes black; zero: never.
     pub fn set_stale_timeout(&self, timeout: Duration) {
         *lock(&self.0.stale_timeout) = Some(timeout);
         self.wake();
@@ -86,7 +85,7 @@ impl PictureSink {
         *lock(&self.0.stale_timeout)
     }
 
-    /// Says that the picture shown last is still current, so that it does not become stale.
+    /// Confirms that the newest picture is current, so that it does not become stale.
     pub fn confirm(&self) {
         *lock(&self.0.confirmed) = Some(Instant::now());
     }
@@ -95,7 +94,7 @@ impl PictureSink {
         *lock(&self.0.confirmed)
     }
 
-    /// When the window's monitor is refreshed; `None` where the display server does not tell.
+    /// The refresh of the window's monitor; `None` if the display server does not report it.
     pub fn refresh(&self) -> Option<Refresh> {
         *lock(&self.0.refresh)
     }
@@ -106,7 +105,7 @@ impl PictureSink {
 
     /// Shows black, until the next picture.
     pub fn clear(&self) {
-        self.hand_over(Handed::Nothing);
+        self.hand_over(SunkPicture::Nothing);
     }
 
     /// Closes the window; [`crate::run`] returns.
@@ -115,12 +114,12 @@ impl PictureSink {
         self.wake();
     }
 
-    /// Whether the window was asked to close.
+    /// `true` after [`PictureSink::close`].
     pub fn is_closing(&self) -> bool {
         self.0.is_closing.load(Ordering::Acquire)
     }
 
-    fn hand_over(&self, picture: Handed) {
+    fn hand_over(&self, picture: SunkPicture) {
         let mut newest = lock(&self.0.newest);
         let waiting_since = newest.as_ref().map(|(_, since)| *since);
         *newest = Some((picture, waiting_since.unwrap_or_else(Instant::now)));
@@ -132,22 +131,21 @@ impl PictureSink {
     }
 
     fn wake(&self) {
-        // It fails only when it would overflow, and then it is readable already.
+        // Fails only on overflow, when the descriptor is readable already.
         let _ = write(&self.0.wake, &1u64.to_ne_bytes());
     }
 
-    /// The newest picture, once.
-    pub(crate) fn take(&self) -> Option<Handed> {
+    /// Takes the newest picture.
+    pub(crate) fn take(&self) -> Option<SunkPicture> {
         lock(&self.0.newest).take().map(|(picture, _)| picture)
     }
 
-    /// Since when there has been a picture that the window has not taken. An open window takes each at once, unless
-    /// its display server does not answer.
+    /// Time since which a picture waits for the window. An open window takes each at once, unless its display server hangs.
     pub fn waiting_since(&self) -> Option<Instant> {
         lock(&self.0.newest).as_ref().map(|(_, since)| *since)
     }
 
-    /// What becomes readable when something was asked of the window.
+    /// The descriptor that becomes readable with a picture or a request.
     pub(crate) fn wake_fd(&self) -> BorrowedFd<'_> {
         self.0.wake.as_fd()
     }
@@ -155,7 +153,7 @@ impl PictureSink {
     /// Makes the descriptor unreadable again.
     pub(crate) fn clear_wake(&self) {
         let mut count = [0; 8];
-        // An error means that it was not readable.
+        // Fails only if it was not readable.
         let _ = read(&self.0.wake, &mut count);
     }
 }

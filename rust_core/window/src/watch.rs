@@ -1,12 +1,11 @@
-//! The monitor that the window belongs to, as it changes: its mode, its place, and whether it is there at all. What it
-//! logs is the same on all window systems.
+//! Changes of the window's monitor: its mode, position and presence. Shared by all window systems.
 
 use std::time::Instant;
 
 use crate::coverage::{CoverageStep, CoverageWatch};
 use crate::monitor::MonitorInfo;
 
-/// The window's monitor, from one check to the next.
+/// State of the window's monitor between two checks.
 #[derive(Debug, Clone)]
 pub(crate) struct MonitorWatch {
     monitor: MonitorInfo,
@@ -14,55 +13,55 @@ pub(crate) struct MonitorWatch {
     coverage: CoverageWatch,
 }
 
-/// What a check found.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Finding {
-    /// The monitor's position or size is another one.
+pub(crate) struct MonitorCheck {
+    /// `true` if the monitor's position or size changed.
     pub(crate) is_changed: bool,
-    /// What to do about the window.
+    /// The action on the window.
     pub(crate) action: WindowAction,
-    /// The window system has had time to place the window, since just now.
+    /// `true` at the end of the time in which the window system places the window.
     pub(crate) has_settled: bool,
 }
 
-/// What to do about the window.
+/// An action on the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum WindowAction {
-    /// Nothing.
+    /// No action.
     Leave,
-    /// Put it on its monitor again.
+    /// Place it on its monitor again.
     CoverAgain,
-    /// Take it off the screen: its monitor is gone, and it must not shine from another one.
+    /// Hide it: its monitor is gone, and it must not appear on another one.
     Hide,
 }
 
 impl MonitorWatch {
-    /// For a window that was just opened on this monitor.
+    /// A watch for a window that was just opened on this monitor.
     pub(crate) fn new(monitor: MonitorInfo, now: Instant) -> Self {
         Self { monitor, is_gone: false, coverage: CoverageWatch::new(now) }
     }
 
-    /// The monitor as it was checked last.
+    /// The monitor at the last check.
     pub(crate) fn monitor(&self) -> &MonitorInfo {
         &self.monitor
     }
 
-    /// Whether the monitor is there.
+    /// `true` if the monitor is present.
     pub(crate) fn is_there(&self) -> bool {
         !self.is_gone
     }
 
-    /// When the next check is due.
+    /// Time of the next check.
     pub(crate) fn next_check(&self) -> Instant {
         self.coverage.next_poll()
     }
 
-    /// Checks the window's place `((x, y), (width, height))` against the monitor of the same name among `found`.
-    /// `place` is `None` while the window is not on the screen.
-    pub(crate) fn check(&mut self, now: Instant, found: &[MonitorInfo], place: Option<Place>) -> Finding {
+    /// Checks the window's place against the monitor of the same name among `found`. `place` is `None` while the window
+    /// is not on the screen.
+    pub(crate) fn check(&mut self, now: Instant, found: &[MonitorInfo], place: Option<DesktopRect>) -> MonitorCheck {
         let known = found.iter().find(|info| info.name == self.monitor.name);
         let was_gone = std::mem::replace(&mut self.is_gone, known.is_none());
-        let is_same = |info: &MonitorInfo| Place::of(info) == Place::of(&self.monitor);
+        let is_same = |info: &MonitorInfo| DesktopRect::of(info) == DesktopRect::of(&self.monitor);
         let is_changed = known.is_some_and(|info| !is_same(info));
         if let Some(known) = known {
             self.monitor.clone_from(known);
@@ -91,19 +90,19 @@ impl MonitorWatch {
             }
         };
         let has_settled = was_settling && !self.coverage.is_settling(self.coverage.next_poll());
-        Finding { is_changed, action, has_settled }
+        MonitorCheck { is_changed, action, has_settled }
     }
 }
 
-/// Where something is in the desktop.
+/// A rectangle in the desktop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct DesktopRect {
     /// `None` where the window system does not report it.
     pub(crate) position_px: Option<(i32, i32)>,
     pub(crate) size_px: (u32, u32),
 }
 
-impl Place {
+impl DesktopRect {
     fn of(monitor: &MonitorInfo) -> Self {
         Self { position_px: Some(monitor.position_px), size_px: monitor.size_px }
     }
@@ -113,7 +112,7 @@ impl Place {
     }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for DesktopRect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (width, height) = self.size_px;
         let (x, y) = self.position_px.unwrap_or_default();
@@ -136,7 +135,7 @@ mod tests {
         let start = Instant::now();
         let later = |seconds: u64| start + Duration::from_secs(seconds);
         let mut watch = MonitorWatch::new(monitor(1280), start);
-        let covered = Some(Place { position_px: Some((0, 0)), size_px: (1280, 800) });
+        let covered = Some(DesktopRect { position_px: Some((0, 0)), size_px: (1280, 800) });
         assert_eq!(watch.check(later(3), &[monitor(1280)], covered).action, WindowAction::Leave);
         assert_eq!(watch.check(later(5), &[], covered).action, WindowAction::Hide);
         assert!(!watch.is_there());

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use rcs_render::LastStep;
 use rcs_scene::{Encoding, Picture};
-use rcs_window::{run_with, Light, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
+use rcs_window::{run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
 
 use super::{Frame, Output, OutputError};
 use crate::runtime::watchdog::{self, Task, Worker};
@@ -167,15 +167,15 @@ pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermi
 }
 
 /// What test pictures may light.
-pub fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+pub fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
     light(permit.test, permit, drawn_px)
 }
 
-fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
     match allowance {
-        Allowance::All => Light::All,
-        Allowance::Masked => Light::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
-        Allowance::Nothing => Light::Nothing,
+        Allowance::All => LightLimit::All,
+        Allowance::Masked => LightLimit::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
+        Allowance::Nothing => LightLimit::Nothing,
     }
 }
 

@@ -1,31 +1,31 @@
-//! A grey picture to draw on: rectangles, lines, discs and text. Everything is cut off at the picture's edges.
+//! A grey picture to draw on: rectangles, lines, discs and text, clipped at the edges.
 //!
-//! Pixel (u, v) is the square around (u, v), so lines and rectangles have whole coordinates and are exact; discs and
-//! text are smooth.
+//! Pixel (u, v) is the square around (u, v), so lines and rectangles with whole coordinates are exact; discs and text are
+//! antialiased.
 
 use rcs_scene::{letters, Encoding, Picture, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 
-/// How dark and how light a pixel can be.
+/// The lowest level.
 pub(super) const BLACK: u8 = 0;
-/// See [`BLACK`].
+/// The highest level.
 pub(super) const WHITE: u8 = 255;
 
-/// A text's place relative to the point that it is given.
+/// The point of a text's box that lies at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
-    /// The point is the text's top left corner.
+    /// The top left corner.
     TopLeft,
-    /// Its top right corner.
+    /// The top right corner.
     TopRight,
-    /// Its bottom left corner.
+    /// The bottom left corner.
     BottomLeft,
-    /// Its bottom right corner.
+    /// The bottom right corner.
     BottomRight,
-    /// Its middle.
+    /// The centre.
     Middle,
 }
 
-/// The picture while it is drawn.
+/// A picture that is being drawn.
 pub(super) struct Canvas {
     size_px: [u32; 2],
     grey: Vec<u8>,
@@ -37,13 +37,13 @@ impl Canvas {
         Self { size_px, grey: vec![level; size_px[0] as usize * size_px[1] as usize] }
     }
 
-    /// What was drawn.
+    /// The finished picture.
     pub(super) fn into_picture(self) -> Picture {
         let [width_px, height_px] = self.size_px;
         Picture { width_px, height_px, encoding: Encoding::Mono8, data: self.grey }
     }
 
-    /// Columns and rows.
+    /// Width and height.
     pub(super) fn size_px(&self) -> [i64; 2] {
         self.size_px.map(i64::from)
     }
@@ -77,7 +77,7 @@ impl Canvas {
         self.fill([right - 1, top], [right, bottom], level);
     }
 
-    /// Sets the columns and rows from `first` to before `end` to the level that `level` has for each pixel.
+    /// Sets each pixel of the columns and rows from `first` to before `end` to `level(u, v)`.
     pub(super) fn fill_with(&mut self, first: [i64; 2], end: [i64; 2], level: impl Fn(i64, i64) -> u8) {
         let [columns, rows] = [0, 1].map(|axis| self.clipped(axis, first[axis], end[axis]));
         for row in rows {
@@ -88,7 +88,7 @@ impl Canvas {
         }
     }
 
-    /// A disc with a smooth edge.
+    /// An antialiased disc.
     pub(super) fn disc(&mut self, center: [f64; 2], radius: f64, level: u8) {
         let first = center.map(|at| (at - radius).floor() as i64 - 1);
         let end = center.map(|at| (at + radius).ceil() as i64 + 2);
@@ -124,14 +124,13 @@ impl Canvas {
             let end = [first[0] + columns, first[1] + i64::from(letter.height_px)];
             self.blend(first, end, level, |u, v| {
                 let index = (v - first[1]) * columns + u - first[0];
-                // In the bitmap, whose size the range is.
                 letter.coverage.get(index as usize).map_or(0.0, |coverage| f64::from(*coverage) / 255.0)
             });
             left += f64::from(letter.advance_px);
         }
     }
 
-    /// Mixes the level into each pixel from `first` to before `end`, as much as it is covered.
+    /// Blends the level into each pixel from `first` to before `end` by its coverage.
     fn blend(&mut self, first: [i64; 2], end: [i64; 2], level: u8, coverage: impl Fn(i64, i64) -> f64) {
         let [columns, rows] = [0, 1].map(|axis| self.clipped(axis, first[axis], end[axis]));
         for row in rows {
@@ -148,7 +147,6 @@ impl Canvas {
     fn clipped(&self, axis: usize, first: i64, end: i64) -> std::ops::Range<usize> {
         let side = self.size_px()[axis];
         let first = first.clamp(0, side);
-        // Not negative, and not beyond the picture.
         first as usize..end.clamp(first, side) as usize
     }
 }

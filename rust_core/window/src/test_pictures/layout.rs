@@ -2,10 +2,10 @@
 
 use rcs_scene::Picture;
 
-use super::{Anchor, Canvas, BLACK, WHITE};
+use super::canvas::{Anchor, Canvas, BLACK, WHITE};
 use crate::monitor::MonitorInfo;
 
-/// Lines that are not to be looked at first.
+/// Level of secondary lines.
 const DIM: u8 = 110;
 
 /// The size of small text in a picture.
@@ -60,14 +60,14 @@ pub(super) fn grid(size_px: [u32; 2]) -> Picture {
     canvas.into_picture()
 }
 
-/// A round number of pixels, which fits into the longer side so often that labels have room.
+/// A round number of pixels, at most 13 times in the longer side so that labels have room.
 fn grid_spacing(size_px: [u32; 2]) -> usize {
     let longer = size_px[0].max(size_px[1]) as usize;
     let fits = |spacing: &usize| longer / spacing <= 13;
     [10, 20, 50, 100, 200, 500, 1000].into_iter().find(fits).unwrap_or(2000)
 }
 
-/// Squares, as whole ones as there is a size for.
+/// Squares, whole ones if there is a side that divides the picture.
 pub(super) fn checkerboard(size_px: [u32; 2]) -> Picture {
     let side = i64::from(square_side(size_px));
     let mut canvas = Canvas::new(size_px, BLACK);
@@ -128,8 +128,8 @@ pub(super) fn crosshair(size_px: [u32; 2]) -> Picture {
     canvas.into_picture()
 }
 
-/// The outermost pixels, their coordinates in the corners, and fields of stripes one pixel wide, which are even grey
-/// unless something scales the picture.
+/// The outermost pixels, their coordinates in the corners, and fields of stripes one pixel wide, which look evenly grey
+/// unless the picture is scaled.
 pub(super) fn border(size_px: [u32; 2]) -> Picture {
     let mut canvas = Canvas::new(size_px, BLACK);
     let [width, height] = canvas.size_px();
@@ -184,7 +184,7 @@ pub(super) fn ramp(size_px: [u32; 2]) -> Picture {
         let place = [(width * (2 * step + 1)) as f64 / (2 * STEPS) as f64, rows[1] as f64 - em_px];
         canvas.text(&level.to_string(), place, Anchor::Middle, em_px, opposite(level));
     }
-    // Squares that must be told from what is around them.
+    // Squares that must be distinguishable from their surroundings.
     const NEAR: [u8; 6] = [2, 4, 8, 12, 16, 24];
     let half = width / 2;
     canvas.fill([half, rows[1]], [width, height], WHITE);
@@ -201,7 +201,7 @@ pub(super) fn ramp(size_px: [u32; 2]) -> Picture {
     canvas.into_picture()
 }
 
-/// The monitor's name and resolution as large as there is room for.
+/// The monitor's name and resolution, as large as possible.
 pub(super) fn name(size_px: [u32; 2], monitor: &str) -> Picture {
     let mut canvas = Canvas::new(size_px, BLACK);
     let [width, height] = canvas.size_px();
@@ -214,8 +214,8 @@ pub(super) fn name(size_px: [u32; 2], monitor: &str) -> Picture {
     canvas.into_picture()
 }
 
-/// Which monitor this is: its number in the list, its name, resolution and place in the desktop.
-pub fn identification(index: usize, monitor: &MonitorInfo) -> Picture {
+/// The monitor's number in the list, name, resolution and position in the desktop.
+pub(crate) fn identification(index: usize, monitor: &MonitorInfo) -> Picture {
     let (width, height) = monitor.size_px;
     let mut canvas = Canvas::new([width, height], BLACK);
     let [columns, rows] = canvas.size_px();
@@ -231,7 +231,7 @@ pub fn identification(index: usize, monitor: &MonitorInfo) -> Picture {
     canvas.into_picture()
 }
 
-/// Texts in the middle, each with its place and its letters' size as shares of the picture's height.
+/// Centred texts, each with its row and its letters' size as shares of the picture's height.
 fn lines(canvas: &mut Canvas, texts: &[(&str, f64, f64)]) {
     let [width, height] = canvas.size_px().map(|side| side as f64);
     for (text, row, share) in texts {

@@ -1,30 +1,30 @@
-//! Marks that tell how a picture was turned or mirrored on its way to the wall: in each corner a white disc, with one
-//! to four black dots in it, clockwise from the top left. So each corner is known for itself (a disc with so many
-//! holes, however it is distorted), and their order tells a mirror image from a turned one. In the middle is an F,
-//! which looks different in each of the eight ways, for people.
+//! Marks that reveal rotation and mirroring of a projected picture: in each corner a white disc with one to four black
+//! dots, clockwise from the top left. The number of dots identifies a corner however it is distorted, and the order of
+//! corners distinguishes mirroring from rotation. For people there is an F in the middle, which is different in each of
+//! the eight orientations.
 
 use rcs_scene::Picture;
 
-use super::{Canvas, BLACK, WHITE};
+use super::canvas::{Canvas, BLACK, WHITE};
 
 /// A disc with dots.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrientationMark {
+pub(super) struct OrientationMark {
     /// The disc's centre, pixels.
-    pub center_px: [f64; 2],
+    pub(super) center_px: [f64; 2],
     /// The disc's radius, pixels.
-    pub radius_px: f64,
-    /// How many dots.
-    pub dots: u32,
+    pub(super) radius_px: f64,
+    /// Number of dots.
+    pub(super) dots: u32,
     /// The dots' radius, pixels.
-    pub dot_radius_px: f64,
+    pub(super) dot_radius_px: f64,
 }
 
 /// The marks of a picture of this size, clockwise from the top left, with one to four dots.
-pub fn orientation_marks(size_px: [u32; 2]) -> [OrientationMark; 4] {
+pub(super) fn orientation_marks(size_px: [u32; 2]) -> [OrientationMark; 4] {
     let [width, height] = size_px.map(f64::from);
     let radius_px = 0.13 * width.min(height);
-    // As far from the edges as another quarter of it.
+    // A quarter of the radius away from the edges.
     let near = 1.25 * radius_px;
     let (far_u, far_v) = (width - 1.0 - near, height - 1.0 - near);
     let mark = |dots, center_px| OrientationMark { center_px, radius_px, dots, dot_radius_px: 0.2 * radius_px };
@@ -32,9 +32,9 @@ pub fn orientation_marks(size_px: [u32; 2]) -> [OrientationMark; 4] {
 }
 
 impl OrientationMark {
-    /// Where its dots are, pixels.
-    pub fn dots_px(&self) -> Vec<[f64; 2]> {
-        // A single one is in the middle; the others are farther from each other and from the edge than they are wide.
+    /// The dots' centres, pixels.
+    pub(super) fn dots_px(&self) -> Vec<[f64; 2]> {
+        // A single dot is in the middle; others are more than a diameter from each other and from the edge.
         let ring_px = if self.dots < 2 { 0.0 } else { 0.52 * self.radius_px };
         let turn = std::f64::consts::TAU / f64::from(self.dots.max(1));
         let angles = (0..self.dots).map(|dot| turn * (f64::from(dot) + 0.5));
@@ -44,7 +44,7 @@ impl OrientationMark {
     }
 }
 
-/// The picture.
+/// The picture with the marks and an F.
 pub(super) fn orientation(size_px: [u32; 2]) -> Picture {
     let mut canvas = Canvas::new(size_px, BLACK);
     for mark in orientation_marks(size_px) {

@@ -1,6 +1,5 @@
-//! Test pictures for a projector, drawn in its own resolution, so that each pixel of a picture is one of the
-//! projector's: what is wrong with the set-up (scaling, overscan, keystone correction, mirroring, the wrong screen) is
-//! seen on the wall. Levels of grey only, for cameras of any kind.
+//! Test pictures for a projector, in its own resolution. They reveal scaling, overscan, keystone correction, mirroring
+//! and the wrong screen on the wall. Levels of grey only, for cameras of any kind.
 
 mod canvas;
 mod layout;
@@ -10,14 +9,12 @@ use std::str::FromStr;
 
 use rcs_scene::Picture;
 
-use canvas::{Anchor, Canvas, BLACK, WHITE};
-pub use layout::identification;
-pub use marks::{orientation_marks, OrientationMark};
+pub(crate) use layout::identification;
 
 /// A test picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TestPicture {
-    /// Lines with their coordinates: where on a thing which pixel lands. Straight on a plane unless the lens distorts.
+    /// Lines with their coordinates: the projected position of each pixel. Straight on a plane unless the lens distorts.
     Grid,
     /// Squares: sharpness and scaling.
     Checkerboard,
@@ -27,23 +24,23 @@ pub enum TestPicture {
     Border,
     /// All levels of grey: brightness, contrast, gamma.
     Ramp,
-    /// The monitor's name and resolution: which screen this is.
+    /// The monitor's name and resolution.
     Name,
-    /// Marks that differ: mirroring and rotation, for eyes and for cameras, see [`orientation_marks`].
+    /// Marks of mirroring and rotation for people and cameras.
     Orientation,
 }
 
-/// A name that no test picture has.
+/// Error of an unknown test picture's name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is no test picture '{0}'")]
 pub struct UnknownTestPicture(String);
 
 impl TestPicture {
-    /// All, in the order in which they are shown.
+    /// All test pictures, in the order of the key t.
     pub const ALL: [Self; 7] =
         [Self::Name, Self::Border, Self::Orientation, Self::Grid, Self::Checkerboard, Self::Crosshair, Self::Ramp];
 
-    /// Its name on command lines and of files.
+    /// The name on command lines and of files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Grid => "grid",
@@ -56,7 +53,7 @@ impl TestPicture {
         }
     }
 
-    /// The picture in a resolution. `monitor` is the name that [`Self::Name`] shows.
+    /// Draws the picture in a resolution. `monitor` is the text of [`Self::Name`].
     ///
     /// ```
     /// use rcs_window::test_pictures::TestPicture;

@@ -1,5 +1,7 @@
-//! What the test pictures promise, pixel by pixel.
+//! The test pictures, pixel by pixel.
 
+use super::canvas::{BLACK, WHITE};
+use super::marks::{orientation_marks, OrientationMark};
 use super::*;
 
 const SIZES_PX: [[u32; 2]; 9] =

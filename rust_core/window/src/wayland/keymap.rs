@@ -1,8 +1,7 @@
-//! The keyboard's layout, from the text in which a compositor gives it (XKB text format, version 1, as libxkbcommon
-//! writes it): which symbols each key has, without and with shift.
+//! The keyboard's layout from a compositor's text (XKB text format, version 1, as libxkbcommon writes it): the symbols of
+//! each key, without and with shift, of the first layout.
 //!
-//! Only what libxkbcommon writes is read, and only the first layout. There is no binding to that library without
-//! `unsafe`, and a program linked with it would not start where it is not installed.
+//! There is no binding to libxkbcommon without `unsafe`, and a program linked with it would not start without it.
 
 use std::collections::HashMap;
 
@@ -12,15 +11,15 @@ use xkeysym::{key, Keysym};
 #[derive(Debug, Default)]
 pub(super) struct Keymap(HashMap<u32, [Option<Keysym>; 2]>);
 
-/// The kernel's codes are so much less than XKB's.
+/// Difference of XKB's key codes from the kernel's.
 const KERNEL_OFFSET: u32 = 8;
 
 impl Keymap {
-    /// Reads a keymap; keys that are not understood have no symbols.
+    /// Reads a keymap; keys with unknown syntax have no symbols.
     pub(super) fn parse(text: &str) -> Self {
         let mut codes = HashMap::new();
         let mut symbols = HashMap::new();
-        // Statements end with semicolons; only those of keys matter.
+        // Statements end with semicolons.
         for statement in text.split(';') {
             if let Some((name, code)) = key_code(statement) {
                 codes.insert(name.to_owned(), code);
@@ -60,7 +59,7 @@ fn key_symbols(statement: &str) -> Option<(&str, [Option<Keysym>; 2])> {
     Some((name, [found.next().flatten(), found.next().flatten()]))
 }
 
-/// The symbol of a name: of the keys that a window reports, and of those with a character.
+/// The symbol of a name, for the keys that a window reports.
 fn keysym(name: &str) -> Option<Keysym> {
     const NAMED: [(&str, u32); 28] = [
         ("Escape", key::Escape),

@@ -6,8 +6,8 @@ use wayland_protocols::xdg::xdg_output::zv1::client::zxdg_output_v1::{self, Zxdg
 
 use crate::monitor::MonitorInfo;
 
-/// An output, as far as it was described.
-struct Output {
+/// An output as described so far.
+struct WaylandOutput {
     /// The number of its global.
     global: u32,
     proxy: WlOutput,
@@ -20,31 +20,32 @@ struct Output {
 
 /// All outputs.
 #[derive(Default)]
-pub(super) struct Outputs(Vec<Output>);
+pub(super) struct WaylandOutputs(Vec<WaylandOutput>);
 
-impl Outputs {
-    /// Another output.
+impl WaylandOutputs {
+    /// Adds an output.
     pub(super) fn add(&mut self, global: u32, proxy: WlOutput) {
         let (described, info) = (None, MonitorInfo { name: format!("output-{global}"), ..MonitorInfo::default() });
-        let output = Output { global, proxy, described, info, mode_px: (0, 0), is_turned: false, native_px: None };
+        let output =
+            WaylandOutput { global, proxy, described, info, mode_px: (0, 0), is_turned: false, native_px: None };
         self.0.push(output);
     }
 
-    /// Asks for what the core protocol does not tell of outputs.
+    /// Requests the outputs' description beyond the core protocol.
     pub(super) fn describe(&mut self, mut ask: impl FnMut(&WlOutput) -> ZxdgOutputV1) {
         for output in self.0.iter_mut().filter(|output| output.described.is_none()) {
             output.described = Some(ask(&output.proxy));
         }
     }
 
-    /// An output is gone. Returns whether it was one.
+    /// Removes an output. Returns `false` for other globals.
     pub(super) fn remove(&mut self, global: u32) -> bool {
         let count = self.0.len();
         self.0.retain(|output| output.global != global);
         count != self.0.len()
     }
 
-    /// What the compositor tells of an output.
+    /// Applies an event of an output.
     pub(super) fn apply(&mut self, proxy: &WlOutput, event: wl_output::Event) {
         let Some(output) = self.0.iter_mut().find(|output| output.proxy == *proxy) else { return };
         match event {
@@ -70,7 +71,7 @@ impl Outputs {
         output.info.size_px = if output.is_turned { (output.mode_px.1, output.mode_px.0) } else { output.mode_px };
     }
 
-    /// What the compositor tells of an output beyond the core protocol.
+    /// Applies an event of an output's description.
     pub(super) fn apply_described(&mut self, proxy: &ZxdgOutputV1, event: zxdg_output_v1::Event) {
         let Some(output) = self.0.iter_mut().find(|output| output.described.as_ref() == Some(proxy)) else { return };
         match event {
@@ -80,17 +81,17 @@ impl Outputs {
         }
     }
 
-    /// Those that are on.
+    /// The outputs that are on.
     pub(super) fn monitors(&self) -> Vec<MonitorInfo> {
         self.0.iter().map(|output| output.info.clone()).filter(|info| info.size_px != (0, 0)).collect()
     }
 
-    /// The output of this name.
+    /// The output with a name.
     pub(super) fn proxy(&self, name: &str) -> Option<&WlOutput> {
         self.0.iter().find(|output| output.info.name == name).map(|output| &output.proxy)
     }
 
-    /// The native mode and the one that runs, pixels, of an output that runs another one.
+    /// The native and the current mode, pixels, of an output that runs another mode than its native one.
     pub(super) fn other_mode(&self, name: &str) -> Option<[(u32, u32); 2]> {
         let output = self.0.iter().find(|output| output.info.name == name)?;
         let native = output.native_px.filter(|native| *native != output.mode_px)?;

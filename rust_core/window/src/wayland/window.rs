@@ -3,8 +3,7 @@
 use std::os::fd::BorrowedFd;
 use std::time::Instant;
 
-use rustix::event::{poll, PollFd, PollFlags};
-use rustix::io::Errno;
+use rustix::event::{PollFd, PollFlags};
 use wayland_client::protocol::wl_buffer::WlBuffer;
 use wayland_client::protocol::wl_compositor::WlCompositor;
 use wayland_client::protocol::wl_shm::{Format, WlShm};
@@ -17,24 +16,24 @@ use wayland_protocols::xdg::shell::client::xdg_surface::XdgSurface;
 use wayland_protocols::xdg::shell::client::xdg_toplevel::XdgToplevel;
 use wayland_protocols::xdg::shell::client::xdg_wm_base::XdgWmBase;
 
-use super::state::{lost, lost_connection, Session, State};
+use super::state::{lost, lost_connection, CompositorState, WaylandSession};
+use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
-use crate::run::{SystemEvent, SystemWindow};
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
-use crate::watch::{MonitorWatch, Place, WindowAction};
-use crate::{timeout_until, WindowError, WindowOptions};
+use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
+use crate::watch::{DesktopRect, MonitorWatch, WindowAction};
 
 /// A window on a compositor, over one output.
 pub(crate) struct WaylandWindow {
-    session: Session,
+    session: WaylandSession,
     globals: Globals,
     title: String,
     watch: MonitorWatch,
     /// `None` while the monitor is gone.
-    shown: Option<Shown>,
+    active: Option<ActiveSurface>,
 }
 
-/// What makes windows.
+/// The compositor's global objects.
 struct Globals {
     compositor: WlCompositor,
     memory: WlShm,
@@ -43,23 +42,23 @@ struct Globals {
     idle: Option<ZwpIdleInhibitManagerV1>,
 }
 
-/// The surface on the screen. What it consists of is destroyed from the top.
-struct Shown {
+/// The surface on the screen.
+struct ActiveSurface {
     surface: WlSurface,
     shell_surface: XdgSurface,
     toplevel: XdgToplevel,
     viewport: Option<WpViewport>,
     inhibitor: Option<ZwpIdleInhibitorV1>,
-    buffers: Option<Buffers>,
+    buffers: Option<SurfaceBuffers>,
 }
 
-/// Two pictures in shared memory; the compositor's objects for them are destroyed with it.
-struct Buffers {
+/// Two pictures in shared memory; dropping it destroys the compositor's objects for them.
+struct SurfaceBuffers {
     pixels: SharedPixels,
     slots: [WlBuffer; 2],
 }
 
-impl Drop for Buffers {
+impl Drop for SurfaceBuffers {
     fn drop(&mut self) {
         self.slots.iter().for_each(WlBuffer::destroy);
     }
@@ -68,7 +67,7 @@ impl Drop for Buffers {
 impl WaylandWindow {
     /// Opens the window on the monitor that the options choose.
     pub(crate) fn open(options: &WindowOptions) -> Result<Self, WindowError> {
-        let session = Session::open()?;
+        let session = WaylandSession::open()?;
         let mut monitors = session.state.outputs.monitors();
         let monitor = monitors.swap_remove(options.monitor.resolve(&monitors)?);
         log::info!("{} on monitor {monitor}", options.source);
@@ -85,12 +84,12 @@ impl WaylandWindow {
         }
         let globals = Globals::bind(&session)?;
         let watch = MonitorWatch::new(monitor, Instant::now());
-        let mut window = Self { session, globals, title: options.source.clone(), watch, shown: None };
+        let mut window = Self { session, globals, title: options.source.clone(), watch, active: None };
         window.show()?;
         Ok(window)
     }
 
-    /// Puts the window on the screen.
+    /// Shows the window.
     fn show(&mut self) -> Result<(), WindowError> {
         self.hide();
         let handle = self.session.queue.handle();
@@ -104,25 +103,25 @@ impl WaylandWindow {
         let viewport = globals.viewports.as_ref().map(|viewports| viewports.get_viewport(&surface, &handle, ()));
         let inhibitor = globals.idle.as_ref().map(|idle| idle.create_inhibitor(&surface, &handle, ()));
         surface.commit();
-        self.shown = Some(Shown { surface, shell_surface, toplevel, viewport, inhibitor, buffers: None });
+        self.active = Some(ActiveSurface { surface, shell_surface, toplevel, viewport, inhibitor, buffers: None });
         self.session.queue.flush().map_err(lost_connection)
     }
 
-    /// Takes the window off the screen.
+    /// Hides the window; its objects are destroyed from the top.
     fn hide(&mut self) {
-        let Some(shown) = self.shown.take() else { return };
-        shown.inhibitor.iter().for_each(ZwpIdleInhibitorV1::destroy);
-        shown.viewport.iter().for_each(WpViewport::destroy);
-        shown.toplevel.destroy();
-        shown.shell_surface.destroy();
-        shown.surface.destroy();
+        let Some(active) = self.active.take() else { return };
+        active.inhibitor.iter().for_each(ZwpIdleInhibitorV1::destroy);
+        active.viewport.iter().for_each(WpViewport::destroy);
+        active.toplevel.destroy();
+        active.shell_surface.destroy();
+        active.surface.destroy();
         self.session.state.configured = None;
     }
 
-    /// Takes what the compositor has told.
+    /// Handles the compositor's pending events.
     fn take_events(&mut self) -> Result<Vec<SystemEvent>, WindowError> {
         self.session.queue.dispatch_pending(&mut self.session.state).map_err(lost)?;
-        let buffers = self.shown.as_mut().and_then(|shown| shown.buffers.as_mut());
+        let buffers = self.active.as_mut().and_then(|active| active.buffers.as_mut());
         let released = std::mem::take(&mut self.session.state.released);
         if let Some(buffers) = buffers {
             released.into_iter().for_each(|slot| buffers.pixels.end_reading(slot));
@@ -132,7 +131,7 @@ impl WaylandWindow {
 }
 
 impl Globals {
-    fn bind(session: &Session) -> Result<Self, WindowError> {
+    fn bind(session: &WaylandSession) -> Result<Self, WindowError> {
         let handle = session.queue.handle();
         let missing = |error: &dyn std::fmt::Display| WindowError::NoDisplay(format!("the compositor: {error}"));
         Ok(Self {
@@ -145,28 +144,28 @@ impl Globals {
     }
 }
 
-impl Shown {
+impl ActiveSurface {
     /// Memory for pictures of this size.
     fn buffers(
         &mut self,
         size_px: (u32, u32),
         memory: &WlShm,
-        handle: &wayland_client::QueueHandle<State>,
-    ) -> Result<&mut Buffers, WindowError> {
+        handle: &wayland_client::QueueHandle<CompositorState>,
+    ) -> Result<&mut SurfaceBuffers, WindowError> {
         let known = self.buffers.take();
         let buffers = match known {
             Some(buffers) if buffers.pixels.size_px() == size_px => buffers,
-            _ => Buffers::new(size_px, memory, handle)?,
+            _ => SurfaceBuffers::new(size_px, memory, handle)?,
         };
         Ok(self.buffers.insert(buffers))
     }
 }
 
-impl Buffers {
+impl SurfaceBuffers {
     fn new(
         size_px: (u32, u32),
         memory: &WlShm,
-        handle: &wayland_client::QueueHandle<State>,
+        handle: &wayland_client::QueueHandle<CompositorState>,
     ) -> Result<Self, WindowError> {
         let pixels = SharedPixels::new(size_px)?;
         let side = |value: u64| i32::try_from(value).unwrap_or(i32::MAX);
@@ -189,8 +188,8 @@ impl SystemWindow for WaylandWindow {
     }
 
     fn size_px(&self) -> (u32, u32) {
-        // The compositor gives a size in the desktop's units; the surface has the output's pixels.
-        if self.shown.is_some() && self.session.state.configured.is_some() {
+        // The configured size is in the desktop's units; the surface has the output's pixels.
+        if self.active.is_some() && self.session.state.configured.is_some() {
             self.watch.monitor().size_px
         } else {
             (0, 0)
@@ -198,26 +197,28 @@ impl SystemWindow for WaylandWindow {
     }
 
     fn is_ready(&self) -> bool {
-        let buffers = self.shown.as_ref().and_then(|shown| shown.buffers.as_ref());
+        let buffers = self.active.as_ref().and_then(|active| active.buffers.as_ref());
         buffers.is_none_or(|buffers| buffers.pixels.free_slot().is_some())
     }
 
     fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError> {
         let (size, handle) = (self.size_px(), self.session.queue.handle());
-        let (Some(shown), Some(desktop_size)) = (&mut self.shown, self.session.state.configured) else { return Ok(()) };
-        let buffers = shown.buffers(size, &self.globals.memory, &handle)?;
+        let (Some(active), Some(desktop_size)) = (&mut self.active, self.session.state.configured) else {
+            return Ok(());
+        };
+        let buffers = active.buffers(size, &self.globals.memory, &handle)?;
         let Some(slot) = buffers.pixels.free_slot() else { return Ok(()) };
         buffers.pixels.write(slot, pixels)?;
         buffers.pixels.begin_reading(slot);
         let buffer = buffers.slots.get(slot).cloned();
-        if let (Some(viewport), (width, height)) = (&shown.viewport, desktop_size) {
+        if let (Some(viewport), (width, height)) = (&active.viewport, desktop_size) {
             if width > 0 && height > 0 {
                 viewport.set_destination(width, height);
             }
         }
-        shown.surface.attach(buffer.as_ref(), 0, 0);
-        shown.surface.damage(0, 0, i32::MAX, i32::MAX);
-        shown.surface.commit();
+        active.surface.attach(buffer.as_ref(), 0, 0);
+        active.surface.damage(0, 0, i32::MAX, i32::MAX);
+        active.surface.commit();
         self.session.queue.flush().map_err(lost_connection)
     }
 
@@ -231,10 +232,7 @@ impl SystemWindow for WaylandWindow {
             let compositor = guard.connection_fd();
             let mut fds =
                 [PollFd::from_borrowed_fd(compositor, PollFlags::IN), PollFd::from_borrowed_fd(wake, PollFlags::IN)];
-            match poll(&mut fds, Some(&timeout_until(until))) {
-                Ok(_) | Err(Errno::INTR) => {}
-                Err(error) => return Err(WindowError::Lost(error.to_string())),
-            }
+            poll_until(&mut fds, until)?;
             let is_readable = !fds[0].revents().is_empty();
             if is_readable {
                 guard.read().map_err(lost_connection)?;
@@ -250,9 +248,9 @@ impl SystemWindow for WaylandWindow {
     fn check(&mut self, now: Instant) -> Result<bool, WindowError> {
         self.session.round_trip()?;
         let monitors = self.session.state.outputs.monitors();
-        let place = self.session.state.configured.filter(|_| self.shown.is_some());
-        // A compositor does not tell where it puts a surface, and full screen it is as large as the output.
-        let place = place.map(|_| Place { position_px: None, size_px: self.watch.monitor().size_px });
+        let place = self.session.state.configured.filter(|_| self.active.is_some());
+        // A compositor does not report a surface's position; full screen it has the output's size.
+        let place = place.map(|_| DesktopRect { position_px: None, size_px: self.watch.monitor().size_px });
         let found = self.watch.check(now, &monitors, place);
         match found.action {
             WindowAction::Leave => {}

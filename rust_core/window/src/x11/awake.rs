@@ -1,9 +1,8 @@
 //! Keeps the screen from blanking while the window is open.
 //!
-//! With the extension MIT-SCREEN-SAVER both the screen saver's and the power saving's timers are suspended; the server
-//! itself ends that with the connection, however the process ends. Without it both are switched off and set back at the
-//! end. A monitor that sleeps already is woken. Programs that lock the screen by themselves watch the time of the last
-//! input, which is set back now and then.
+//! With the extension MIT-SCREEN-SAVER the timers of screen saver and power saving are suspended; the server ends that
+//! with the connection. Without it both are switched off, and restored at the end. A sleeping monitor is woken. Screen
+//! lockers watch the time of the last input, which is reset periodically.
 
 use std::time::{Duration, Instant};
 
@@ -14,13 +13,13 @@ use x11rb::protocol::xproto::{Blanking, ConnectionExt as _, Exposures, GetScreen
 
 use super::session::X11Session;
 
-/// How often the time of the last input is set back: shorter than any locker waits.
+/// Period of resetting the time of the last input, shorter than any locker's timeout.
 const PERIOD: Duration = Duration::from_secs(30);
 
-/// What keeps the screen awake.
+/// Keeps the screen awake.
 pub(super) struct Awake {
     next: Instant,
-    /// What was switched off, where the timers could not be suspended.
+    /// The timers that were switched off because they could not be suspended.
     switched_off: Option<Timers>,
 }
 
@@ -30,7 +29,7 @@ struct Timers {
 }
 
 impl Awake {
-    /// From now on.
+    /// Keeps the screen awake from now on.
     pub(super) fn start(session: &X11Session, now: Instant) -> Self {
         let switched_off = (!suspend(session)).then(|| switch_off(session));
         let mut awake = Self { next: now, switched_off };
@@ -44,14 +43,14 @@ impl Awake {
             return;
         }
         self.next = now + PERIOD;
-        // Where a request fails, there is nothing to wake.
+        // A request fails where there is nothing to wake.
         let _ = session.connection.force_screen_saver(ScreenSaver::RESET);
         if power_saving(session).is_some_and(|info| info.state && info.power_level != DPMSMode::ON) {
             let _ = session.connection.dpms_force_level(DPMSMode::ON);
         }
     }
 
-    /// Sets back what was switched off.
+    /// Restores timers that were switched off.
     pub(super) fn end(&self, session: &X11Session) {
         let Some(timers) = &self.switched_off else { return };
         if let Some(saver) = &timers.screen_saver {

@@ -1,7 +1,7 @@
-//! Keeps the window of another program over a monitor: full screen where a window manager can, without decoration.
+//! Keeps the window of another program over a monitor: full screen if there is a window manager, without decoration.
 //!
-//! The window is found by its title, among those that the window manager lists (EWMH's `_NET_CLIENT_LIST`), or on an X
-//! server without one among the root window's children. It may come late, go, and come again.
+//! The window is found by its title, in the window manager's list (EWMH's `_NET_CLIENT_LIST`), or without a window
+//! manager among the root window's children.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -11,19 +11,19 @@ use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, MapState, PropMode, 
 use x11rb::wrapper::ConnectionExt as _;
 
 use super::session::X11Session;
+use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorError, MonitorInfo};
-use crate::watch::Place;
-use crate::WindowError;
+use crate::watch::DesktopRect;
 
-/// How often the window is looked at.
+/// Poll period.
 const PERIOD: Duration = Duration::from_millis(200);
-/// How long a window manager has to put the window in its place.
+/// Time in which a window manager places the window.
 const SETTLE_TIME: Duration = Duration::from_millis(800);
-/// How often the window is put in its place before that is given up with a warning.
-const MOST_ATTEMPTS: u32 = 5;
+/// Attempts to place the window before a warning.
+const MAX_ATTEMPTS: u32 = 5;
 
-/// A window that is kept in its place.
-struct Kept {
+/// The window that is kept over the monitor.
+struct KeptWindow {
     window: Window,
     attempts: u32,
     next: Instant,
@@ -35,7 +35,7 @@ struct Kept {
 /// [`WindowError`] when there is no X server, or when it goes away.
 pub(crate) fn keep_over(title: &str, choice: &MonitorChoice, is_ending: &dyn Fn() -> bool) -> Result<(), WindowError> {
     let session = X11Session::open()?;
-    let mut kept: Option<Kept> = None;
+    let mut kept: Option<KeptWindow> = None;
     let mut last_error: Option<MonitorError> = None;
     while !is_ending() {
         session.connection.sync().map_err(X11Session::lost)?;
@@ -55,28 +55,28 @@ pub(crate) fn keep_over(title: &str, choice: &MonitorChoice, is_ending: &dyn Fn(
     Ok(())
 }
 
-/// Looks at the window once.
+/// Checks the window once.
 fn keep(
     session: &X11Session,
     title: &str,
     monitor: &MonitorInfo,
-    kept: Option<Kept>,
-) -> Result<Option<Kept>, WindowError> {
+    kept: Option<KeptWindow>,
+) -> Result<Option<KeptWindow>, WindowError> {
     let Some(window) = session.window_titled(title) else { return Ok(None) };
     let now = Instant::now();
     let mut kept = kept.filter(|kept| kept.window == window).unwrap_or_else(|| {
         log::info!("window '{title}' on monitor {monitor}");
         session.undecorate(window);
-        Kept { window, attempts: 0, next: now }
+        KeptWindow { window, attempts: 0, next: now }
     });
-    let wanted = Place { position_px: Some(monitor.position_px), size_px: monitor.size_px };
+    let wanted = DesktopRect { position_px: Some(monitor.position_px), size_px: monitor.size_px };
     if session.place_of(window) == Some(wanted) {
         kept.attempts = 0;
-    } else if now >= kept.next && kept.attempts < MOST_ATTEMPTS {
+    } else if now >= kept.next && kept.attempts < MAX_ATTEMPTS {
         kept.attempts += 1;
         kept.next = now + SETTLE_TIME;
         session.cover_again(window, monitor, !session.has_fullscreen_manager())?;
-    } else if now >= kept.next && kept.attempts == MOST_ATTEMPTS {
+    } else if now >= kept.next && kept.attempts == MAX_ATTEMPTS {
         kept.attempts += 1;
         log::warn!("WINDOW '{title}' DOES NOT COVER MONITOR {monitor}: its program does not let it");
     }
@@ -114,7 +114,7 @@ impl X11Session {
     /// Asks the window manager for no title bar and no border.
     fn undecorate(&self, window: Window) {
         let Some(motif) = self.atom("_MOTIF_WM_HINTS") else { return };
-        // What is refused here leaves a border, which full screen hides.
+        // On failure a border remains, which full screen hides.
         let _ = self.connection.change_property32(PropMode::REPLACE, window, motif, motif, &[2, 0, 0, 0, 0]);
         let _ = self.connection.flush();
     }

@@ -1,4 +1,4 @@
-//! Key presses as symbols: the keyboard's mapping as the X server has it.
+//! Key presses as symbols, by the X server's keyboard mapping.
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask, KeyPressEvent};
@@ -6,10 +6,10 @@ use xkeysym::{KeyCode, Keysym};
 
 use super::session::X11Session;
 
-/// The layouts' number is in these bits of a key event's state (X Keyboard Extension, section 2.2.2).
+/// Position of the layout's number in a key event's state (X Keyboard Extension, section 2.2.2).
 const GROUP_SHIFT: u16 = 13;
 
-/// What the keys type.
+/// The symbols of the keys.
 #[derive(Default)]
 pub(super) struct Keyboard {
     first: u8,
@@ -18,7 +18,7 @@ pub(super) struct Keyboard {
 }
 
 impl Keyboard {
-    /// The mapping as it is now; one without keys if the server does not tell.
+    /// The current mapping; without keys if the server does not report it.
     pub(super) fn read(session: &X11Session) -> Self {
         let setup = session.connection.setup();
         let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
@@ -30,13 +30,13 @@ impl Keyboard {
         })
     }
 
-    /// The symbol that a key press types.
+    /// The symbol of a key press.
     pub(super) fn keysym(&self, event: &KeyPressEvent) -> Option<Keysym> {
         let state = u16::from(event.state);
         let is_shifted = state & u16::from(KeyButMask::SHIFT) != 0;
         let is_second_layout = (state >> GROUP_SHIFT) & 1 != 0;
         let column = u8::from(is_shifted) + 2 * u8::from(is_second_layout);
-        // The crate's function trusts the range.
+        // xkeysym does not check the range.
         let index = usize::from(event.detail.checked_sub(self.first)?) * usize::from(self.per_key);
         self.keysyms.get(index..index + usize::from(self.per_key))?;
         xkeysym::keysym(

@@ -1,7 +1,7 @@
-//! The window on an X server, over a connection of its own in Rust.
+//! The window on an X server, over a connection in Rust.
 //!
-//! Not over Xlib, which ends the whole process when the server goes away: here that is an error, and a node can go on
-//! without its window and open it again. The connection needs no main thread.
+//! Xlib ends the process when the server goes away: here that is an error, and a node can go on without its window and
+//! open it again. The connection needs no main thread.
 
 mod awake;
 mod keep_over;

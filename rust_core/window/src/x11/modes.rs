@@ -1,7 +1,6 @@
-//! A monitor's mode, compared with the one that its panel or chip has pixels for: only that one shows each pixel as
-//! one.
+//! A monitor's mode, compared with its native one: only the native mode is not scaled by the monitor.
 //!
-//! RandR lists an output's preferred modes first; the first is the native one (X RandR 1.5, RRGetOutputInfo).
+//! The native mode is the first of RandR's list, which begins with the preferred modes (X RandR 1.5, RRGetOutputInfo).
 
 use std::time::Duration;
 
@@ -12,13 +11,20 @@ use x11rb::CURRENT_TIME;
 
 use super::session::X11Session;
 
-/// One in RENDER's fixed-point numbers.
+/// The number 1 in RENDER's fixed-point format.
 const ONE: i32 = 1 << 16;
-/// What leaves pixels where they are, row by row.
+/// The identity matrix, row by row.
 const IDENTITY: [i32; 9] = [ONE, 0, 0, 0, ONE, 0, 0, 0, ONE];
 
 fn elements(t: &Transform) -> [i32; 9] {
     [t.matrix11, t.matrix12, t.matrix13, t.matrix21, t.matrix22, t.matrix23, t.matrix31, t.matrix32, t.matrix33]
+}
+
+/// Option and state of checking a monitor's mode.
+pub(super) struct ModeCheck {
+    /// `true` to set the native mode.
+    pub(super) set_mode: bool,
+    pub(super) last_warning: Option<String>,
 }
 
 /// The modes of an output that is on.
@@ -27,22 +33,22 @@ pub(super) struct OutputModes {
     state: GetCrtcInfoReply,
     native: ModeInfo,
     current: ModeInfo,
-    /// Whether the server scales what it shows.
+    /// `true` if the server scales the output.
     is_scaled: bool,
 }
 
 impl OutputModes {
-    /// Whether the output runs its native mode.
+    /// `true` if the output runs its native mode.
     fn is_native(&self) -> bool {
         self.current.id == self.native.id || Self::size(&self.current) == Self::size(&self.native)
     }
 
-    /// Width and height of the native mode and of the one that runs, pixels.
+    /// Width and height of the native and of the current mode, pixels.
     fn native_and_current_px(&self) -> [(u16, u16); 2] {
         [Self::size(&self.native), Self::size(&self.current)]
     }
 
-    /// The time between two refreshes of the mode that runs; `None` for a screen that is not refreshed.
+    /// Time between two refreshes of the current mode; `None` for a screen without refresh.
     pub(super) fn refresh_period(&self) -> Option<Duration> {
         let pixels = u32::from(self.current.htotal) * u32::from(self.current.vtotal);
         (self.current.dot_clock > 0 && pixels > 0)
@@ -55,7 +61,7 @@ impl OutputModes {
 }
 
 impl X11Session {
-    /// The modes of the output of this name; `None` if it is off, or no output.
+    /// The modes of an output by name; `None` if it is off or unknown.
     pub(super) fn output_modes(&self, name: &str) -> Option<OutputModes> {
         let resources = self.connection.randr_get_screen_resources_current(self.root()).ok()?.reply().ok()?;
         let time = resources.config_timestamp;
@@ -74,9 +80,10 @@ impl X11Session {
         })
     }
 
-    /// Warns, once, about a monitor whose pixels are not the picture's, or sets its native mode if `set_mode`. Returns
-    /// whether the mode was changed.
-    pub(super) fn put_right_mode(&self, name: &str, set_mode: bool, last_warning: &mut Option<String>) -> bool {
+    /// Sets a monitor that runs another mode to its native one if the check's `set_mode` is set, else warns about it
+    /// once. Returns `true` if the mode was changed.
+    pub(super) fn check_mode(&self, name: &str, check: &mut ModeCheck) -> bool {
+        let ModeCheck { set_mode, last_warning } = check;
         let Some(modes) = self.output_modes(name).filter(|modes| modes.is_scaled || !modes.is_native()) else {
             *last_warning = None;
             return false;
@@ -87,7 +94,7 @@ impl X11Session {
         } else {
             format!("MONITOR {name} RUNS {current}, ITS NATIVE MODE IS {native}: it scales each picture; set that mode")
         };
-        if !modes.is_native() && set_mode {
+        if !modes.is_native() && *set_mode {
             match self.set_native_mode(&modes) {
                 Ok(()) => {
                     log::info!("monitor {name} is set from {current} to its native mode {native}");
@@ -105,10 +112,10 @@ impl X11Session {
         false
     }
 
-    /// Sets an output to its native mode. Where it would overlap another monitor, it goes to the right of all.
+    /// Sets an output to its native mode. If it would overlap another monitor, it is placed to the right of all.
     ///
     /// # Errors
-    /// Why that is not possible.
+    /// The reason for a message.
     fn set_native_mode(&self, modes: &OutputModes) -> Result<(), String> {
         let (width, height) = OutputModes::size(&modes.native);
         let place = self.place_for(modes).ok_or("the desktop's monitors cannot be listed")?;
@@ -131,7 +138,7 @@ impl X11Session {
         }
     }
 
-    /// Where an output fits in its native mode.
+    /// A position at which an output fits in its native mode.
     fn place_for(&self, modes: &OutputModes) -> Option<(i16, i16)> {
         let resources = self.connection.randr_get_screen_resources_current(self.root()).ok()?.reply().ok()?;
         let state = |crtc: &Crtc| self.connection.randr_get_crtc_info(*crtc, CURRENT_TIME).ok()?.reply().ok();
@@ -152,7 +159,7 @@ impl X11Session {
         Some((modes.state.x, modes.state.y))
     }
 
-    /// Makes the desktop at least so large, pixels.
+    /// Enlarges the desktop to at least this size, pixels.
     fn enlarge_desktop(&self, width: i32, height: i32) -> Result<(), String> {
         let geometry = || self.connection.get_geometry(self.root()).ok()?.reply().ok();
         let now = geometry().ok_or("the desktop's size is unknown")?;
@@ -161,7 +168,7 @@ impl X11Session {
         if wanted == (now.width, now.height) {
             return Ok(());
         }
-        // In millimetres, of which nothing here depends, at 96 pixels an inch.
+        // The size in millimetres, at 96 pixels an inch; unused here.
         let mm = |pixels: u16| (f64::from(pixels) * 25.4 / 96.0) as u32;
         let request =
             self.connection.randr_set_screen_size(self.root(), wanted.0, wanted.1, mm(wanted.0), mm(wanted.1));

@@ -1,5 +1,4 @@
-//! The monitors of an X server as they are now: RandR's outputs, the virtual monitors that `xrandr --setmonitor` makes,
-//! and Xinerama's heads.
+//! The current monitors of an X server: RandR's outputs, virtual monitors (`xrandr --setmonitor`), and Xinerama's heads.
 
 use x11rb::connection::RequestConnection;
 use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo as MonitorReply};
@@ -10,9 +9,8 @@ use super::session::X11Session;
 use crate::monitor::MonitorInfo;
 
 impl X11Session {
-    /// All monitors as they are now: the outputs of RandR, which winit knows as well, and the virtual ones that
-    /// `xrandr --setmonitor` makes of parts of the desktop; or, where several screens are one desktop by Xinerama, its
-    /// heads. Empty without both extensions.
+    /// All current monitors: the outputs of RandR and the virtual monitors; or, where several screens are one desktop by
+    /// Xinerama, its heads. Empty without both extensions.
     pub(crate) fn monitors(&self) -> Vec<MonitorInfo> {
         let mut monitors = self.outputs().unwrap_or_default();
         for monitor in self.named_monitors().unwrap_or_default() {
@@ -21,7 +19,7 @@ impl X11Session {
                 None => monitors.push(monitor),
             }
         }
-        // RandR's monitors are heads as well, so that more of those are Xinerama's own.
+        // RandR's monitors are heads as well, so more heads are Xinerama's own.
         let heads = self.heads().unwrap_or_default();
         if heads.len() > monitors.len() {
             heads
@@ -50,8 +48,7 @@ impl X11Session {
         Some(resources.crtcs.into_iter().filter_map(output).filter(|output| output.size_px != (0, 0)).collect())
     }
 
-    /// What RandR 1.5 calls monitors: one for each output, and those that a user named. The latter may share an
-    /// output's place, have a part of it, or none.
+    /// RandR 1.5's monitors: one for each output, and the user's virtual ones.
     fn named_monitors(&self) -> Option<Vec<MonitorInfo>> {
         let version = self.connection.randr_query_version(1, 5).ok()?.reply().ok()?;
         if (version.major_version, version.minor_version) < (1, 5) {
@@ -68,11 +65,11 @@ impl X11Session {
                 is_virtual: !monitor.automatic,
             })
         };
-        // Those without outputs, as half a picture wall is, do not count as active.
+        // Monitors without outputs are not active.
         Some(found.monitors.into_iter().filter_map(monitor).filter(|monitor| monitor.size_px != (0, 0)).collect())
     }
 
-    /// Xinerama's heads; they have no names, and the first is the primary one.
+    /// Xinerama's heads, which have no names; the first is the primary one.
     fn heads(&self) -> Option<Vec<MonitorInfo>> {
         self.connection.extension_information(xinerama::X11_EXTENSION_NAME).ok()??;
         let is_active = self.connection.xinerama_is_active().ok()?.reply().ok()?.state != 0;

@@ -1,10 +1,9 @@
-//! Where an X screen has the three colours in a pixel of 32 bits.
-//!
-//! The masks of the root window's visual decide: eight bits each on most screens, ten on screens of depth 30.
+//! Layout of colours in a pixel of 32 bits, by the masks of the root window's visual: eight bits each on most screens, ten
+//! on screens of depth 30.
 
 use x11rb::protocol::xproto::{Screen, VisualClass};
 
-use crate::WindowError;
+use crate::error::WindowError;
 
 /// The bits of red, green and blue in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,13 +12,13 @@ pub(super) struct PixelFormat {
 }
 
 impl PixelFormat {
-    /// Eight bits each, `0x00RRGGBB`: the pixels that windows are drawn in.
+    /// Eight bits each, `0x00RRGGBB`: the format of drawn pixels.
     const DRAWN: Self = Self { masks: [0x00ff_0000, 0x0000_ff00, 0x0000_00ff] };
 
     /// The format of a screen's root visual.
     ///
     /// # Errors
-    /// The visual has no fixed colours, or a mask that is empty or in several pieces.
+    /// The visual has no fixed colours, or a mask that is empty or not contiguous.
     pub(super) fn of(screen: &Screen) -> Result<Self, WindowError> {
         let visual = screen
             .allowed_depths
@@ -40,13 +39,13 @@ impl PixelFormat {
         })
     }
 
-    /// The format with these masks; `None` if one is empty or in several pieces.
+    /// The format of these masks; `None` if one is empty or not contiguous.
     fn from_masks(masks: [u32; 3]) -> Option<Self> {
         let is_contiguous = |mask: u32| (mask >> mask.trailing_zeros().min(31)).trailing_ones() == mask.count_ones();
         masks.iter().all(|mask| *mask != 0 && is_contiguous(*mask)).then_some(Self { masks })
     }
 
-    /// Whether pixels are sent as they are drawn.
+    /// `true` if drawn pixels need no conversion.
     pub(super) fn is_drawn(self) -> bool {
         self == Self::DRAWN
     }

@@ -1,9 +1,8 @@
-//! The window's place: what a window manager is told, or the window's own doing where none runs.
+//! Placing the window on its monitor.
 //!
-//! Under a window manager that knows EWMH, that makes the window full screen, on the monitor that the window lies on
-//! before. On an X server without one the window covers the monitor by itself: it has exactly the monitor's place and
-//! size, and is not offered to a manager (override-redirect); so it does on a monitor that window managers do not know:
-//! a virtual one, or one of Xinerama's heads.
+//! A window manager that supports EWMH makes the window full screen, on the monitor on which it lies. Without one, and on
+//! a monitor that window managers do not know (a virtual one, or one of Xinerama's heads), the window places itself: it
+//! has exactly the monitor's position and size, and is not offered to a manager (override-redirect).
 
 use x11rb::connection::Connection;
 use x11rb::cookie::VoidCookie;
@@ -17,20 +16,20 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
 use super::session::X11Session;
+use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
-use crate::watch::Place;
-use crate::WindowError;
+use crate::watch::DesktopRect;
 
-/// In a message that changes `_NET_WM_STATE`: remove and add (EWMH).
+/// Actions of a message that changes `_NET_WM_STATE` (EWMH).
 const REMOVE: u32 = 0;
 const ADD: u32 = 1;
-/// In such a message: asked for by an ordinary program (EWMH).
+/// Source of such a message: an ordinary program (EWMH).
 const FROM_PROGRAM: u32 = 1;
 
 type Sent<'a> = Result<VoidCookie<'a, RustConnection>, ConnectionError>;
 
 impl X11Session {
-    /// Creates a window with the monitor's place and size, black and without a pointer. It is not on the screen yet.
+    /// Creates a black window with the monitor's position and size and an invisible pointer. It is not mapped yet.
     pub(super) fn create_window(
         &self,
         title: &str,
@@ -71,7 +70,7 @@ impl X11Session {
         Ok(cursor)
     }
 
-    /// Title and class, no decorations, the wish to be told when the user closes it, no compositor in between.
+    /// Sets title and class, no decorations, the close protocol, and no compositing.
     fn describe(&self, window: Window, title: &str) -> Result<(), Box<dyn std::error::Error>> {
         let atom = |name: &str| self.connection.intern_atom(false, name.as_bytes());
         let (utf8, net_name) = (atom("UTF8_STRING")?.reply()?.atom, atom("_NET_WM_NAME")?.reply()?.atom);
@@ -85,13 +84,13 @@ impl X11Session {
         let class = b"projector_window\0projector_window\0";
         connection.change_property8(replace, window, AtomEnum::WM_CLASS, AtomEnum::STRING, class)?;
         connection.change_property32(replace, window, protocols, AtomEnum::ATOM, &[delete])?;
-        // Flags: only the decorations are given, and there are none.
+        // Flags: only the decorations are set, to none.
         connection.change_property32(replace, window, motif, motif, &[2, 0, 0, 0, 0])?;
         connection.change_property32(replace, window, bypass, AtomEnum::CARDINAL, &[1])?;
         Ok(())
     }
 
-    /// Puts the window on the screen, over its monitor.
+    /// Maps the window over its monitor.
     pub(super) fn map(&self, window: Window, monitor: &MonitorInfo, placed_by_itself: bool) -> Result<(), WindowError> {
         self.move_to(window, monitor).map_err(Self::lost)?;
         if !placed_by_itself {
@@ -113,7 +112,7 @@ impl X11Session {
         self.connection.flush().map_err(Self::lost)
     }
 
-    /// Takes the window off the screen (ICCCM, section 4.1.4).
+    /// Withdraws the window (ICCCM, section 4.1.4).
     pub(super) fn withdraw(&self, window: Window) -> Result<(), WindowError> {
         self.connection.unmap_window(window).map_err(Self::lost)?;
         let unmapped = UnmapNotifyEvent {
@@ -127,7 +126,7 @@ impl X11Session {
         self.connection.flush().map_err(Self::lost)
     }
 
-    /// Puts a window that lies elsewhere on its monitor.
+    /// Moves a misplaced window to its monitor.
     pub(super) fn cover_again(
         &self,
         window: Window,
@@ -137,7 +136,7 @@ impl X11Session {
         if placed_by_itself {
             self.move_to(window, monitor).map_err(Self::lost)?;
         } else {
-            // A window that is full screen already would be left where it is.
+            // A window that is full screen already would not move.
             self.ask_for_fullscreen(window, REMOVE)?;
             self.move_to(window, monitor).map_err(Self::lost)?;
             self.ask_for_fullscreen(window, ADD)?;
@@ -166,21 +165,21 @@ impl X11Session {
         self.connection.configure_window(window, &place).map(drop)
     }
 
-    /// Where the window is in the desktop; `None` while it is not on the screen.
-    pub(super) fn place_of(&self, window: Window) -> Option<Place> {
+    /// The window's rectangle in the desktop; `None` while it is not on the screen.
+    pub(super) fn place_of(&self, window: Window) -> Option<DesktopRect> {
         if self.is_withdrawn(window) {
             return None;
         }
         let size = self.connection.get_geometry(window).ok()?.reply().ok()?;
         let at = self.connection.translate_coordinates(window, self.root(), 0, 0).ok()?.reply().ok()?;
-        Some(Place {
+        Some(DesktopRect {
             position_px: Some((at.dst_x.into(), at.dst_y.into())),
             size_px: (size.width.into(), size.height.into()),
         })
     }
 }
 
-/// Left, top, width and height as the protocol takes them.
+/// Left, top, width and height in the protocol's types.
 fn rectangle(monitor: &MonitorInfo) -> (i16, i16, u16, u16) {
     let place = |pixels: i32| i16::try_from(pixels).unwrap_or(0);
     let side = |pixels: u32| u16::try_from(pixels).unwrap_or(u16::MAX).max(1);

@@ -1,4 +1,4 @@
-//! When a monitor is refreshed, by the extension Present: the server tells the number of the last refresh and its time
+//! Refresh times of a monitor by the extension Present: the server reports the number of the last refresh and its time
 //! (MSC and UST, in microseconds of the kernel's monotonic clock, which [`Instant`] reads as well).
 
 use std::time::{Duration, Instant};
@@ -11,20 +11,20 @@ use x11rb::protocol::xproto::Window;
 use super::session::X11Session;
 use crate::refresh::Refresh;
 
-/// A time that is farther from now is of another clock.
-const CREDIBLE: Duration = Duration::from_secs(10);
+/// Largest difference of a reported time from now; a time beyond it is of another clock.
+const MAX_DIFFERENCE: Duration = Duration::from_secs(10);
 
-/// What the server told of a window's refreshes.
+/// Measures the refreshes of a window's monitor.
 pub(super) struct RefreshWatch {
     window: Window,
-    /// Between two refreshes by the monitor's mode; `None` for one that is not refreshed, as of a virtual screen.
+    /// Time between two refreshes by the monitor's mode; `None` for a virtual screen.
     nominal: Option<Duration>,
     first: Option<(u64, u64)>,
     refresh: Option<Refresh>,
 }
 
 impl RefreshWatch {
-    /// For a window; `nominal` is the time between two refreshes by its monitor's mode.
+    /// A measurement for a window; `nominal` is the time between two refreshes by its monitor's mode.
     pub(super) fn new(session: &X11Session, window: Window, nominal: Option<Duration>) -> Self {
         let select = || {
             session.connection.extension_information(present::X11_EXTENSION_NAME).ok()??;
@@ -35,16 +35,16 @@ impl RefreshWatch {
         Self { window, nominal, first: None, refresh: None }
     }
 
-    /// Asks for the last refresh.
-    pub(super) fn ask(&self, session: &X11Session) {
+    /// Requests the last refresh.
+    pub(super) fn request(&self, session: &X11Session) {
         if self.nominal.is_some() {
-            // Without an answer the last one is extended.
+            // Without an answer the last one counts.
             let _ = session.connection.present_notify_msc(self.window, 0, 0, 0, 0);
             let _ = session.connection.flush();
         }
     }
 
-    /// Takes the answer.
+    /// Takes the server's answer.
     pub(super) fn take(&mut self, event: &CompleteNotifyEvent) {
         let (CompleteKind::NOTIFY_MSC, Some(nominal), Some(at)) = (event.kind, self.nominal, instant(event.ust)) else {
             return;
@@ -56,7 +56,7 @@ impl RefreshWatch {
         self.refresh = Refresh::new(at, measured.unwrap_or(nominal));
     }
 
-    /// When the monitor is refreshed, if the server told.
+    /// The monitor's refresh, if the server has reported it.
     pub(super) fn refresh(&self) -> Option<Refresh> {
         self.refresh
     }
@@ -71,7 +71,7 @@ fn instant(ust: u64) -> Option<Instant> {
     let (now, clock) = (Instant::now(), clock_gettime(ClockId::Monotonic));
     let clock = Duration::new(u64::try_from(clock.tv_sec).ok()?, u32::try_from(clock.tv_nsec).ok()?);
     let ust = Duration::from_micros(ust);
-    if clock.abs_diff(ust) > CREDIBLE {
+    if clock.abs_diff(ust) > MAX_DIFFERENCE {
         return None;
     }
     if ust > clock {

@@ -1,4 +1,4 @@
-//! A connection to the X server, and what the window managers' conventions (ICCCM, EWMH) say of it.
+//! A connection to the X server, with queries by the window managers' conventions (ICCCM, EWMH).
 
 use std::fmt::Display;
 
@@ -6,7 +6,8 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, InputFocus, MapState, Screen, Window};
 use x11rb::rust_connection::RustConnection;
 
-use crate::{wayland, WindowError};
+use crate::error::WindowError;
+use crate::wayland;
 
 /// A connection to the X server that `DISPLAY` names.
 pub(crate) struct X11Session {
@@ -35,10 +36,10 @@ impl X11Session {
         self.screen.root
     }
 
-    /// Whether a window manager runs that makes windows full screen.
+    /// `true` if a window manager runs that supports full screen.
     ///
-    /// By EWMH a manager is alive when the root window's `_NET_SUPPORTING_WM_CHECK` names a window that carries the
-    /// same property with its own id (a dead manager leaves the first behind, not the second).
+    /// By EWMH a manager is alive if the root window's `_NET_SUPPORTING_WM_CHECK` names a window that has the same
+    /// property with its own id (a dead manager leaves only the first behind).
     pub(super) fn has_fullscreen_manager(&self) -> bool {
         let check = || {
             let check_atom = self.atom("_NET_SUPPORTING_WM_CHECK")?;
@@ -51,7 +52,7 @@ impl X11Session {
         check().unwrap_or(false)
     }
 
-    /// Gives a window the keyboard; false while it is not on the screen yet.
+    /// Sets the keyboard focus to a window; `false` while it is not viewable.
     pub(super) fn focus(&self, window: Window) -> bool {
         let focus = || {
             if self.map_state(window)? != MapState::VIEWABLE {
@@ -63,8 +64,8 @@ impl X11Session {
         focus().is_some()
     }
 
-    /// Whether a window is neither on the screen nor managed: one that the user iconified, or left on another desktop,
-    /// carries the property `WM_STATE` with another value than 0 (ICCCM, section 4.1.3.1).
+    /// `true` if a window is neither on the screen nor managed. A window that is iconified or on another desktop has a
+    /// property `WM_STATE` other than 0 (ICCCM, section 4.1.3.1).
     pub(super) fn is_withdrawn(&self, window: Window) -> bool {
         let state = || self.property(window, self.atom("WM_STATE")?, AtomEnum::ANY)?.first().copied();
         self.map_state(window) == Some(MapState::UNMAPPED) && state().unwrap_or(0) == 0
@@ -84,13 +85,13 @@ impl X11Session {
         Some(cookie.reply().ok()?.value32()?.collect())
     }
 
-    /// The connection broke, as whatever failed first has noticed.
+    /// The error of a broken connection.
     pub(super) fn lost(error: impl Display) -> WindowError {
         WindowError::Lost(format!("X server {} is gone ({error})", name()))
     }
 }
 
-/// What the environment calls the display.
+/// The display's name in the environment.
 fn name() -> String {
     std::env::var("DISPLAY").map_or_else(|_| "DISPLAY is not set".to_owned(), |name| format!("DISPLAY {name}"))
 }

@@ -1,4 +1,4 @@
-//! Brings pixels to a window: through memory that the server shares, or else through the connection.
+//! Sends pixels to a window: in memory shared with the server, or else through the connection.
 
 use std::os::fd::AsFd;
 
@@ -8,35 +8,35 @@ use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat, ImageOr
 
 use super::pixel_format::PixelFormat;
 use super::session::X11Session;
+use crate::error::WindowError;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
-use crate::WindowError;
 
 /// The version of MIT-SHM that takes a descriptor.
 const SHM_WITH_DESCRIPTORS: (u16, u16) = (1, 2);
-/// Bytes of a PutImage request beside its pixels.
+/// Bytes of a PutImage request without its pixels.
 const PUT_IMAGE_BYTES: usize = 64;
 
-/// The way of the pixels to one window.
+/// Sends pixels to one window.
 pub(super) struct Transfer {
     window: Window,
     context: Gcontext,
     format: PixelFormat,
-    /// Pixels in the screen's format, where that is another one than they are drawn in.
+    /// Scratch buffer for pixels in the screen's format, if that is not the format of drawn pixels.
     converted: Vec<u32>,
     can_share: bool,
-    shared: Option<Shared>,
+    shared: Option<SharedSegment>,
 }
 
-struct Shared {
+struct SharedSegment {
     segment: Seg,
     pixels: SharedPixels,
 }
 
 impl Transfer {
-    /// To a window of this session's screen.
+    /// A transfer to a window of this session's screen.
     ///
     /// # Errors
-    /// The server takes no pixels of 32 bits in this machine's byte order and with fixed colours, or the connection
+    /// The server does not accept pixels of 32 bits in this machine's byte order with fixed colours, or the connection
     /// broke.
     pub(super) fn new(session: &X11Session, window: Window) -> Result<Self, WindowError> {
         let setup = session.connection.setup();
@@ -54,7 +54,7 @@ impl Transfer {
         Ok(Self { window, context, format, converted: Vec::new(), can_share: takes_descriptors(session), shared: None })
     }
 
-    /// Whether a picture can be sent now; otherwise the server will say that it has read one.
+    /// `true` if a picture can be sent now; otherwise an event follows when the server has read one.
     pub(super) fn is_ready(&self) -> bool {
         self.shared.as_ref().is_none_or(|shared| shared.pixels.free_slot().is_some())
     }
@@ -91,27 +91,27 @@ impl Transfer {
         session.connection.flush().map_err(X11Session::lost)
     }
 
-    /// The server has read a picture.
+    /// Records that the server has read a picture.
     pub(super) fn complete(&mut self, event: &CompletionEvent) {
         let Some(shared) = self.shared.as_mut().filter(|shared| shared.segment == event.shmseg) else { return };
         let slot = u64::from(event.offset).checked_div(shared.pixels.slot_bytes()).unwrap_or(0);
         shared.pixels.end_reading(shared.pixels.shared_slot(usize::try_from(slot).unwrap_or(0)));
     }
 
-    /// Shares memory for pictures of this size with the server, or gives that up for good.
+    /// Shares memory for pictures of this size with the server, or disables sharing.
     fn share(&mut self, session: &X11Session, size_px: (u32, u32)) {
         if let Some(old) = self.shared.take() {
-            // What fails here frees itself with the connection.
+            // On failure it is freed with the connection.
             let _ = session.connection.shm_detach(old.segment);
         }
-        self.shared = Shared::with(session, size_px);
+        self.shared = SharedSegment::with(session, size_px);
         self.can_share = self.shared.is_some();
         if !self.can_share {
-            log::info!("the X server does not share memory; pictures go through the connection, which takes longer");
+            log::info!("the X server does not share memory; pictures are sent through the connection, which is slower");
         }
     }
 
-    /// Sends pixels through the connection, as many rows at once as a request holds.
+    /// Sends pixels through the connection, in bands that fit a request.
     fn put(&self, session: &X11Session, pixels: &[u32], (width, height): (u32, u32)) -> Result<(), WindowError> {
         let row_bytes = width as usize * PIXEL_BYTES as usize;
         let most_bytes = session.connection.maximum_request_bytes().saturating_sub(PUT_IMAGE_BYTES);
@@ -140,8 +140,8 @@ impl Transfer {
     }
 }
 
-impl Shared {
-    /// Memory for pictures of this size; `None` if the server does not take it.
+impl SharedSegment {
+    /// Memory for pictures of this size; `None` if the server rejects it.
     fn with(session: &X11Session, size_px: (u32, u32)) -> Option<Self> {
         let pixels = SharedPixels::new(size_px).ok()?;
         let segment = session.connection.generate_id().ok()?;
@@ -150,7 +150,7 @@ impl Shared {
         Some(Self { segment, pixels })
     }
 
-    /// Sends a picture; false if the memory cannot be written.
+    /// Sends a picture; `false` if the memory cannot be written.
     fn send(
         &mut self,
         session: &X11Session,
@@ -188,7 +188,7 @@ impl Shared {
     }
 }
 
-/// Whether the server shares memory by descriptors.
+/// `true` if the server supports shared memory by descriptors.
 fn takes_descriptors(session: &X11Session) -> bool {
     let version = || {
         session.connection.extension_information(shm::X11_EXTENSION_NAME).ok()??;

@@ -3,8 +3,7 @@
 use std::os::fd::BorrowedFd;
 use std::time::Instant;
 
-use rustix::event::{poll, PollFd, PollFlags};
-use rustix::io::Errno;
+use rustix::event::{PollFd, PollFlags};
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::randr::{self, ConnectionExt as _, NotifyMask};
 use x11rb::protocol::xproto::Window;
@@ -13,14 +12,15 @@ use x11rb::wrapper::ConnectionExt as _;
 
 use super::awake::Awake;
 use super::keyboard::Keyboard;
+use super::modes::ModeCheck;
 use super::refresh::RefreshWatch;
 use super::session::X11Session;
 use super::transfer::Transfer;
+use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
 use crate::refresh::Refresh;
-use crate::run::{SystemEvent, SystemWindow};
+use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
 use crate::watch::{MonitorWatch, WindowAction};
-use crate::{timeout_until, WindowError, WindowOptions};
 
 /// A window on an X server, over one monitor.
 pub(crate) struct X11Window {
@@ -32,13 +32,11 @@ pub(crate) struct X11Window {
     keyboard: Keyboard,
     awake: Awake,
     refresh: RefreshWatch,
-    /// Whether no window manager puts it in its place.
+    /// `true` if no window manager places it.
     placed_by_itself: bool,
     has_keyboard: bool,
     size_px: (u32, u32),
-    set_mode: bool,
-    /// What was warned about the monitor's mode.
-    last_warning: Option<String>,
+    mode_check: ModeCheck,
 }
 
 impl X11Window {
@@ -47,8 +45,8 @@ impl X11Window {
         let session = X11Session::open()?;
         let mut monitors = session.monitors();
         let mut monitor = monitors.swap_remove(options.monitor.resolve(&monitors)?);
-        let mut last_warning = None;
-        if session.put_right_mode(&monitor.name, options.set_mode, &mut last_warning) {
+        let mut mode_check = ModeCheck { set_mode: options.set_mode, last_warning: None };
+        if session.check_mode(&monitor.name, &mut mode_check) {
             let name = monitor.name.clone();
             monitor = session.monitors().into_iter().find(|info| info.name == name).unwrap_or(monitor);
         }
@@ -74,13 +72,12 @@ impl X11Window {
             has_keyboard: !placed_by_itself,
             size_px: monitor.size_px,
             watch: MonitorWatch::new(monitor, now),
-            set_mode: options.set_mode,
-            last_warning,
+            mode_check,
             session,
         })
     }
 
-    /// Takes one event of the server's.
+    /// Handles one event of the server.
     fn translate(&mut self, event: Event) -> Option<SystemEvent> {
         match event {
             Event::Expose(event) if event.count == 0 => Some(SystemEvent::Expose),
@@ -112,7 +109,7 @@ impl X11Window {
         }
     }
 
-    /// What the server has sent already. Returns whether it was anything.
+    /// Handles the server's pending events. Returns `true` if there were any.
     fn take_events(&mut self, events: &mut Vec<SystemEvent>) -> Result<bool, WindowError> {
         let mut is_any = false;
         while let Some(event) = self.session.connection.poll_for_event().map_err(X11Session::lost)? {
@@ -152,10 +149,7 @@ impl SystemWindow for X11Window {
             self.session.connection.flush().map_err(X11Session::lost)?;
             let server = self.session.connection.stream();
             let mut fds = [PollFd::new(server, PollFlags::IN), PollFd::from_borrowed_fd(wake, PollFlags::IN)];
-            match poll(&mut fds, Some(&timeout_until(until))) {
-                Ok(_) | Err(Errno::INTR) => {}
-                Err(error) => return Err(WindowError::Lost(error.to_string())),
-            }
+            poll_until(&mut fds, until)?;
             self.take_events(&mut events)?;
         }
         Ok(events)
@@ -172,7 +166,7 @@ impl SystemWindow for X11Window {
     fn check(&mut self, now: Instant) -> Result<bool, WindowError> {
         let monitors = self.session.monitors();
         if monitors.is_empty() {
-            // The server is asked whether it lives; one without monitors may get some.
+            // Distinguishes a server without monitors from a broken connection.
             self.session.connection.sync().map_err(X11Session::lost)?;
         }
         let place = self.session.place_of(self.window);
@@ -184,7 +178,7 @@ impl SystemWindow for X11Window {
                 self.has_keyboard = !self.placed_by_itself;
             }
             WindowAction::CoverAgain if place.is_none() => {
-                // A window manager that just starts can take a new window down again.
+                // A window manager that is starting may have unmapped the window.
                 self.session.map(self.window, self.watch.monitor(), self.placed_by_itself)?;
             }
             WindowAction::CoverAgain => {
@@ -197,10 +191,10 @@ impl SystemWindow for X11Window {
                 log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
             }
             let name = self.watch.monitor().name.clone();
-            self.session.put_right_mode(&name, self.set_mode, &mut self.last_warning);
+            self.session.check_mode(&name, &mut self.mode_check);
         }
         self.awake.keep(&self.session, now);
-        self.refresh.ask(&self.session);
+        self.refresh.request(&self.session);
         Ok(found.is_changed)
     }
 }

@@ -45,7 +45,7 @@ impl Weston {
         Shown::start(command.env_remove("DISPLAY").args(arguments))
     }
 
-    /// Whether the window shows the pattern on an output.
+    /// `true` if the window shows the pattern on an output.
     fn has_pattern(&self, output: usize) -> bool {
         self.screen.corners((output as u32 * OUTPUT.0, 0), OUTPUT) == pattern_corners(OUTPUT)
     }

@@ -1,0 +1,76 @@
+//! Opening the window, on Wayland or X11.
+
+use crate::error::WindowError;
+use crate::monitor::{MonitorChoice, MonitorInfo};
+use crate::run::{run as run_window, KeyHandler, UserEvent};
+use crate::sink::PictureSink;
+use crate::system_window::{SystemWindow, WindowOptions};
+use crate::wayland::{self, WaylandWindow};
+use crate::x11::{self, X11Session, X11Window};
+
+/// Opens the window and runs it until it is closed. Its keys: space or p pauses, b blacks out, t shows test pictures,
+/// each until it is pressed again and within the [`WindowPermit`](crate::WindowPermit).
+///
+/// `start` is called once, when the window is open, with the sink for pictures. It must not block: it starts threads.
+///
+/// # Errors
+/// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window or goes away.
+pub fn run(options: &WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
+    let mut start = Some(start);
+    run_with(options, &PictureSink::new()?, |_, sink| {
+        // The first event is `Opened`.
+        if let Some(start) = start.take() {
+            start(sink.clone());
+        }
+    })
+}
+
+/// Opens the window and shows the sink's pictures until it is closed, as [`run`] does. `handle` is called on this thread
+/// for each event; it must not block.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_with(
+    options: &WindowOptions,
+    sink: &PictureSink,
+    mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
+) -> Result<(), WindowError> {
+    run_window(open(options)?.as_mut(), options, KeyHandler::Window, sink, &mut handle)
+}
+
+/// Opens the window and runs it until it is closed, as [`run`] does, but leaves all keys except Escape and q to the
+/// program. `handle` is called on this thread for each event and may show pictures at once; it must not block.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_interactive(
+    options: &WindowOptions,
+    mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
+) -> Result<(), WindowError> {
+    run_window(open(options)?.as_mut(), options, KeyHandler::Program, &PictureSink::new()?, &mut handle)
+}
+
+/// Opens a window on Wayland if the environment names a compositor, else on X11.
+fn open(options: &WindowOptions) -> Result<Box<dyn SystemWindow>, WindowError> {
+    Ok(if wayland::is_named() { Box::new(WaylandWindow::open(options)?) } else { Box::new(X11Window::open(options)?) })
+}
+
+/// Keeps another program's window of this title over a monitor until `is_ending`: full screen, without decoration. The
+/// window may open, close and open again. On X11 only.
+///
+/// # Errors
+/// [`WindowError::NoDisplay`] without an X server, [`WindowError::Lost`] when it goes away.
+pub fn keep_over(title: &str, monitor: &MonitorChoice, is_ending: impl Fn() -> bool) -> Result<(), WindowError> {
+    x11::keep_over(title, monitor, &is_ending)
+}
+
+/// All monitors, in the order of [`MonitorChoice`]'s numbers.
+///
+/// # Errors
+/// [`WindowError::NoDisplay`] when there is no display.
+pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
+    if wayland::is_named() {
+        return wayland::monitors();
+    }
+    Ok(X11Session::open()?.monitors())
+}
