@@ -1,8 +1,8 @@
 //! From imported meshes to drawable parts, as in rviz's mesh loader.
 //!
 //! Each instance of a mesh becomes a part, transformed by its nodes; normals are transformed by the same matrix, not by
-//! the inverse transpose, so they are wrong under uneven scales, and normalized. Materials are opaque, with half the
-//! ambient colour and the diffuse texture once for every texture of any kind that the file names.
+//! the inverse transpose, so they are wrong under uneven scales, and normalized. Materials are opaque, with the diffuse
+//! texture once for every texture of any kind that the file names.
 
 use std::{
     collections::HashMap,
@@ -173,15 +173,7 @@ fn bits(vertex: &Vertex) -> [u32; 8] {
 fn material(spec: &MaterialSpec, textures: &mut MeshTextures<'_>) -> MeshMaterial {
     let color = |[r, g, b]: [f32; 3]| Rgba::new(r, g, b, 1.0);
     let texture = (spec.texture_count > 0).then(|| textures.get(&spec.diffuse_texture, spec.texture_count));
-    MeshMaterial {
-        embedded: true,
-        diffuse: color(spec.diffuse),
-        ambient: color(spec.ambient.map(|channel| channel * 0.5)),
-        specular: color(spec.specular),
-        shininess: spec.shininess,
-        emissive: color(spec.emissive),
-        texture,
-    }
+    MeshMaterial { embedded: true, diffuse: color(spec.diffuse), emissive: color(spec.emissive), texture }
 }
 
 /// The textures beside a mesh or in its file, each loaded once.

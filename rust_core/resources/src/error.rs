@@ -143,15 +143,7 @@ pub enum MeshFault {
     /// Not well-formed XML.
     #[error("not well-formed XML: {0}")]
     Xml(String),
-    /// A COLLADA file that breaks a rule.
-    #[error("line {line}: {what}")]
-    Collada {
-        /// Line in the file, from 1.
-        line: u32,
-        /// The rule.
-        what: String,
-    },
-    /// An invalid line of an OBJ, STL or PLY text file.
+    /// An invalid line of a text file, or element of a COLLADA file.
     #[error("line {line}: {what}")]
     Line {
         /// Line in the file, from 1.
@@ -173,12 +165,6 @@ pub enum MeshFault {
         /// The counted items.
         what: &'static str,
     },
-}
-
-impl MeshFault {
-    pub(crate) fn malformed(what: impl Into<String>) -> Self {
-        Self::Malformed(what.into())
-    }
 }
 
 impl ResourceError {

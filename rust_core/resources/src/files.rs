@@ -74,7 +74,7 @@ impl ResourceOptions {
     /// Reads a file, after checking folder, kind and size.
     ///
     /// # Errors
-    /// Those of [`ResourceOptions::open`].
+    /// As for [`ResourceOptions::open`].
     pub(crate) fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
         let (file, size) = self.open(path)?;
         read_up_to(file, size, self.max_file_bytes)

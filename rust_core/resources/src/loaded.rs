@@ -33,12 +33,6 @@ pub struct MeshMaterial {
     pub embedded: bool,
     /// Diffuse colour. Always opaque: rviz requests a material's opacity from Assimp by a wrong name.
     pub diffuse: Rgba,
-    /// Ambient colour, halved by rviz. Without effect, because rviz's scene has no ambient light.
-    pub ambient: Rgba,
-    /// Specular colour. Without effect, because the specular part of rviz's light is black.
-    pub specular: Rgba,
-    /// Specular exponent.
-    pub shininess: f32,
     /// Emissive colour.
     pub emissive: Rgba,
     /// Multiplied with the lit colour, alpha included. Yellow and black stripes, Ogre's warning texture, where the
@@ -49,19 +43,11 @@ pub struct MeshMaterial {
 impl MeshMaterial {
     /// The material of a file without materials: lit white, not embedded.
     pub const fn none() -> Self {
-        Self {
-            embedded: false,
-            diffuse: Rgba::WHITE,
-            ambient: Rgba::BLACK,
-            specular: Rgba::BLACK,
-            shininess: 0.0,
-            emissive: Rgba::BLACK,
-            texture: None,
-        }
+        Self { embedded: false, diffuse: Rgba::WHITE, emissive: Rgba::BLACK, texture: None }
     }
 
     /// The material in Ogre before a marker or a robot's link changes it: lit, opaque, front sides only (a file's
-    /// `double_sided` is ignored), without [`MeshMaterial::specular`].
+    /// `double_sided` is ignored).
     pub fn to_scene(&self) -> Material {
         Material {
             lighting: Lighting::Lit { diffuse: self.diffuse, emissive: self.emissive },

@@ -16,7 +16,10 @@ use std::{
     collections::{HashMap, HashSet},
     env, fs,
     path::{Component, Path, PathBuf},
-    sync::Mutex,
+    sync::{
+        atomic::{AtomicBool, Ordering},
+        Mutex, MutexGuard, PoisonError,
+    },
     time::{Duration, Instant},
 };
 
@@ -59,6 +62,8 @@ struct SearchFolder {
     path: PathBuf,
     /// Results so far.
     known: Mutex<KnownPackages>,
+    /// `true` if the next request for a package that was not found searches again at once.
+    is_outdated: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -81,7 +86,7 @@ impl PackageIndex {
         let roots = roots
             .into_iter()
             .filter(|path| !path.as_os_str().is_empty())
-            .map(|path| SearchFolder { path, known: Mutex::default() })
+            .map(|path| SearchFolder { path, known: Mutex::default(), is_outdated: AtomicBool::new(false) })
             .collect();
         Self { roots }
     }
@@ -96,12 +101,9 @@ impl PackageIndex {
         self.roots.iter().filter_map(|root| lock(&root.known).next_crawl).min()
     }
 
-    /// Lets the next request for a package that was not found search again at once.
+    /// Lets the next request for a package that was not found search again at once. Does not wait for a search.
     pub(crate) fn search_again(&self) {
-        for root in &self.roots {
-            let mut known = lock(&root.known);
-            known.next_crawl = known.next_crawl.map(|_| Instant::now());
-        }
+        self.roots.iter().for_each(|root| root.is_outdated.store(true, Ordering::Release));
     }
 
     /// The file of an address: `package://NAME/path`, `file:///path`, or a bare absolute path. `%20` and the like are
@@ -166,7 +168,8 @@ impl SearchFolder {
             return Some(found);
         }
         let begin = Instant::now();
-        if known.next_crawl.is_some_and(|next| begin < next) {
+        let is_outdated = self.is_outdated.swap(false, Ordering::AcqRel);
+        if !is_outdated && known.next_crawl.is_some_and(|next| begin < next) {
             return None;
         }
         known.packages = crawl(&self.path);

@@ -97,7 +97,6 @@ struct StoreState {
     waiting_threads: usize,
     /// Number of requests.
     requests: u64,
-    search_packages: bool,
     has_ended: bool,
 }
 
@@ -210,8 +209,8 @@ impl MeshStore {
 
     /// Checks all files and packages that failed again.
     pub fn retry_failures(&self) {
-        let mut state = lock(&self.core.state);
-        state.search_packages = true;
+        self.core.loader.packages.search_again();
+        let mut state = self.core.lock();
         let failed = |slot: &CachedResource| matches!(slot.outcome, Some(Err(_)));
         let keys: Vec<ResourceKey> =
             state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();
@@ -354,13 +353,9 @@ impl StoreCore {
     }
 
     /// Loads a resource, without the lock. Returns `true` if its result changed.
-    fn load(&self, mut state: MutexGuard<'_, StoreState>, key: &ResourceKey) -> bool {
+    fn load(&self, state: MutexGuard<'_, StoreState>, key: &ResourceKey) -> bool {
         let failed = state.slots.get(key).and_then(|slot| slot.failed);
-        let search_packages = std::mem::take(&mut state.search_packages);
         drop(state);
-        if search_packages {
-            self.loader.packages.search_again();
-        }
         let loaded = self.loader.load(key, failed);
         self.keep(key, loaded)
     }

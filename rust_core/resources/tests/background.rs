@@ -1,4 +1,4 @@
-//! Stores that load in the background: nobody waits, and whoever asked is woken.
+//! Stores that load in the background: requests do not wait, and the waker is called.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 #[expect(dead_code, reason = "other tests use the rest")]
@@ -40,7 +40,7 @@ fn wait(store: &MeshStore, woken: &Receiver<()>, url: &str) -> Result<Arc<Loaded
 }
 
 #[test]
-fn asking_for_a_large_mesh_takes_no_time_and_gives_what_loading_it_at_once_gives() {
+fn a_request_for_a_large_mesh_does_not_wait_and_gives_the_same_mesh() {
     let dir = tempfile::tempdir().unwrap();
     let triangles: Vec<_> = TRIANGLES.iter().copied().cycle().take(300_000).collect();
     fs::write(dir.path().join("big.stl"), binary_stl(b"", &triangles)).unwrap();
@@ -58,7 +58,7 @@ fn asking_for_a_large_mesh_takes_no_time_and_gives_what_loading_it_at_once_gives
 }
 
 #[test]
-fn a_missing_package_is_searched_for_once_and_beside() {
+fn a_missing_package_is_searched_for_once_in_the_background() {
     let dir = tempfile::tempdir().unwrap();
     // Many folders, so that a search takes a while.
     for i in 0..1500 {
@@ -105,7 +105,7 @@ fn a_missing_package_is_searched_for_once_and_beside() {
 }
 
 #[test]
-fn a_failure_stays_until_its_file_changes_and_somebody_asks() {
+fn a_failure_stays_until_its_file_changes_and_is_requested() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.stl");
     let url = format!("file://{}", path.display());
@@ -114,7 +114,7 @@ fn a_failure_stays_until_its_file_changes_and_somebody_asks() {
     assert!(store.mesh(&url, Retry::Yes).is_pending());
     assert!(wait(&store, &woken, &url).is_err());
     let version = store.version();
-    // Markers go on naming it: the failure is the answer, and nobody is woken for the same again.
+    // Markers go on naming it: the result is the failure, without another wake-up.
     for _ in 0..1000 {
         assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Err(_))));
     }
@@ -122,7 +122,7 @@ fn a_failure_stays_until_its_file_changes_and_somebody_asks() {
     assert_eq!(store.version(), version);
     // It is corrected.
     fs::write(&path, TEXT_STL).unwrap();
-    assert!(matches!(store.mesh(&url, Retry::No), Poll::Ready(Err(_))), "nobody asked");
+    assert!(matches!(store.mesh(&url, Retry::No), Poll::Ready(Err(_))), "not requested");
     assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Err(_))), "not yet");
     woken.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(store.mesh(&url, Retry::No), Poll::Ready(Ok(_))));
@@ -141,7 +141,7 @@ fn addresses_without_end_do_not_take_memory_without_end() {
 }
 
 #[test]
-fn a_store_that_is_dropped_while_it_loads_holds_nobody_up() {
+fn a_store_that_is_dropped_while_it_loads_does_not_block() {
     let dir = tempfile::tempdir().unwrap();
     let triangles: Vec<_> = TRIANGLES.iter().copied().cycle().take(100_000).collect();
     for i in 0..20 {

@@ -7,7 +7,7 @@ mod common;
 use common::{binary_stl, glb, load_bytes, DAE, GLTF, GLTF_DATA, MTL, OBJ, PLY, TEXT_STL, TRIANGLES};
 use proptest::prelude::*;
 
-/// What happens to a file: bytes are overwritten, removed, doubled, or the end is lost.
+/// Damage of a file: bytes are overwritten, removed, doubled, or the end is lost.
 #[derive(Clone, Debug)]
 enum Damage {
     Overwrite(usize, Vec<u8>),

@@ -15,7 +15,7 @@ fn text() -> String {
     GLTF.replace("DATA", GLTF_DATA)
 }
 
-/// [`text`] with something else in the place of something.
+/// [`text`] with a replacement.
 fn changed(from: &str, to: &str) -> String {
     let text = text().replacen(from, to, 1);
     assert!(text.contains(to), "{from}");
@@ -123,7 +123,7 @@ fn a_texture_beside_the_file_or_in_it_is_laid_on_twice_as_in_rviz() {
 
 #[test]
 fn texture_coordinates_point_down_as_in_the_file() {
-    // Those of the file's first three vertices, read as u and v.
+    // The first three vertices, read as u and v.
     let mesh =
         read(&changed("\"attributes\": {\"POSITION\": 0}", "\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 2}"));
     assert_eq!(uvs(&mesh.parts[0]), [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);

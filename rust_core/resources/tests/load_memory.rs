@@ -1,4 +1,4 @@
-//! How much memory loading a large mesh takes: in a program of its own, so that no other test's memory is counted.
+//! Memory of loading a large mesh, in a program of its own, so that no other test's memory is counted.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 #[expect(dead_code, reason = "other tests use the rest")]

@@ -96,14 +96,12 @@ impl Polygons {
 }
 
 /// A material as Assimp reports it, before rviz converts it. Without opacity: rviz requests it by a key (`$clr.opacity`)
-/// that Assimp never had (`$mat.opacity`), so all materials of files are opaque in rviz.
+/// that Assimp never had (`$mat.opacity`), so all materials of files are opaque in rviz. Without ambient and specular
+/// colours: the ambient light of rviz's scene and the specular part of its light are black.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSpec {
     pub(crate) diffuse: [f32; 3],
-    pub(crate) ambient: [f32; 3],
-    pub(crate) specular: [f32; 3],
     pub(crate) emissive: [f32; 3],
-    pub(crate) shininess: f32,
     /// One normal for each face (COLLADA's `faceted`).
     pub(crate) flat: bool,
     /// The diffuse texture: a file beside the mesh, or one of [`Imported::images`]; empty for none.
@@ -114,16 +112,8 @@ pub(crate) struct MaterialSpec {
 
 impl MaterialSpec {
     /// Assimp's material for a file without materials: grey 0.6.
-    pub(crate) const DEFAULT: Self = Self {
-        diffuse: [0.6; 3],
-        ambient: [0.0; 3],
-        specular: [1.0; 3],
-        emissive: [0.0; 3],
-        shininess: 0.0,
-        flat: false,
-        diffuse_texture: String::new(),
-        texture_count: 0,
-    };
+    pub(crate) const DEFAULT: Self =
+        Self { diffuse: [0.6; 3], emissive: [0.0; 3], flat: false, diffuse_texture: String::new(), texture_count: 0 };
 }
 
 /// Strips the byte order mark that Windows tools put before UTF-8.

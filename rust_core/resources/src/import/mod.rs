@@ -12,6 +12,7 @@ mod mtl;
 mod obj;
 mod ply;
 mod process;
+mod scalar;
 mod stl;
 mod triangulate;
 mod vectors;

@@ -41,8 +41,7 @@ pub(super) struct NamedMaterial {
 impl NamedMaterial {
     /// A material before its file sets anything.
     pub(super) fn new(name: &str) -> Self {
-        let spec = MaterialSpec { specular: [0.0; 3], ..MaterialSpec::DEFAULT };
-        Self { name: name.to_owned(), spec, textures: Vec::new() }
+        Self { name: name.to_owned(), spec: MaterialSpec::DEFAULT, textures: Vec::new() }
     }
 }
 
@@ -71,13 +70,9 @@ pub(super) fn read(text: &str, materials: &mut Vec<NamedMaterial>, mut defined: 
         }
         let Some(material) = current.and_then(|index| materials.get_mut(index)) else { continue };
         let spec = &mut material.spec;
-        let mut words = rest.split_ascii_whitespace();
         match keyword.as_str() {
-            "ka" => spec.ambient = color(rest),
             "kd" => spec.diffuse = color(rest),
-            "ks" => spec.specular = color(rest),
             "ke" => spec.emissive = color(rest),
-            "ns" => spec.shininess = words.next().and_then(leading_f32).unwrap_or(0.0),
             _ => {
                 let Some(&(_, kind)) = TEXTURES.iter().find(|(start, _)| keyword.starts_with(start)) else { continue };
                 let file = after_options(rest);
@@ -151,7 +146,7 @@ mod tests {
         read(text, &mut materials, |_, _| {});
         let [a, b] = materials.as_slice() else { panic!("two materials are expected: {materials:?}") };
         assert_eq!((a.spec.diffuse, a.spec.texture_count), ([1.0, 0.5, 0.0], 2));
-        assert_eq!((a.spec.diffuse_texture.as_str(), a.spec.specular), ("a.png", [0.0; 3]));
+        assert_eq!(a.spec.diffuse_texture, "a.png");
         assert_eq!((b.spec.diffuse, b.spec.texture_count), ([0.5, 0.0, 0.0], 0));
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Arc<LoadedMesh>, Re
     load(&path)
 }
 
-/// Where the corners of a part's triangles are, rounded.
+/// Positions of the corners of a part's triangles, rounded.
 pub(crate) fn positions(part: &MeshPart) -> Vec<[f32; 3]> {
     part.mesh.triangles().flatten().map(|vertex| vertex.position.map(|x| (x * 1e5).round() / 1e5)).collect()
 }
@@ -157,7 +157,7 @@ pub(crate) const DAE: &str = r##"<?xml version="1.0" encoding="utf-8"?>
   <scene><instance_visual_scene url="#scene"/></scene>
 </COLLADA>"##;
 
-/// A PLY file of a quad and a sloping triangle that share an edge, with a colour and an element that nobody knows.
+/// A PLY file of a quad and a sloping triangle that share an edge, with a colour and an unknown element.
 pub(crate) const PLY: &str = "ply
 format ascii 1.0
 comment five vertices

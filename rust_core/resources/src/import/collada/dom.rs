@@ -34,7 +34,7 @@ pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, 
 /// A fault at an element.
 pub(super) fn fault(node: Node<'_, '_>, what: impl Into<String>) -> MeshFault {
     let line = node.document().text_pos_at(node.range().start).row;
-    MeshFault::Collada { line, what: what.into() }
+    MeshFault::Line { line: line as usize, what: what.into() }
 }
 
 /// The child elements of a name.

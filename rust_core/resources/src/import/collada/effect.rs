@@ -24,6 +24,17 @@ struct EffectChannel {
     texture: String,
 }
 
+/// The channels of an effect, with Assimp's default grey.
+const CHANNELS: [(&str, f32); 7] = [
+    ("emission", 0.0),
+    ("diffuse", 0.6),
+    ("ambient", 0.1),
+    ("specular", 0.4),
+    ("transparent", 0.0),
+    ("reflective", 0.0),
+    ("bump", 0.0),
+];
+
 /// Reads `library_materials` with its effects and images.
 pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
     let mut images = HashMap::new();
@@ -73,15 +84,8 @@ fn read_images<'a>(parent: Node<'a, '_>, images: &mut HashMap<&'a str, String>) 
 }
 
 fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> MaterialSpec {
-    let channel = |r, g, b| EffectChannel { color: [r, g, b, 1.0], texture: String::new() };
-    let mut emission = channel(0.0, 0.0, 0.0);
-    let mut ambient = channel(0.1, 0.1, 0.1);
-    let mut diffuse = channel(0.6, 0.6, 0.6);
-    let mut specular = channel(0.4, 0.4, 0.4);
-    let mut transparent = channel(0.0, 0.0, 0.0);
-    let mut reflective = channel(0.0, 0.0, 0.0);
-    let mut bump = channel(0.0, 0.0, 0.0);
-    let mut shininess = 10.0;
+    let mut channels =
+        CHANNELS.map(|(_, grey)| EffectChannel { color: [grey, grey, grey, 1.0], texture: String::new() });
     let mut flat = false;
     // Targets of parameters: a sampler's surface, a surface's image.
     let mut parameters: HashMap<&str, &str> = HashMap::new();
@@ -93,31 +97,25 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
                     parameters.insert(attribute(node, "sid"), target);
                 }
             }
-            "emission" => emission.read(node),
-            "ambient" => ambient.read(node),
-            "diffuse" => diffuse.read(node),
-            "specular" => specular.read(node),
-            "reflective" => reflective.read(node),
-            "bump" => bump.read(node),
-            "transparent" => transparent.read(node),
-            "shininess" => shininess = scalar(node),
             "faceted" => flat = matches!(text(node), "1" | "true"),
-            _ => {}
+            name => {
+                let known = CHANNELS.iter().position(|(known, _)| *known == name);
+                if let Some(channel) = known.and_then(|index| channels.get_mut(index)) {
+                    channel.read(node);
+                }
+            }
         }
     }
 
-    let channels = [&ambient, &emission, &specular, &diffuse, &bump, &transparent, &reflective];
     let texture_count = channels.iter().filter(|channel| !channel.texture.is_empty()).count();
+    let [emission, diffuse, ..] = &channels;
     let rgb = |channel: &EffectChannel| {
         let [r, g, b, _] = channel.color;
         [r, g, b]
     };
     MaterialSpec {
-        diffuse: rgb(&diffuse),
-        ambient: rgb(&ambient),
-        specular: rgb(&specular),
-        emissive: rgb(&emission),
-        shininess,
+        diffuse: rgb(diffuse),
+        emissive: rgb(emission),
         flat,
         diffuse_texture: image_file(&diffuse.texture, &parameters, images),
         texture_count,
@@ -138,11 +136,6 @@ impl EffectChannel {
             }
         }
     }
-}
-
-/// The number in an element's `float`, 0 when it has none.
-fn scalar(node: Node<'_, '_>) -> f32 {
-    child(node, "float").and_then(|float| floats(float).next()).unwrap_or(0.0)
 }
 
 /// The target of a `newparam`: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.

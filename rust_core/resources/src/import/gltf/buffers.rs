@@ -8,9 +8,12 @@ use base64::{
     Engine,
 };
 
-use super::json::{GltfAccessor, GltfBuffer, GltfBufferView, GltfRoot, SparsePlace};
+use super::json::{fault, GltfAccessor, GltfBuffer, GltfBufferView, GltfRoot, SparsePlace};
 use crate::{
-    import::imported::{check_count, MeshSource},
+    import::{
+        imported::{check_count, MeshSource},
+        scalar::ScalarType,
+    },
     MeshFault,
 };
 
@@ -24,62 +27,40 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 /// Most values of an accessor without data, which are zero.
 const MAX_ZEROS: usize = 1 << 20;
 
-/// The type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ComponentType {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// The type of an OpenGL constant.
+fn scalar_type(number: u32) -> Result<ScalarType, MeshFault> {
+    Ok(match number {
+        5120 => ScalarType::I8,
+        5121 => ScalarType::U8,
+        5122 => ScalarType::I16,
+        5123 => ScalarType::U16,
+        5125 => ScalarType::U32,
+        5126 => ScalarType::F32,
+        other => return Err(fault(format!("component type {other} does not exist"))),
+    })
 }
 
-impl ComponentType {
-    /// The type of an OpenGL constant.
-    fn of(number: u32) -> Result<Self, MeshFault> {
-        Ok(match number {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            other => return Err(MeshFault::malformed(format!("component type {other} does not exist"))),
-        })
+/// The number in these bytes; normalized integers are scaled to −1 or 0 up to 1.
+fn component(kind: ScalarType, bytes: &[u8], is_normalized: bool) -> f32 {
+    let value = kind.value(bytes).map_or(f32::NAN, |value| value as f32);
+    let largest = match kind {
+        ScalarType::I8 => 127.0,
+        ScalarType::U8 => 255.0,
+        ScalarType::I16 => 32767.0,
+        ScalarType::U16 => 65535.0,
+        _ => return value,
+    };
+    if is_normalized {
+        (value / largest).max(-1.0)
+    } else {
+        value
     }
+}
 
-    fn size_bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// The number in these bytes; normalized integers are scaled to −1 or 0 up to 1.
-    fn value(self, bytes: &[u8], normalized: bool) -> f32 {
-        let scaled = |value: f32, largest: f32| if normalized { (value / largest).max(-1.0) } else { value };
-        match (self, bytes) {
-            (Self::I8, &[a]) => scaled(f32::from(i8::from_le_bytes([a])), 127.0),
-            (Self::U8, &[a]) => scaled(f32::from(a), 255.0),
-            (Self::I16, &[a, b]) => scaled(f32::from(i16::from_le_bytes([a, b])), 32767.0),
-            (Self::U16, &[a, b]) => scaled(f32::from(u16::from_le_bytes([a, b])), 65535.0),
-            (Self::U32, &[a, b, c, d]) => u32::from_le_bytes([a, b, c, d]) as f32,
-            (Self::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
-            _ => f32::NAN,
-        }
-    }
-
-    /// The index in these bytes.
-    fn index(self, bytes: &[u8]) -> Option<u32> {
-        match (self, bytes) {
-            (Self::U8, &[a]) => Some(u32::from(a)),
-            (Self::U16, &[a, b]) => Some(u32::from(u16::from_le_bytes([a, b]))),
-            (Self::U32, &[a, b, c, d]) => Some(u32::from_le_bytes([a, b, c, d])),
-            _ => None,
-        }
-    }
+/// The index in these bytes.
+fn index_value(kind: ScalarType, bytes: &[u8]) -> Option<u32> {
+    let is_index = matches!(kind, ScalarType::U8 | ScalarType::U16 | ScalarType::U32);
+    kind.value(bytes).filter(|_| is_index).map(|value| value as u32)
 }
 
 /// The buffers of a file, loaded.
@@ -111,30 +92,23 @@ impl<'a> GltfBuffers<'a> {
 
     /// The bytes of a view.
     pub(super) fn view(&self, index: usize) -> Result<(&GltfBufferView, &[u8]), MeshFault> {
-        let view = self
-            .root
-            .buffer_views
-            .get(index)
-            .ok_or_else(|| MeshFault::malformed(format!("there is no bufferView {index}")))?;
+        let view = self.root.buffer_views.get(index).ok_or_else(|| fault(format!("there is no bufferView {index}")))?;
         let bytes = self.loaded.get(view.buffer).and_then(|buffer| {
             let end = view.byte_offset.checked_add(view.byte_length)?;
             buffer.get(view.byte_offset..end)
         });
-        Ok((
-            view,
-            bytes.ok_or_else(|| MeshFault::malformed(format!("bufferView {index} is past the end of its buffer")))?,
-        ))
+        Ok((view, bytes.ok_or_else(|| fault(format!("bufferView {index} is past the end of its buffer")))?))
     }
 
     /// The vectors of an accessor; missing components are zero.
     pub(super) fn vectors<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, MeshFault> {
         let accessor = self.accessor(index)?;
-        let component = ComponentType::of(accessor.component_type)?;
-        let size = component.size_bytes();
+        let kind = scalar_type(accessor.component_type)?;
+        let size = kind.size_bytes();
         let vector = |bytes: &[u8]| {
             let mut vector = [0.0; N];
             for (slot, bytes) in vector.iter_mut().zip(bytes.chunks_exact(size)) {
-                *slot = component.value(bytes, accessor.normalized);
+                *slot = component(kind, bytes, accessor.normalized);
             }
             vector
         };
@@ -147,23 +121,23 @@ impl<'a> GltfBuffers<'a> {
             }
         };
         if let Some(sparse) = &accessor.sparse {
-            let index_type = ComponentType::of(sparse.indices.component_type)?;
+            let index_type = scalar_type(sparse.indices.component_type)?;
             let indices = self.packed(&sparse.indices, sparse.count, index_type.size_bytes())?;
             let values = self.packed(&sparse.values, sparse.count, element)?;
-            for (index, value) in indices.zip(values) {
-                let slot = index_type.index(index).and_then(|index| vectors.get_mut(index as usize));
-                *slot.ok_or_else(|| MeshFault::malformed("a sparse value replaces none"))? = vector(value);
+            for (place, value) in indices.zip(values) {
+                let slot = index_value(index_type, place).and_then(|index| vectors.get_mut(index as usize));
+                *slot.ok_or_else(|| fault("a sparse value replaces none"))? = vector(value);
             }
         }
         Ok(vectors)
     }
 
     /// The indices of an accessor.
-    pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, MeshFault> {
-        let accessor = self.accessor(index)?;
-        let component = ComponentType::of(accessor.component_type)?;
-        let indices = self.elements(accessor, component.size_bytes())?.map(|bytes| component.index(bytes));
-        indices.collect::<Option<_>>().ok_or_else(|| MeshFault::malformed(format!("accessor {index} has no indices")))
+    pub(super) fn indices(&self, number: usize) -> Result<Vec<u32>, MeshFault> {
+        let accessor = self.accessor(number)?;
+        let kind = scalar_type(accessor.component_type)?;
+        let indices = self.elements(accessor, kind.size_bytes())?.map(|bytes| index_value(kind, bytes));
+        indices.collect::<Option<_>>().ok_or_else(|| fault(format!("accessor {number} has no indices")))
     }
 
     /// Number of values of an accessor.
@@ -172,12 +146,12 @@ impl<'a> GltfBuffers<'a> {
     }
 
     fn accessor(&self, index: usize) -> Result<&'a GltfAccessor, MeshFault> {
-        self.root.accessors.get(index).ok_or_else(|| MeshFault::malformed(format!("there is no accessor {index}")))
+        self.root.accessors.get(index).ok_or_else(|| fault(format!("there is no accessor {index}")))
     }
 
     /// The bytes of each value of an accessor, `size` bytes each.
     fn elements(&self, accessor: &GltfAccessor, size: usize) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
-        let view = accessor.buffer_view.ok_or_else(|| MeshFault::malformed("indices without a bufferView"))?;
+        let view = accessor.buffer_view.ok_or_else(|| fault("indices without a bufferView"))?;
         let (view, bytes) = self.view(view)?;
         let stride = view.byte_stride.filter(|stride| *stride > 0).unwrap_or(size).max(1);
         strided(bytes, accessor.byte_offset, accessor.count, stride, size)
@@ -200,7 +174,7 @@ fn strided(
 ) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
     let last = count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(offset)?.checked_add(size));
     if count > 0 && last.is_none_or(|end| end > bytes.len()) {
-        return Err(MeshFault::malformed(format!("{count} values are past the end of their bufferView")));
+        return Err(fault(format!("{count} values are past the end of their bufferView")));
     }
     Ok((0..count).map(move |number| bytes.get(offset + number * stride..).and_then(|b| b.get(..size)).unwrap_or(&[])))
 }
@@ -211,7 +185,7 @@ fn components_of(kind: &str) -> Result<usize, MeshFault> {
         "VEC2" => 2,
         "VEC3" => 3,
         "VEC4" => 4,
-        other => return Err(MeshFault::malformed(format!("type {other:?} is not supported"))),
+        other => return Err(fault(format!("type {other:?} is not supported"))),
     })
 }
 
@@ -219,7 +193,7 @@ fn components_of(kind: &str) -> Result<usize, MeshFault> {
 pub(super) fn data_of_uri(uri: &str) -> Option<Result<Vec<u8>, MeshFault>> {
     let (media, data) = uri.strip_prefix("data:")?.split_once(',').unwrap_or_default();
     let decoded = media.ends_with(";base64").then(|| BASE64.decode(data.trim_ascii()).ok()).flatten();
-    Some(decoded.ok_or_else(|| MeshFault::malformed("a data URI is not base64")))
+    Some(decoded.ok_or_else(|| fault("a data URI is not base64")))
 }
 
 /// A file of at most `max_bytes` beside the mesh.
@@ -227,11 +201,9 @@ fn read_beside(uri: &str, source: MeshSource<'_>, max_bytes: u64) -> Result<Vec<
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
     let read = |name: &str| source.options.read(&source.beside(name));
     let bytes = read(uri).or_else(|error| read(&decoded).map_err(|_| error));
-    let bytes = bytes.map_err(|error| MeshFault::malformed(format!("buffer {uri:?}: {error}")))?;
+    let bytes = bytes.map_err(|error| fault(format!("buffer {uri:?}: {error}")))?;
     if bytes.len() as u64 > max_bytes {
-        return Err(MeshFault::malformed(format!(
-            "buffer {uri:?}: all buffers together are larger than a file may be"
-        )));
+        return Err(fault(format!("buffer {uri:?}: all buffers together are larger than a file may be")));
     }
     Ok(bytes)
 }

@@ -2,6 +2,13 @@
 
 use serde::Deserialize;
 
+use crate::MeshFault;
+
+/// The fault of a broken rule.
+pub(super) fn fault(what: impl Into<String>) -> MeshFault {
+    MeshFault::Malformed(what.into())
+}
+
 /// A whole file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
@@ -144,13 +151,11 @@ pub(super) struct Pbr {
     pub(super) base_color_factor: [f32; 4],
     pub(super) base_color_texture: Option<TextureRef>,
     pub(super) metallic_roughness_texture: Option<TextureRef>,
-    pub(super) roughness_factor: f32,
 }
 
 impl Default for Pbr {
     fn default() -> Self {
-        let (base_color_texture, metallic_roughness_texture) = (None, None);
-        Self { base_color_factor: [1.0; 4], base_color_texture, metallic_roughness_texture, roughness_factor: 1.0 }
+        Self { base_color_factor: [1.0; 4], base_color_texture: None, metallic_roughness_texture: None }
     }
 }
 
@@ -166,20 +171,12 @@ pub(super) struct MaterialExtensions {
 pub(super) struct SpecularGlossiness {
     pub(super) diffuse_factor: [f32; 4],
     pub(super) diffuse_texture: Option<TextureRef>,
-    pub(super) specular_factor: [f32; 3],
-    pub(super) glossiness_factor: f32,
     pub(super) specular_glossiness_texture: Option<TextureRef>,
 }
 
 impl Default for SpecularGlossiness {
     fn default() -> Self {
-        Self {
-            diffuse_factor: [1.0; 4],
-            diffuse_texture: None,
-            specular_factor: [1.0; 3],
-            glossiness_factor: 1.0,
-            specular_glossiness_texture: None,
-        }
+        Self { diffuse_factor: [1.0; 4], diffuse_texture: None, specular_glossiness_texture: None }
     }
 }
 

@@ -43,12 +43,8 @@ fn spec(root: &GltfRoot, material: &GltfMaterial) -> MaterialSpec {
     let base = &material.pbr_metallic_roughness;
     let [red, green, blue, _] = base.base_color_factor;
     let base_image = image_of(base.base_color_texture);
-    let mut spec = MaterialSpec {
-        diffuse: [red, green, blue],
-        emissive: material.emissive_factor,
-        shininess: (1.0 - base.roughness_factor).powi(2) * 1000.0,
-        ..MaterialSpec::DEFAULT
-    };
+    let mut spec =
+        MaterialSpec { diffuse: [red, green, blue], emissive: material.emissive_factor, ..MaterialSpec::DEFAULT };
     let mut diffuse_image = base_image;
     // Base colour, metallic with roughness, normal, occlusion, emissive.
     let slots = [
@@ -61,8 +57,7 @@ fn spec(root: &GltfRoot, material: &GltfMaterial) -> MaterialSpec {
     spec.texture_count = slots.iter().filter(|(image, _)| image.is_some()).map(|(_, times)| times).sum();
     if let Some(glossy) = &material.extensions.specular_glossiness {
         let [red, green, blue, _] = glossy.diffuse_factor;
-        (spec.diffuse, spec.specular) = ([red, green, blue], glossy.specular_factor);
-        spec.shininess = glossy.glossiness_factor * 1000.0;
+        spec.diffuse = [red, green, blue];
         if let Some(image) = image_of(glossy.diffuse_texture) {
             // Replaces one of the base colour's two slots.
             spec.texture_count += usize::from(base_image.is_none());

@@ -24,7 +24,7 @@ use super::imported::{
 };
 use crate::MeshFault;
 use buffers::GltfBuffers;
-use json::{GltfNode, GltfPrimitive, GltfRoot};
+use json::{fault, GltfNode, GltfPrimitive, GltfRoot};
 
 /// Most values of the JSON, which take far more memory than their text.
 const MAX_JSON_VALUES: usize = 4_000_000;
@@ -43,13 +43,13 @@ pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, Mes
     let (text, binary) = if bytes.starts_with(GLB_MAGIC) { chunks(bytes)? } else { (bytes, &[][..]) };
     // Strings hold few such bytes.
     check_count(text.iter().filter(|byte| matches!(byte, b',' | b'{')).count(), MAX_JSON_VALUES, "JSON values")?;
-    let root: GltfRoot = serde_json::from_slice(without_byte_order_mark(text))
-        .map_err(|error| MeshFault::malformed(error.to_string()))?;
+    let root: GltfRoot =
+        serde_json::from_slice(without_byte_order_mark(text)).map_err(|error| fault(error.to_string()))?;
     if !root.asset.version.starts_with('2') {
-        return Err(MeshFault::malformed(format!("glTF {:?} is not supported, only 2.0", root.asset.version)));
+        return Err(fault(format!("glTF {:?} is not supported, only 2.0", root.asset.version)));
     }
     if let Some(name) = root.extensions_required.iter().find(|name| name.contains("compression")) {
-        return Err(MeshFault::malformed(format!("{name} is not supported; export the mesh without compression")));
+        return Err(fault(format!("{name} is not supported; export the mesh without compression")));
     }
     let buffers = GltfBuffers::load(&root, binary, source)?;
     let mut reader = GltfReader {
@@ -72,20 +72,18 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], &[u8]), MeshFault> {
     let number = |at: usize| bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes));
     match number(4) {
         Some(2) => {}
-        version => {
-            return Err(MeshFault::malformed(format!("GLB of version {}, only 2 is read", version.unwrap_or(0))))
-        }
+        version => return Err(fault(format!("GLB of version {}, only 2 is read", version.unwrap_or(0)))),
     }
     let chunk = |at: usize, kind: &[u8; 4]| {
         let length = number(at)? as usize;
         let is_it = bytes.get(at + 4..)?.starts_with(kind);
         is_it.then(|| bytes.get(at + 8..)?.get(..length)).flatten()
     };
-    let json = chunk(12, JSON_CHUNK).ok_or_else(|| MeshFault::malformed("a GLB without JSON, or cut off in it"))?;
+    let json = chunk(12, JSON_CHUNK).ok_or_else(|| fault("a GLB without JSON, or cut off in it"))?;
     let after = 20 + json.len().next_multiple_of(4);
     let binary = match bytes.get(after..) {
         None | Some([]) => &[],
-        Some(_) => chunk(after, BINARY_CHUNK).ok_or_else(|| MeshFault::malformed("a GLB cut off in its data"))?,
+        Some(_) => chunk(after, BINARY_CHUNK).ok_or_else(|| fault("a GLB cut off in its data"))?,
     };
     Ok((json, binary))
 }
@@ -105,7 +103,7 @@ struct GltfReader<'a> {
 impl<'a> GltfReader<'a> {
     /// Reads the scene.
     fn scene(&mut self) -> Result<(), MeshFault> {
-        let scene = self.root.scenes.get(self.root.scene).ok_or_else(|| MeshFault::malformed("there is no scene"))?;
+        let scene = self.root.scenes.get(self.root.scene).ok_or_else(|| fault("there is no scene"))?;
         let is_only = scene.nodes.len() == 1;
         scene.nodes.iter().try_for_each(|&index| {
             let transform = transform(self.at(index)?);
@@ -118,7 +116,7 @@ impl<'a> GltfReader<'a> {
         self.nodes += 1;
         check_count(self.nodes, MAX_NODES, "nodes")?;
         if depth > MAX_DEPTH {
-            return Err(MeshFault::malformed("nodes nest too deeply, or contain themselves"));
+            return Err(fault("nodes nest too deeply, or contain themselves"));
         }
         let node = self.at(index)?;
         if let Some(mesh) = node.mesh {
@@ -133,7 +131,7 @@ impl<'a> GltfReader<'a> {
     }
 
     fn at(&self, index: usize) -> Result<&'a GltfNode, MeshFault> {
-        self.root.nodes.get(index).ok_or_else(|| MeshFault::malformed(format!("there is no node {index}")))
+        self.root.nodes.get(index).ok_or_else(|| fault(format!("there is no node {index}")))
     }
 
     /// The meshes of a mesh's primitives.
@@ -141,8 +139,7 @@ impl<'a> GltfReader<'a> {
         if let Some(made) = self.made.get(&index) {
             return Ok(made.clone());
         }
-        let mesh =
-            self.root.meshes.get(index).ok_or_else(|| MeshFault::malformed(format!("there is no mesh {index}")))?;
+        let mesh = self.root.meshes.get(index).ok_or_else(|| fault(format!("there is no mesh {index}")))?;
         let first = self.imported.meshes.len();
         for primitive in &mesh.primitives {
             let polygons = self.primitive(primitive)?;
@@ -156,7 +153,7 @@ impl<'a> GltfReader<'a> {
 
     fn primitive(&mut self, primitive: &GltfPrimitive) -> Result<Polygons, MeshFault> {
         let attributes = &primitive.attributes;
-        let position = attributes.position.ok_or_else(|| MeshFault::malformed("a primitive has no POSITION"))?;
+        let position = attributes.position.ok_or_else(|| fault("a primitive has no POSITION"))?;
         let indices = primitive.indices.map(|index| self.buffers.count(index)).transpose()?;
         // Before memory is allocated for them.
         self.corners = self.corners.saturating_add(self.buffers.count(position)?.max(indices.unwrap_or(0)));
@@ -171,7 +168,7 @@ impl<'a> GltfReader<'a> {
         };
         let (corners, sizes) = faces::faces(primitive.mode, &indices, count);
         if sizes.is_empty() {
-            return Err(MeshFault::malformed("a primitive has no faces"));
+            return Err(fault("a primitive has no faces"));
         }
         Ok(Polygons {
             positions,

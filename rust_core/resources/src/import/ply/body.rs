@@ -1,7 +1,10 @@
 //! The rows after a PLY file's header.
 
-use super::header::{PlyEncoding, ScalarType};
-use crate::{import::lenient_float::leading_f32, MeshFault};
+use super::header::PlyEncoding;
+use crate::{
+    import::{lenient_float::leading_f32, scalar::ScalarType},
+    MeshFault,
+};
 
 /// The rows that are not read yet.
 pub(super) enum Body<'a> {
@@ -75,23 +78,14 @@ impl<'a> Body<'a> {
 
 /// Takes a value from the beginning of `rest`.
 fn binary_value(kind: ScalarType, rest: &mut &[u8], is_big_endian: bool) -> Option<f64> {
-    fn take<const N: usize>(rest: &mut &[u8], is_big_endian: bool) -> Option<[u8; N]> {
-        let (&bytes, after) = rest.split_first_chunk()?;
-        *rest = after;
-        let mut bytes: [u8; N] = bytes;
-        if is_big_endian {
-            bytes.reverse();
-        }
-        Some(bytes)
+    let (bytes, after) = rest.split_at_checked(kind.size_bytes())?;
+    *rest = after;
+    if !is_big_endian {
+        return kind.value(bytes);
     }
-    Some(match kind {
-        ScalarType::I8 => f64::from(i8::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::U8 => f64::from(u8::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::I16 => f64::from(i16::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::U16 => f64::from(u16::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::I32 => f64::from(i32::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::U32 => f64::from(u32::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::F32 => f64::from(f32::from_le_bytes(take(rest, is_big_endian)?)),
-        ScalarType::F64 => f64::from_le_bytes(take(rest, is_big_endian)?),
-    })
+    let mut reversed = [0; 8];
+    let reversed = reversed.get_mut(..bytes.len())?;
+    reversed.copy_from_slice(bytes);
+    reversed.reverse();
+    kind.value(reversed)
 }

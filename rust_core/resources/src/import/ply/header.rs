@@ -11,8 +11,13 @@
 //! end_header
 //! ```
 
-use crate::import::imported::{check_count, without_byte_order_mark};
-use crate::MeshFault;
+use crate::{
+    import::{
+        imported::{check_count, without_byte_order_mark},
+        scalar::ScalarType,
+    },
+    MeshFault,
+};
 
 /// Most elements, and most properties; a file with more is damaged.
 const MAX_PROPERTIES: usize = 1000;
@@ -28,33 +33,19 @@ pub(super) enum PlyEncoding {
     BigEndian,
 }
 
-/// The type of a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ScalarType {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl ScalarType {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" | "double64" => Self::F64,
-            _ => return None,
-        })
-    }
+/// The type of a name.
+fn scalar_type(name: &str) -> Option<ScalarType> {
+    Some(match name {
+        "char" | "int8" => ScalarType::I8,
+        "uchar" | "uint8" => ScalarType::U8,
+        "short" | "int16" => ScalarType::I16,
+        "ushort" | "uint16" => ScalarType::U16,
+        "int" | "int32" => ScalarType::I32,
+        "uint" | "uint32" => ScalarType::U32,
+        "float" | "float32" => ScalarType::F32,
+        "double" | "float64" | "double64" => ScalarType::F64,
+        _ => return None,
+    })
 }
 
 /// The role of a number of a vertex.
@@ -214,9 +205,9 @@ impl PlyProperty {
                     "texcoord" => Some(ListRole::TexCoords),
                     _ => None,
                 };
-                Some(Self::List { count: ScalarType::of(count)?, kind: ScalarType::of(kind)?, role })
+                Some(Self::List { count: scalar_type(count)?, kind: scalar_type(kind)?, role })
             }
-            [kind, name] => Some(Self::Scalar { kind: ScalarType::of(kind)?, role: ScalarRole::of(name) }),
+            [kind, name] => Some(Self::Scalar { kind: scalar_type(kind)?, role: ScalarRole::of(name) }),
             _ => None,
         }
     }

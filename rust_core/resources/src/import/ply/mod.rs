@@ -43,7 +43,6 @@ pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFau
     // Assimp gives white to PLY files.
     let material = MaterialSpec {
         diffuse: [1.0; 3],
-        ambient: [1.0; 3],
         texture_count: usize::from(!header.texture.is_empty()),
         diffuse_texture: header.texture,
         ..MaterialSpec::DEFAULT
