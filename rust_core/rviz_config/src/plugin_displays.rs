@@ -35,18 +35,8 @@ const FAMILIES: [Family; 13] = [
         package: "moveit_ros_visualization",
         instead: "the robot as rviz/RobotModel, and the rest as the markers of moveit_visual_tools (rviz/MarkerArray)",
     },
-    Family {
-        prefix: "octomap_rviz_plugin",
-        package: "octomap_rviz_plugins",
-        instead: "octomap_server's occupied_cells_vis_array (rviz/MarkerArray) or octomap_point_cloud_centers \
-                  (rviz/PointCloud2)",
-    },
-    Family {
-        prefix: "octomap_rviz_plugins",
-        package: "octomap_rviz_plugins",
-        instead: "octomap_server's occupied_cells_vis_array (rviz/MarkerArray) or octomap_point_cloud_centers \
-                  (rviz/PointCloud2)",
-    },
+    Family { prefix: "octomap_rviz_plugin", package: "octomap_rviz_plugins", instead: OCTOMAP },
+    Family { prefix: "octomap_rviz_plugins", package: "octomap_rviz_plugins", instead: OCTOMAP },
     Family { prefix: "rtabmap_ros", package: "rtabmap_ros", instead: RTABMAP },
     Family { prefix: "rtabmap_rviz_plugins", package: "rtabmap_rviz_plugins", instead: RTABMAP },
     Family { prefix: "rviz_imu_plugin", package: "rviz_imu_plugin", instead: "" },
@@ -59,6 +49,8 @@ const FAMILIES: [Family; 13] = [
     },
 ];
 
+const OCTOMAP: &str = "octomap_server's occupied_cells_vis_array (rviz/MarkerArray) or octomap_point_cloud_centers \
+                       (rviz/PointCloud2)";
 const RTABMAP: &str = "rtabmap's cloud_map (rviz/PointCloud2)";
 
 /// One line, after the class's name: the plugin that a display of another package needs, and the two ways out.

@@ -31,84 +31,52 @@ pub enum ViewController {
     /// `rviz/ThirdPersonFollower`: as XYOrbit, and turns with the frame's heading.
     ThirdPersonFollower(OrbitView),
     /// `rviz/FPS`: free in space.
-    Fps {
-        /// Position of the camera in metres.
-        position_m: [f32; 3],
-        /// Radians around Z; 0 looks along X; -π to π.
-        yaw_rad: f32,
-        /// Radians downwards from the horizon; -π to π.
-        pitch_rad: f32,
-        /// Radians around the direction of view; -π to π.
-        roll_rad: f32,
-    },
-    /// `rviz/FrameAligned`: as FPS, and fixed to the frame.
-    FrameAligned {
-        /// Position of the camera in metres.
-        position_m: [f32; 3],
-        /// Radians around Z; 0 looks along X; -π to π.
-        yaw_rad: f32,
-        /// Radians downwards from the horizon; -π to π.
-        pitch_rad: f32,
-        /// Radians around the direction of view; -π to π.
-        roll_rad: f32,
-        /// The axis that the camera was pointed along before the angles were set.
-        axis: FrameAxis,
-    },
+    Fps(FreeView),
+    /// `rviz/FrameAligned`: as FPS, and fixed to the frame. The angles begin along the axis "Point towards".
+    FrameAligned(FreeView),
     /// `rviz/TopDownOrtho`: from above, without perspective.
-    TopDownOrtho {
-        /// Radians around Z.
-        angle_rad: f32,
-        /// Pixels a metre.
-        scale_px_per_m: f32,
-        /// Position of the picture's centre in metres.
-        x_m: f32,
-        /// Position of the picture's centre in metres.
-        y_m: f32,
-    },
+    TopDownOrtho(TopDownView),
 }
 
-/// An axis of a frame, or minus one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrameAxis {
-    /// +X
-    PlusX,
-    /// -X
-    MinusX,
-    /// +Y
-    PlusY,
-    /// -Y
-    MinusY,
-    /// +Z
-    PlusZ,
-    /// -Z
-    MinusZ,
-}
-
-/// The names of axes in a config. Once the user has turned the camera, the axis is saved as "arbitrary", and rviz starts
-/// from -Z, as it does for an unknown name.
-const FRAME_AXES: [(&str, FrameAxis); 7] = [
-    ("-z axis", FrameAxis::MinusZ),
-    ("arbitrary", FrameAxis::MinusZ),
-    ("+x axis", FrameAxis::PlusX),
-    ("-x axis", FrameAxis::MinusX),
-    ("+y axis", FrameAxis::PlusY),
-    ("-y axis", FrameAxis::MinusY),
-    ("+z axis", FrameAxis::PlusZ),
-];
-
-impl FrameAxis {
-    /// Yaw and pitch in radians that look along this axis.
-    fn yaw_pitch_rad(self) -> [f32; 2] {
-        match self {
-            FrameAxis::PlusX => [0.0, 0.0],
-            FrameAxis::MinusX => [PI, 0.0],
-            FrameAxis::PlusY => [FRAC_PI_2, 0.0],
-            FrameAxis::MinusY => [-FRAC_PI_2, 0.0],
-            FrameAxis::PlusZ => [0.0, -FRAC_PI_2],
-            FrameAxis::MinusZ => [0.0, FRAC_PI_2],
-        }
+properties! {
+    /// The camera of a view that is free in space.
+    pub struct FreeView {
+        /// Position of the camera in metres.
+        position_m: [f32; 3] = [0.0; 3] => vector("Position");
+        /// Radians around Z; 0 looks along X; -π to π.
+        yaw_rad: f32 = 0.0 => float("Yaw", -PI..=PI);
+        /// Radians downwards from the horizon; -π to π.
+        pitch_rad: f32 = 0.0 => float("Pitch", -PI..=PI);
+        /// Radians around the direction of view; -π to π.
+        roll_rad: f32 = 0.0 => float("Roll", -PI..=PI);
     }
 }
+
+properties! {
+    /// The camera of a view from above.
+    pub struct TopDownView {
+        /// Radians around Z.
+        angle_rad: f32 = 0.0 => float("Angle", ANY);
+        /// Pixels a metre.
+        scale_px_per_m: f32 = 10.0 => float("Scale", ANY);
+        /// Position of the image's centre in metres.
+        x_m: f32 = 0.0 => float("X", ANY);
+        /// Position of the image's centre in metres.
+        y_m: f32 = 0.0 => float("Y", ANY);
+    }
+}
+
+/// The names of axes in a config, with yaw and pitch in radians along them. Once the user has turned the camera, the axis
+/// is saved as "arbitrary", and rviz starts from -Z, as it does for an unknown name.
+const FRAME_AXES: [(&str, [f32; 2]); 7] = [
+    ("-z axis", [0.0, FRAC_PI_2]),
+    ("arbitrary", [0.0, FRAC_PI_2]),
+    ("+x axis", [0.0, 0.0]),
+    ("-x axis", [PI, 0.0]),
+    ("+y axis", [FRAC_PI_2, 0.0]),
+    ("-y axis", [-FRAC_PI_2, 0.0]),
+    ("+z axis", [0.0, -FRAC_PI_2]),
+];
 
 /// Smallest angle between an orbit's pitch and straight up or down, in radians.
 const PITCH_MARGIN_RAD: f64 = 0.001;
@@ -146,38 +114,20 @@ impl ViewController {
             "rviz/Orbit" => Some(ViewController::Orbit(OrbitView::read(section))),
             "rviz/XYOrbit" => Some(ViewController::XyOrbit(OrbitView::read(section))),
             "rviz/ThirdPersonFollower" => Some(ViewController::ThirdPersonFollower(OrbitView::read(section))),
-            "rviz/FPS" => {
-                let (position_m, [yaw_rad, pitch_rad, roll_rad]) = read_free(section, [0.0, 0.0]);
-                Some(ViewController::Fps { position_m, yaw_rad, pitch_rad, roll_rad })
-            }
+            "rviz/FPS" => Some(ViewController::Fps(FreeView::read(section))),
             "rviz/FrameAligned" => {
-                let mut axis = FrameAxis::MinusZ;
-                section.choice("Point towards", &FRAME_AXES, &mut axis);
+                let mut yaw_pitch_rad = [0.0, FRAC_PI_2];
+                section.choice("Point towards", &FRAME_AXES, &mut yaw_pitch_rad);
                 section.skip(&["Lock Camera"]);
-                let (position_m, [yaw_rad, pitch_rad, roll_rad]) = read_free(section, axis.yaw_pitch_rad());
-                Some(ViewController::FrameAligned { position_m, yaw_rad, pitch_rad, roll_rad, axis })
+                let [yaw_rad, pitch_rad] = yaw_pitch_rad;
+                let mut view = FreeView { yaw_rad, pitch_rad, ..FreeView::default() };
+                section.properties(&mut view);
+                Some(ViewController::FrameAligned(view))
             }
-            "rviz/TopDownOrtho" => {
-                let (mut angle_rad, mut scale_px_per_m, mut x_m, mut y_m) = (0.0, 10.0, 0.0, 0.0);
-                section.float("Angle", ANY, &mut angle_rad);
-                section.float("Scale", ANY, &mut scale_px_per_m);
-                section.float("X", ANY, &mut x_m);
-                section.float("Y", ANY, &mut y_m);
-                Some(ViewController::TopDownOrtho { angle_rad, scale_px_per_m, x_m, y_m })
-            }
+            "rviz/TopDownOrtho" => Some(ViewController::TopDownOrtho(TopDownView::read(section))),
             _ => None,
         }
     }
-}
-
-/// Position in metres, and yaw, pitch and roll in radians, of a free camera.
-fn read_free(section: &mut Section<'_>, yaw_pitch_rad: [f32; 2]) -> ([f32; 3], [f32; 3]) {
-    let (mut position_m, [mut yaw, mut pitch], mut roll) = ([0.0; 3], yaw_pitch_rad, 0.0);
-    section.vector("Position", &mut position_m);
-    section.float("Yaw", -PI..=PI, &mut yaw);
-    section.float("Pitch", -PI..=PI, &mut pitch);
-    section.float("Roll", -PI..=PI, &mut roll);
-    (position_m, [yaw, pitch, roll])
 }
 
 impl ViewConfig {

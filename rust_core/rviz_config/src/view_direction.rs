@@ -1,7 +1,7 @@
 //! Direction of rviz's main camera.
 //!
 //! An Ogre camera looks along its own -Z, and rviz attaches it to a node at the target frame. The node follows the
-//! frame's position, and in some views its rotation ([`FollowedRotation`]).
+//! frame's position, in a ThirdPersonFollower its heading, and in FrameAligned its whole rotation.
 //!
 //! ```text
 //! orbits:  camera at  focal + d·(cos yaw·cos pitch, sin yaw·cos pitch, sin pitch), looking back at the focal point
@@ -10,17 +10,6 @@
 //! ```
 
 use crate::view::{OrbitView, ViewConfig, ViewController};
-
-/// The part of the target frame's rotation that a view follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FollowedRotation {
-    /// None: the view has the axes of the fixed frame.
-    None,
-    /// The heading around Z.
-    Heading,
-    /// The whole rotation.
-    Full,
-}
 
 impl ViewConfig {
     /// Unit vector along which the camera looks, in the axes of the view: the fixed frame's, rotated by the followed
@@ -31,15 +20,12 @@ impl ViewConfig {
             | ViewController::XyOrbit(orbit)
             | ViewController::ThirdPersonFollower(orbit) => self.orbit_direction(orbit),
             // rviz turns the camera only when an angle changes, so that one left at all zeros keeps Ogre's rest pose.
-            ViewController::Fps { yaw_rad, pitch_rad, roll_rad, .. } if [yaw_rad, pitch_rad, roll_rad] == [&0.0; 3] => {
-                [0.0, 0.0, -1.0]
-            }
-            ViewController::Fps { yaw_rad, pitch_rad, .. }
-            | ViewController::FrameAligned { yaw_rad, pitch_rad, .. } => {
-                let (yaw, pitch) = (f64::from(*yaw_rad), f64::from(*pitch_rad));
+            ViewController::Fps(view) if [view.yaw_rad, view.pitch_rad, view.roll_rad] == [0.0; 3] => [0.0, 0.0, -1.0],
+            ViewController::Fps(view) | ViewController::FrameAligned(view) => {
+                let (yaw, pitch) = (f64::from(view.yaw_rad), f64::from(view.pitch_rad));
                 [yaw.cos() * pitch.cos(), yaw.sin() * pitch.cos(), -pitch.sin()]
             }
-            ViewController::TopDownOrtho { .. } => [0.0, 0.0, -1.0],
+            ViewController::TopDownOrtho(_) => [0.0, 0.0, -1.0],
         }
     }
 
@@ -50,30 +36,21 @@ impl ViewConfig {
         [-yaw.cos() * pitch.cos(), -yaw.sin() * pitch.cos(), -pitch.sin()]
     }
 
-    /// The part of the target frame's rotation that the view follows.
-    pub fn followed_rotation(&self) -> FollowedRotation {
-        match &self.controller {
-            ViewController::ThirdPersonFollower(_) => FollowedRotation::Heading,
-            ViewController::FrameAligned { .. } => FollowedRotation::Full,
-            ViewController::Orbit(_)
-            | ViewController::XyOrbit(_)
-            | ViewController::Fps { .. }
-            | ViewController::TopDownOrtho { .. } => FollowedRotation::None,
-        }
-    }
-
     /// Unit vector along which the camera looks, in the fixed frame. `fixed_from_target` is the rotation of the target
     /// frame as a unit quaternion x, y, z, w; the identity when it is the fixed frame or unknown.
     pub fn direction_in_fixed_frame(&self, fixed_from_target: [f64; 4]) -> [f64; 3] {
         let direction = self.direction_in_target_frame();
         let [x, y, z, w] = fixed_from_target;
-        match self.followed_rotation() {
-            FollowedRotation::None => direction,
-            FollowedRotation::Heading => {
+        match &self.controller {
+            ViewController::ThirdPersonFollower(_) => {
                 let heading = f64::atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z) / 2.0;
                 rotate([0.0, 0.0, heading.sin(), heading.cos()], direction)
             }
-            FollowedRotation::Full => rotate(fixed_from_target, direction),
+            ViewController::FrameAligned(_) => rotate(fixed_from_target, direction),
+            ViewController::Orbit(_)
+            | ViewController::XyOrbit(_)
+            | ViewController::Fps(_)
+            | ViewController::TopDownOrtho(_) => direction,
         }
     }
 }
@@ -89,7 +66,7 @@ fn rotate([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::FrameAxis;
+    use crate::view::{FreeView, TopDownView};
 
     const IDENTITY: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
@@ -107,7 +84,7 @@ mod tests {
     }
 
     fn fps(yaw_rad: f32, pitch_rad: f32, roll_rad: f32) -> ViewConfig {
-        view(ViewController::Fps { position_m: [0.0; 3], yaw_rad, pitch_rad, roll_rad })
+        view(ViewController::Fps(FreeView { yaw_rad, pitch_rad, roll_rad, ..FreeView::default() }))
     }
 
     #[test]
@@ -153,20 +130,20 @@ mod tests {
         assert_close(follower.direction_in_fixed_frame(IDENTITY), [-1.0, 0.0, 0.0]);
         assert_close(follower.direction_in_fixed_frame(left), [0.0, -1.0, 0.0]);
         assert_close(follower.direction_in_fixed_frame(left_on_its_side), [0.0, -1.0, 0.0]);
-        let aligned = view(ViewController::FrameAligned {
-            position_m: [0.0; 3],
-            yaw_rad: std::f32::consts::FRAC_PI_2,
-            pitch_rad: 0.0,
-            roll_rad: 0.0,
-            axis: FrameAxis::PlusY,
-        });
+        let turned = FreeView { yaw_rad: std::f32::consts::FRAC_PI_2, ..FreeView::default() };
+        let aligned = view(ViewController::FrameAligned(turned));
         assert_close(aligned.direction_in_fixed_frame(left), [-1.0, 0.0, 0.0]);
         assert_close(aligned.direction_in_fixed_frame(left_on_its_side), [0.0, 0.0, 1.0]);
     }
 
     #[test]
     fn from_above_is_downwards() {
-        let above = view(ViewController::TopDownOrtho { angle_rad: 1.0, scale_px_per_m: 10.0, x_m: 1.0, y_m: 2.0 });
+        let above = view(ViewController::TopDownOrtho(TopDownView {
+            angle_rad: 1.0,
+            x_m: 1.0,
+            y_m: 2.0,
+            ..TopDownView::default()
+        }));
         assert_close(above.direction_in_fixed_frame([0.0, 0.0, 1.0, 0.0]), [0.0, 0.0, -1.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Files that nobody would write: whatever the text, reading ends without a panic and with values in their ranges.
+//! Hostile files: reading ends without a panic and with values in their ranges.
 
 use proptest::prelude::*;
 use rcs_rviz_config::{parse, Config, DisplayConfig, DisplaySettings};

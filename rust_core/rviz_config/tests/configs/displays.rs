@@ -1,4 +1,4 @@
-//! What each display class is read into: its defaults, and every property.
+//! Settings of each display class: its defaults, and every property.
 
 use rcs_rviz_config::{
     parse, AxesSettings, Axis, AxisColorSettings, CameraPubSettings, CloudSettings, ColorTransformer,

@@ -1,10 +1,10 @@
-//! What the sections of a file are read into, and files that cannot be read.
+//! Sections of a file, and unreadable files.
 
-use rcs_rviz_config::{parse, ConfigError, DisplaySettings, GridSettings, Role, ViewConfig, ViewController};
+use rcs_rviz_config::{parse, ConfigError, DisplaySettings, FreeView, GridSettings, Role, ViewConfig, ViewController};
 
 use super::messages;
 
-/// What rviz saves of a scene in which a projector shows a robot's clouds, with every section of the file.
+/// A config as saved by rviz, with every section, for projecting a robot's clouds.
 const PROJECTOR: &str = r#"Panels:
   - Class: rviz/Displays
     Help Height: 70
@@ -278,10 +278,8 @@ fn views_of_each_class_are_read() {
     let free = "Position: {X: 1, Y: 2, Z: 3}, Yaw: 1, Pitch: 0.5, Roll: 0.1, Target Frame: base";
     let fps = view(&format!("{{Class: rviz/FPS, {free}}}"));
     assert_eq!(fps.target_frame.as_deref(), Some("base"));
-    assert_eq!(
-        fps.controller,
-        ViewController::Fps { position_m: [1.0, 2.0, 3.0], yaw_rad: 1.0, pitch_rad: 0.5, roll_rad: 0.1 }
-    );
+    let free = FreeView { position_m: [1.0, 2.0, 3.0], yaw_rad: 1.0, pitch_rad: 0.5, roll_rad: 0.1 };
+    assert_eq!(fps.controller, ViewController::Fps(free));
     let aligned = view("{Class: rviz/FrameAligned, Point towards: +y axis, Lock Camera: true}");
     let [x, y, z] = aligned.direction_in_target_frame();
     assert!(x.abs() < 1e-6 && (y - 1.0).abs() < 1e-6 && z.abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! What is reported of keys, values and classes that are not as rviz writes them.
+//! Findings of keys, values and classes that rviz does not write.
 
 use rcs_rviz_config::{parse, DisplaySettings, FindingKind, GridSettings, LineStyle, Role};
 use rcs_scene::PointStyle;
