@@ -25,14 +25,14 @@ import rosgraph
 import rosgraph.network
 import rospy
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
 from dynamic_reconfigure.msg import Config, IntParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2, PointField
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2
+
+from probe_messages import OPTICAL, camera_info, point_cloud, transform
 
 SIZE_PX = (1280, 800)
 COLOURS = [0xff0000, 0x00ff00, 0x0000ff, 0xffff00, 0xff00ff, 0x00ffff]
-POINT_BYTES = 16
 # Latched, with a queue of one in which a newer cloud replaces an older one, as in a camera driver.
 NEWEST = '/bench/cloud'
 # Publishing waits until the last subscriber has taken the cloud.
@@ -47,27 +47,9 @@ def picture_topic(number):
     return '/bench/camera{}/image'.format(number)
 
 
-def transform(child, xyz):
-    """An optical frame that looks along the base's x axis."""
-    message = TransformStamped()
-    message.header.frame_id, message.child_frame_id = 'base', child
-    message.header.stamp = rospy.Time.now()
-    place, turn = message.transform.translation, message.transform.rotation
-    place.x, place.y, place.z = xyz
-    turn.x, turn.y, turn.z, turn.w = -0.5, 0.5, -0.5, 0.5
-    return message
-
-
-def camera_info(size_px, distortion):
-    """A projector whose focal length grows with the picture, so that the cloud fills the same part of any size."""
-    width, height = size_px
-    f, cx, cy = 1900.0 * (width * height / float(SIZE_PX[0] * SIZE_PX[1])) ** 0.5, width / 2.0, height / 2.0
-    message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=distortion)
-    message.header.frame_id = 'projector'
-    message.K = [f, 0, cx, 0, f, cy, 0, 0, 1]
-    message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
-    message.P = [f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0]
-    return message
+def focal_px(size_px):
+    """A focal length that grows with the image, so that the cloud fills the same part of any size."""
+    return 1900.0 * (size_px[0] * size_px[1] / float(SIZE_PX[0] * SIZE_PX[1])) ** 0.5
 
 
 def surface(points):
@@ -81,15 +63,6 @@ def surface(points):
     return data
 
 
-def describe(message, points):
-    """Fills in all of a cloud message but its data."""
-    message.height, message.width, message.is_dense = 1, points, True
-    message.point_step, message.row_step = POINT_BYTES, POINT_BYTES * points
-    message.header.frame_id = 'depth'
-    message.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(('x', 'y', 'z', 'rgb'))]
-    return message
-
-
 class PlainClouds:
     """The surface in each colour, as messages that rospy serialises each time one is published."""
 
@@ -98,8 +71,7 @@ class PlainClouds:
         data = surface(points)
         for colour in COLOURS:
             data['rgb'] = colour
-            message = self.messages[colour] = describe(PointCloud2(), len(data))
-            message.data = data.tobytes()
+            self.messages[colour] = point_cloud(len(data), 'rgb', 'depth', data=data.tobytes())
 
     def paint(self, colour):
         self.message = self.messages[colour]
@@ -119,7 +91,7 @@ class SerializedCloud:
         data = surface(points)
         data['rgb'] = 0xffffff
         message = io.BytesIO()
-        describe(PointCloud2(), len(data)).serialize(message)
+        point_cloud(len(data), 'rgb', 'depth').serialize(message)
         # A message without points ends with the data's length and is_dense.
         front = message.getvalue()[:-5] + struct.pack('<I', data.nbytes)
         self.bytes = bytearray(struct.pack('<I', len(front) + data.nbytes + 1) + front + data.tobytes() + b'\1')
@@ -247,7 +219,9 @@ class Probe:
     def __init__(self):
         rospy.init_node('bench', disable_signals=True)
         self.frames = tf2_ros.StaticTransformBroadcaster()
-        self.frames.sendTransform([transform('projector', (0, 0, 1)), transform('depth', (0, 0.05, 1))])
+        now = rospy.Time.now()
+        self.frames.sendTransform([transform('base', 'projector', (0, 0, 1), OPTICAL, now),
+                                   transform('base', 'depth', (0, 0.05, 1), OPTICAL, now)])
         self.info = rospy.Publisher(INFO, CameraInfo, queue_size=1, latch=True)
         with warnings.catch_warnings():
             # rospy warns about queue_size=None, but it is what makes publishing block.
@@ -269,7 +243,7 @@ class Probe:
     def use(self, topic, cloud, size_px, distortion=(0.0,) * 5):
         """From now on publishes this cloud on this topic, and a CameraInfo of this size with this D."""
         self.publisher, self.cloud = self.clouds[topic], cloud
-        self.info.publish(camera_info(size_px, distortion))
+        self.info.publish(camera_info('projector', size_px, focal_px(size_px), distortion))
 
     def forget(self):
         with self.changed:

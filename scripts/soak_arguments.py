@@ -1,5 +1,7 @@
-"""The arguments of `./soak`. Needs only Python's standard library, so that `./soak` can check them before it installs
-anything: run as a program, it exits with status 2 and a line on standard error when they are unusable.
+"""The arguments of `./soak`.
+
+Needs only Python's standard library, so that `./soak` can check them before it installs anything: run as a program, it exits
+with status 2 and a line on standard error if they are unusable.
 """
 
 import argparse
@@ -7,19 +9,16 @@ import os
 import random
 import re
 
+from bench_arguments import positive
+
+DESCRIPTION = """Runs the camera with every display and several cameras on a live ROS master for hours, while viewers,
+publishers, the master, configs, lenses and messages fail at random, and compares its images with those of the offline renderer.
+Installs and builds what is missing. The report has a page with figures and findings, a plot over time, the list of faults, the
+node's log, and for each image that differs the expected and the actual one, their difference, the config and a bag. Ctrl-C ends
+the run and writes the report."""
+EXIT_STATUS = 'Exit status: 0 everything held, 1 something did not (see the report), 2 unusable arguments, 130 Ctrl-C.'
 FAULTS_EVERY_S = 1.3
 CHECKPOINT_EVERY_S = 22.0
-
-
-def positive(text):
-    """A positive, finite number."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float('inf'):
-        raise argparse.ArgumentTypeError('{} is not a positive number'.format(text))
-    return value
 
 
 def kinds():
@@ -46,19 +45,19 @@ def report_folder(text):
     return folder
 
 
-def parse(description=None):
+def parse():
     """What was given, with all defaults filled in."""
-    parser = argparse.ArgumentParser(
-        prog='soak', description=description, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
-    parser.add_argument('--hours', type=positive, required=True, help='how long; 0.05 are three minutes')
-    parser.add_argument('--seed', type=int, help='of all random choices; without it one is chosen and printed')
-    parser.add_argument('--programs', required=True, metavar='DIR', help='the folder that camera_stream is in')
-    parser.add_argument('--report', type=report_folder, default='soak_report', metavar='DIR', help='where the report is written')
-    parser.add_argument('--only', type=fault_names, default=[], metavar='FAULT,…', help='only faults of these kinds')
-    parser.add_argument('--renderer', choices=['cpu', 'gpu'], default='cpu')
+    parser = argparse.ArgumentParser(prog='soak', description=DESCRIPTION, epilog=EXIT_STATUS, allow_abbrev=False)
+    parser.add_argument('--hours', type=positive, required=True, help='duration; 0.05 are three minutes')
+    parser.add_argument('--seed', type=int, help='seed of all random choices [default: a random one, which is printed]')
+    parser.add_argument('--programs', default='.', metavar='DIR', help='folder of camera_stream; install and build nothing')
+    parser.add_argument('--report', type=report_folder, default='soak_report', metavar='DIR',
+                        help='folder of the report, replaced if it has one [default: %(default)s]')
+    parser.add_argument('--only', type=fault_names, default=[], metavar='A,B', help='faults of these kinds only')
+    parser.add_argument('--renderer', choices=['cpu', 'gpu'], default='cpu', help='[default: %(default)s]')
     parser.add_argument('--gap-limit', type=positive, default=1.5, metavar='SECS',
-                        help='the longest time without a picture that is no finding (default 1.5), apart from faults that '
-                             'stop pictures by their nature')
+                        help='longest time without an image that is no finding, apart from faults that stop images by their '
+                             'nature [default: %(default)g]')
     given = parser.parse_args()
     given.programs = os.path.abspath(given.programs)
     if given.seed is None:

@@ -13,16 +13,19 @@ import numpy
 import rospy
 from geometry_msgs.msg import (
     AccelStamped, Point, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped,
-    TransformStamped, TwistStamped, WrenchStamped)
+    TwistStamped, WrenchStamped)
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import GridCells, OccupancyGrid, Odometry, Path
 from sensor_msgs.msg import (
-    CameraInfo, ChannelFloat32, FluidPressure, Illuminance, Image, JointState, LaserScan, PointCloud, PointCloud2, PointField,
-    Range, RelativeHumidity, Temperature)
+    CameraInfo, ChannelFloat32, FluidPressure, Illuminance, Image, JointState, LaserScan, PointCloud, PointCloud2, Range,
+    RelativeHumidity, Temperature)
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import (
     InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate, Marker,
     MarkerArray)
+
+import probe_messages
+from probe_messages import OPTICAL, point_cloud, transform
 
 SENSORS, THINGS = 'sensors', 'things'
 # Name: picture size in pixels, focal length, "Frame Rate", place in the map.
@@ -125,20 +128,10 @@ def config(displays=None, cameras=()):
 
 # --- frames and cameras -----------------------------------------------------------------------------------------------
 
-def transform(parent, child, xyz, turn=(0.0, 0.0, 0.0, 1.0), stamp=None):
-    message = TransformStamped(child_frame_id=child)
-    message.header.frame_id, message.header.stamp = parent, stamp or rospy.Time()
-    place, rotation = message.transform.translation, message.transform.rotation
-    place.x, place.y, place.z = xyz
-    rotation.x, rotation.y, rotation.z, rotation.w = turn
-    return message
-
-
 def static_frames():
     """Cameras and sensors. Optical frames look along x."""
-    optical = (-0.5, 0.5, -0.5, 0.5)
-    frames = [transform('map', name, xyz, optical) for name, (_, _, _, xyz) in CAMERAS.items()]
-    frames += [transform('base_link', 'depth_optical', (0.3, 0.0, 0.5), optical),
+    frames = [transform('map', name, xyz, OPTICAL) for name, (_, _, _, xyz) in CAMERAS.items()]
+    frames += [transform('base_link', 'depth_optical', (0.3, 0.0, 0.5), OPTICAL),
                transform('base_link', 'laser', (0.2, 0.0, 0.3))]
     return TFMessage(frames)
 
@@ -160,16 +153,11 @@ def moving_frames(seconds, stamp):
 
 
 def camera_info(name, size_px=None, frame=None):
-    (width, height), f, _, _ = CAMERAS[name]
+    """A camera's CameraInfo, of another size or frame if they are given; the view stays the same."""
+    size, focal_px, _, _ = CAMERAS[name]
     if size_px:
-        f *= size_px[0] / width
-        width, height = size_px
-    message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=[0.0] * 5)
-    message.header.frame_id = frame or name
-    message.K = [f, 0, width / 2, 0, f, height / 2, 0, 0, 1]
-    message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
-    message.P = [f, 0, width / 2, 0, 0, f, height / 2, 0, 0, 0, 1, 0]
-    return message
+        focal_px *= size_px[0] / size[0]
+    return probe_messages.camera_info(frame or name, size_px or size, focal_px)
 
 
 # --- messages ---------------------------------------------------------------------------------------------------------
@@ -179,21 +167,18 @@ def stamped(message, stamp, frame):
     return message
 
 
-def cloud(xyz, value, name, kind, stamp, frame):
+def cloud(xyz, value, name, stamp, frame):
     """A PointCloud2 of points with one more field."""
     data = numpy.zeros(len(xyz), [('xyz', '<f4', 3), ('value', '<u4' if name == 'rgb' else '<f4')])
     data['xyz'], data['value'] = xyz, value
-    message = PointCloud2(height=1, width=len(xyz), point_step=16, row_step=16 * len(xyz), is_dense=True, data=data.tobytes())
-    message.fields = [PointField(axis, 4 * i, PointField.FLOAT32, 1) for i, axis in enumerate('xyz')]
-    message.fields.append(PointField(name, 12, kind, 1))
-    return stamped(message, stamp, frame)
+    return point_cloud(len(xyz), name, frame, stamp, data.tobytes())
 
 
 def depth(rng, stamp):
     u, v = numpy.meshgrid(numpy.linspace(-0.5, 0.5, 160), numpy.linspace(-0.4, 0.4, 120))
     z = 2.5 + 0.3 * numpy.sin(9 * u + rng.uniform(0, 6)) * numpy.cos(9 * v)
     xyz = numpy.stack([u * z, v * z, z], axis=-1).reshape(-1, 3)
-    return cloud(xyz, (z.ravel() * 6e6).astype('<u4') & 0xffffff, 'rgb', PointField.FLOAT32, stamp, 'depth_optical')
+    return cloud(xyz, (z.ravel() * 6e6).astype('<u4') & 0xffffff, 'rgb', stamp, 'depth_optical')
 
 
 def ball(rng, count, centre, size):
@@ -203,25 +188,25 @@ def ball(rng, count, centre, size):
 def lidar(rng, stamp):
     angle = rng.uniform(0, 2 * math.pi, 10000)
     xyz = numpy.stack([4 * numpy.cos(angle), 4 * numpy.sin(angle), rng.uniform(-0.3, 1.5, 10000)], axis=-1)
-    return cloud(xyz, numpy.abs(angle), 'intensity', PointField.FLOAT32, stamp, 'laser')
+    return cloud(xyz, numpy.abs(angle), 'intensity', stamp, 'laser')
 
 
 def boxes(rng, stamp):
-    return cloud(ball(rng, 1500, (2, 1.5, 0.5), 0.3), 0, 'rgb', PointField.FLOAT32, stamp, 'map')
+    return cloud(ball(rng, 1500, (2, 1.5, 0.5), 0.3), 0, 'rgb', stamp, 'map')
 
 
 def spheres(rng, stamp):
-    return cloud(ball(rng, 800, (1.5, -1.5, 0.6), 0.3), 0, 'rgb', PointField.FLOAT32, stamp, 'map')
+    return cloud(ball(rng, 800, (1.5, -1.5, 0.6), 0.3), 0, 'rgb', stamp, 'map')
 
 
 def decaying(rng, stamp):
-    return cloud(ball(rng, 500, (1, 0, 1.5), 0.2), rng.integers(1 << 24), 'rgb', PointField.FLOAT32, stamp, 'map')
+    return cloud(ball(rng, 500, (1, 0, 1.5), 0.2), rng.integers(1 << 24), 'rgb', stamp, 'map')
 
 
 def beacon(rng, stamp):
     del rng
     colour = int(time.monotonic() * 1000) & 0xffffff if stamp.is_zero() else 0x10ff80
-    return cloud([(0, 0, 0.3)], colour, 'rgb', PointField.FLOAT32, stamp, BEACON_CAMERA)
+    return cloud([(0, 0, 0.3)], colour, 'rgb', stamp, BEACON_CAMERA)
 
 
 def legacy(rng, stamp):

@@ -1,13 +1,5 @@
-"""Compares random scenes: what rviz with the CameraPub plugin draws, and what camera_stream draws, live on one master.
+"""Compares random scenes: what rviz with the CameraPub plugin draws, and what camera_stream draws, live on one master."""
 
-A scene passes if the share of *close* pixels of each camera's picture is at least 0.98 (tests/golden/score.rs). One that does
-not, twice, fails and leaves config, bag, pictures and logs in a folder of its seed; `camera_stream render` draws it again from
-there.
-
-Exit status: 0 all scenes pass, 1 one does not, 2 unusable arguments.
-"""
-
-import argparse
 import os
 import pathlib
 import random
@@ -16,11 +8,11 @@ import sys
 import tempfile
 import time
 
+from .arguments import ROOT, parse
 from .comparison import Comparison
 from .generator import scene_of
 from .stage import LiveStage
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SEEDS = 1_000_000
 # A scene that differs is played again: on a machine that is busy enough, a thread of a program may take up a transform later
 # than another thread the message after it.
@@ -49,27 +41,6 @@ def main():
         return 1
     print('all scenes agree')
     return 0
-
-
-def parse():
-    target = ROOT / os.environ.get('CARGO_TARGET_DIR', 'target')
-    parser = argparse.ArgumentParser(prog='tests/compare_live', description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--seed', type=int, help='of the first scene [default: a fresh one, which is printed]')
-    parser.add_argument('--count', type=int, default=12, help='how many scenes, each with a seed one higher [default: 12]')
-    parser.add_argument('--renderers', nargs='+', choices=['cpu', 'gpu'], default=['cpu'], help='[default: cpu]')
-    parser.add_argument('--report', help='appends a line for each picture: seed, camera, renderer, classes,\n'
-                        'strict, close, content pixels')
-    parser.add_argument('--plugin', required=True, type=pathlib.Path, metavar='PREFIX', help='where the plugin is installed')
-    parser.add_argument('--camera-stream', type=pathlib.Path, default=target / 'release/camera_stream', metavar='PROGRAM',
-                        help='the built program [default: target/release/camera_stream]')
-    parser.add_argument('--output', type=pathlib.Path, default=ROOT / 'test_output/live',
-                        help='where scenes that fail are kept [default: test_output/live]')
-    parser.add_argument('--keep', action='store_true', help='keeps those that pass, too')
-    arguments = parser.parse_args()
-    if not arguments.camera_stream.is_file():
-        parser.error(f'{arguments.camera_stream} is not built: cargo build --release -p rcs_app --bin camera_stream')
-    return arguments
 
 
 def compare_all(comparison, seeds, report):

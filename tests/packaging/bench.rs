@@ -8,7 +8,7 @@ use crate::{bash, printed_by, succeed};
 #[test]
 fn unusable_arguments_are_refused_and_nothing_is_installed() {
     for (arguments, word) in [
-        ("--nope", "there is no option '--nope'"),
+        ("--nope", "unrecognized arguments: --nope"),
         ("--only colours", "there is no colours"),
         ("--seconds 0", "0 is not a positive number"),
     ] {

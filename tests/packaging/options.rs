@@ -108,15 +108,3 @@ fn an_unknown_option_of_any_script_is_refused_before_anything_is_installed_built
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
-
-/// `tests/compare_live` refuses what its help does not list, before the program with the arguments can be started.
-#[test]
-fn the_help_of_compare_live_lists_the_arguments_of_its_program() {
-    let help = fs::read_to_string(repository().join("tests/compare_live")).unwrap();
-    let program = fs::read_to_string(repository().join("tests/live_comparison/__main__.py")).unwrap();
-    let listed: BTreeSet<&str> =
-        help.lines().filter_map(|line| line.strip_prefix("#   --")?.split(' ').next()).collect();
-    let known = program.split("add_argument('--").skip(1).filter_map(|rest| rest.split('\'').next());
-    let known: BTreeSet<&str> = known.filter(|name| *name != "plugin").collect();
-    assert!(known.len() > 5 && listed == known, "{listed:?} and {known:?}");
-}
