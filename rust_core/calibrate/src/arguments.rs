@@ -1,15 +1,15 @@
-//! Quantities as a user types them: sizes in pixels, lengths in metres.
+//! Values as a user types them: sizes in pixels, lengths in metres, times in seconds, files to write.
 
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::anyhow;
 use rcs_files::capture::MOST_PIXELS;
 
-/// Width and height, pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Size(pub(super) [u32; 2]);
+use super::Failure;
 
-/// [`size_px`] as an argument.
-pub(super) fn size(text: &str) -> Result<Size, String> {
-    size_px(text).map(Size)
-}
+/// The longest time that can be given, seconds.
+const MAX_SECONDS: f64 = 1e6;
 
 /// Width and height, pixels: `1280x800`.
 pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
@@ -27,7 +27,7 @@ pub(super) fn two_lengths_m(text: &str) -> Result<[f64; 2], String> {
     Ok([length_m(first)?, length_m(second)?])
 }
 
-/// A length, metres: `1.25`, `1.25m`, `125cm`, `1250mm`. Whether it can be one is not checked.
+/// A length, metres: `1.25`, `1.25m`, `125cm`, `1250mm`; may be negative or not finite.
 pub(super) fn length_m(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let units = [("mm", 1e3), ("cm", 1e2), ("m", 1.0)];
@@ -43,6 +43,29 @@ fn pair(text: &str) -> Option<[&str; 2]> {
     let (first, second) =
         text.trim().split_once(['x', 'X', '×', ',', ';']).or_else(|| text.trim().split_once(char::is_whitespace))?;
     Some([first.trim(), second.trim()])
+}
+
+/// A time in seconds.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=MAX_SECONDS).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(format!("not a number of seconds from 0 to {MAX_SECONDS}")),
+    }
+}
+
+/// A time in seconds that is not zero.
+pub(super) fn positive_seconds(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    (!time.is_zero()).then_some(time).ok_or_else(|| "not more than 0 seconds".to_owned())
+}
+
+/// Checks that the folder of a file to write exists, before anything is shown.
+pub(super) fn check_folder(path: &Path) -> Result<(), Failure> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if parent.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::Unreadable(anyhow!("{}: the folder {} does not exist", path.display(), parent.display())))
 }
 
 #[cfg(test)]
@@ -71,6 +94,15 @@ mod tests {
         }
         for text in ["", "0.9", "0.9x", "x"] {
             assert!(two_lengths_m(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn times_are_finite_and_not_negative() {
+        assert_eq!((positive_seconds("0.5"), seconds("0")), (Ok(Duration::from_millis(500)), Ok(Duration::ZERO)));
+        assert!(positive_seconds("0").is_err());
+        for text in ["-1", "nan", "inf", "1e9", "soon"] {
+            assert!(seconds(text).is_err(), "{text}");
         }
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct DecodeArguments {
     /// Where to write the decoded pixels: cam_u_px, cam_v_px, u_px, v_px
     #[arg(long, value_name = "FILE")]
     pixels: Option<PathBuf>,
-    /// Write each point's standard deviations, too (sigma_px, sigma_m): solve gives the points weights by them
+    /// Write each point's standard deviations, too (sigma_px, sigma_m), as weights for solve
     #[arg(long)]
     sigmas: bool,
 }
@@ -40,21 +40,19 @@ pub(super) struct DecodeArguments {
 pub(super) fn run(arguments: &DecodeArguments) -> Result<(), Failure> {
     let capture = read(&arguments.folder)?;
     let decoded = decode_capture(&arguments.folder, &capture)?;
-    let samples = match &arguments.output {
-        Some(_) => Some(points_of(&arguments.folder, &capture, &decoded)?),
-        None => None,
-    };
+    let points = arguments.output.as_ref().map(|_| points_of(&arguments.folder, &capture, &decoded)).transpose()?;
     if let Some(path) = &arguments.pixels {
         write_pixels(path, camera_pixels(&decoded)).map_err(Failure::refused)?;
     }
-    let depths = samples.as_ref().map(|samples| format!(", {} points with depth", samples.len()));
-    if let (Some(path), Some(samples)) = (&arguments.output, &samples) {
+    let mut depths = String::new();
+    if let (Some(path), Some(points)) = (&arguments.output, &points) {
         let columns = if arguments.sigmas { PointColumns::WithSigmas } else { PointColumns::Plain };
-        write_points(path, samples, columns).map_err(Failure::refused)?;
+        write_points(path, points, columns).map_err(Failure::refused)?;
+        depths = format!(", {} points with depth", points.len());
     }
     let count = decoded.count();
     let share = 100.0 * count as f64 / decoded.lit.max(1) as f64;
-    eprintln!("decoded: {count} of {} lit pixels ({share:.1} %){}", decoded.lit, depths.unwrap_or_default());
+    eprintln!("decoded: {count} of {} lit pixels ({share:.1} %){depths}", decoded.lit);
     Ok(())
 }
 
@@ -67,7 +65,7 @@ pub(super) fn read(folder: &Path) -> Result<Capture, Failure> {
     Ok(capture)
 }
 
-/// Decodes a capture; what was wrong with it is logged or, if it makes the result wrong, refused.
+/// Decodes a capture; its problems are logged or, if the result would be wrong, refused.
 pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded, Failure> {
     let patterns: Vec<Pattern> = capture.pictures.iter().map(|picture| picture.pattern).collect();
     let levels = capture.pictures.iter().map(|picture| picture.grey.as_slice()).collect();
@@ -76,7 +74,7 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
         .map_err(|error| Failure::Unreadable(anyhow::anyhow!("{}: {error}", folder.display())))?;
     for problem in decoded.quality.problems() {
         if problem.is_fatal() {
-            return Err(Failure::Refused(anyhow::anyhow!("{}: {}", folder.display(), in_words(folder, &problem))));
+            return Err(Failure::Refused(anyhow::anyhow!("{}: {}", folder.display(), describe(folder, &problem))));
         }
         log::warn!("{}: {problem}", folder.display());
     }
@@ -88,8 +86,8 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
     Ok(decoded)
 }
 
-/// A problem with the names of the pictures' files.
-fn in_words(folder: &Path, problem: &ScanProblem) -> String {
+/// A problem in words, with the names of the pictures' files.
+fn describe(folder: &Path, problem: &ScanProblem) -> String {
     let ScanProblem::WrongPicture(misplaced) = problem else { return problem.to_string() };
     let files = read_patterns(&folder.join(CAPTURE_FILE)).map(|list| list.patterns).unwrap_or_default();
     misplaced.describe(|index| match files.get(index) {
@@ -98,7 +96,7 @@ fn in_words(folder: &Path, problem: &ScanProblem) -> String {
     })
 }
 
-/// The decoded points of a capture that have a depth.
+/// The decoded points of a capture with a depth.
 pub(super) fn points_of(folder: &Path, capture: &Capture, decoded: &Decoded) -> Result<Vec<Sample>, Failure> {
     let refused = |reason: &str| Failure::Refused(anyhow::anyhow!("{}: {reason}", folder.display()));
     let depth_m = capture.depth_m.as_ref().ok_or_else(|| {
@@ -111,7 +109,7 @@ pub(super) fn points_of(folder: &Path, capture: &Capture, decoded: &Decoded) -> 
     Ok(samples)
 }
 
-/// The decoded pixels of the camera and what lights them.
+/// The decoded pixels of the camera, each with the projector's pixel that lights it.
 fn camera_pixels(decoded: &Decoded) -> impl Iterator<Item = ([u32; 2], Point2<f64>)> + '_ {
     let width = decoded.size_px[0];
     (0_u32..)

@@ -1,31 +1,31 @@
-//! How a command of `projector_calibrate` fails: what it was given cannot be read, or no good answer follows from it.
+//! Failures of the commands: unreadable input, or no trustworthy result.
 
 use std::error::Error;
 use std::process::ExitCode;
 
 use rcs_scan::ScanFailure;
 
-/// Why nothing was written. Either way one line is printed.
+/// The reason why nothing was written; one line is printed.
 #[derive(Debug)]
-pub enum Failure {
-    /// Exit code 1: no answer that may be trusted, or it could not be written.
+pub(crate) enum Failure {
+    /// Exit code 1: no trustworthy result, or it cannot be written.
     Refused(anyhow::Error),
-    /// Exit code 2: arguments or files that cannot be read.
+    /// Exit code 2: invalid arguments or unreadable files.
     Unreadable(anyhow::Error),
 }
 
 impl Failure {
     /// A refusal, for `map_err`.
-    pub fn refused(error: impl Error + Send + Sync + 'static) -> Self {
+    pub(crate) fn refused(error: impl Error + Send + Sync + 'static) -> Self {
         Self::Refused(error.into())
     }
 
-    /// An input that cannot be read, for `map_err`.
-    pub fn unreadable(error: impl Error + Send + Sync + 'static) -> Self {
+    /// An unreadable input, for `map_err`.
+    pub(crate) fn unreadable(error: impl Error + Send + Sync + 'static) -> Self {
         Self::Unreadable(error.into())
     }
 
-    /// Prints the line and gives the exit code.
+    /// Prints the line and returns the exit code.
     pub(super) fn report(&self) -> ExitCode {
         let (error, code) = match self {
             Self::Refused(error) => (error, 1),

@@ -1,22 +1,23 @@
-//! Where the projector is: its pose in the camera's optical frame, or in another frame by way of TF.
+//! The projector's file and its pose in the camera's optical frame, or in another frame by TF.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use rcs_calibration::Lens;
 use rcs_files::projector::{ProjectorFile, StaticFrame};
+use rcs_node_support::frames::insert_transforms;
+use rcs_node_support::lifecycle::EndRequest;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{Time, TransformTree};
 
 use super::Failure;
-use rcs_node_support::frames::insert_transforms;
-use rcs_node_support::lifecycle::EndRequest;
 
 /// The optical frame of Fetch's head camera.
 const DEFAULT_CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
-/// How long TF is waited for.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Timeout of TF.
+const TF_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The frame that the projector's pose is written in.
 #[derive(Debug, Args)]
@@ -31,8 +32,8 @@ pub(super) struct PlacingArguments {
 }
 
 /// A pose of the projector.
-pub(super) struct Placed {
-    /// The frame it is given in.
+pub(super) struct PlacedProjector {
+    /// The frame of the pose.
     pub(super) parent: String,
     /// Takes points of the projector's optical frame to it.
     pub(super) parent_from_projector: Isometry3<f64>,
@@ -44,98 +45,104 @@ impl PlacingArguments {
         self.camera_frame.as_deref().or(named_by_capture).unwrap_or(DEFAULT_CAMERA_FRAME)
     }
 
-    /// The projector's pose in the wanted frame. Frames that are known already are not asked for again: a process has
-    /// one node.
+    /// The projector's pose in the wanted frame. TF is asked only if no `frames` are given: a process has one node.
     pub(super) fn place(
         &self,
         projector_from_camera: &Isometry3<f64>,
         named_by_capture: Option<&str>,
-        known: Option<&Frames>,
-    ) -> Result<Placed, Failure> {
+        frames: Option<&Frames>,
+    ) -> Result<PlacedProjector, Failure> {
         let camera = self.camera(named_by_capture);
         let camera_from_projector = projector_from_camera.inverse();
-        match &self.parent {
-            None => Ok(Placed { parent: camera.to_owned(), parent_from_projector: camera_from_projector }),
-            Some(parent) => {
-                let parent_from_camera = match known {
-                    Some(frames) => {
-                        frames.newest(parent, camera).map_err(|error| Failure::Refused(error.context("TF")))?
-                    }
-                    None => look_up(parent, camera)?,
-                };
-                Ok(Placed { parent: parent.clone(), parent_from_projector: parent_from_camera * camera_from_projector })
-            }
-        }
+        let Some(parent) = &self.parent else {
+            return Ok(PlacedProjector { parent: camera.to_owned(), parent_from_projector: camera_from_projector });
+        };
+        let parent_from_camera = match frames {
+            Some(frames) => frames.newest(parent, camera).map_err(tf_failed)?,
+            None => look_up(parent, camera)?,
+        };
+        let parent_from_projector = parent_from_camera * camera_from_projector;
+        Ok(PlacedProjector { parent: parent.clone(), parent_from_projector })
     }
 }
 
-/// Asks TF for the newest transform that takes points of `source` to `target`.
+fn tf_failed(error: impl Into<anyhow::Error>) -> Failure {
+    Failure::Refused(error.into().context("TF"))
+}
+
+/// Asks TF for the newest `target_from_source`, with a node of its own.
 fn look_up(target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
-    let refused = |error: anyhow::Error| Failure::Refused(error.context("TF"));
-    let end = EndRequest::watch_signals().map_err(|error| refused(error.into()))?;
-    // Who calibrates waits for an answer: without a master there is none.
-    let node = RosNode::connect_now("projector_calibrate", &|| end.is_requested());
-    let node = node.map_err(|error| refused(error.into()))?;
+    let end = EndRequest::watch_signals().map_err(tf_failed)?;
+    // The user waits for an answer: no waiting for a master.
+    let node = RosNode::connect_now("projector_calibrate", &|| end.is_requested()).map_err(tf_failed)?;
     let found = look_up_with(&node, &end, target, source);
     node.shutdown();
     found
 }
 
-/// The same with a node that is connected. Its other messages are dropped meanwhile.
+/// Like [`look_up`], with a connected node, whose other messages are dropped meanwhile.
 fn look_up_with(node: &RosNode, end: &EndRequest, target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
-    let refused = |error: anyhow::Error| Failure::Refused(error.context("TF"));
-    node.subscribe_transforms().map_err(|error| refused(error.into()))?;
+    node.subscribe_transforms().map_err(tf_failed)?;
     let mut frames = Frames::default();
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TF_TIMEOUT;
     loop {
         for event in node.events().wait(Duration::from_millis(100)) {
-            frames.take(&event);
+            frames.add(&event);
         }
         match frames.newest(target, source) {
             Ok(transform) => return Ok(transform),
-            Err(error) if Instant::now() > until => return Err(refused(error)),
-            Err(_) if end.is_requested() => return Err(interrupted()),
+            Err(error) if Instant::now() > until => return Err(tf_failed(error)),
+            Err(_) if end.is_requested() => {
+                return Err(Failure::Refused(anyhow::anyhow!("interrupted")));
+            }
             Err(_) => {}
         }
     }
 }
 
-fn interrupted() -> Failure {
-    Failure::Refused(anyhow::anyhow!("interrupted"))
-}
-
-/// The robot's frames as TF tells them.
+/// The robot's frames by TF.
 #[derive(Default)]
 pub(super) struct Frames(TransformTree);
 
 impl Frames {
-    /// Takes transforms from a node's events.
-    pub(super) fn take(&mut self, event: &NodeEvent) {
+    /// Adds a node's event, if it has transforms.
+    pub(super) fn add(&mut self, event: &NodeEvent) {
         if let NodeEvent::Transforms { message, is_static, authority, .. } = event {
             insert_transforms(&mut self.0, message, *is_static, authority);
         }
     }
 
-    /// The newest transform that takes points of `source` to `target`.
+    /// The newest `target_from_source`.
     ///
     /// # Errors
-    /// Which frame is missing.
+    /// The missing frame.
     pub(super) fn newest(&self, target: &str, source: &str) -> anyhow::Result<Isometry3<f64>> {
         if target.trim_start_matches('/') == source.trim_start_matches('/') {
             return Ok(Isometry3::identity());
         }
-        // Time zero: the newest time for which all transforms on the way are known.
+        // Time zero: the newest time at which all transforms are known.
         Ok(self.0.lookup(target, source, Time::ZERO)?)
     }
 }
 
-/// The pose that a projector's file gives its frame in a camera's optical frame: takes points of the camera to the
-/// projector. None if the file does not place it there.
+/// Reads a projector's file and its lens, and logs the file's warnings.
+pub(super) fn read_projector(path: impl AsRef<Path>) -> Result<(ProjectorFile, Lens), Failure> {
+    let path = path.as_ref();
+    let file = ProjectorFile::read(path).map_err(Failure::unreadable)?;
+    for warning in file.warnings() {
+        log::warn!("{}: {warning}", path.display());
+    }
+    let lens = file.lens();
+    let lens = lens.map_err(|problem| Failure::Unreadable(anyhow::anyhow!("{}: {problem}", path.display())))?;
+    Ok((file, lens))
+}
+
+/// `projector_from_camera` by a projector's file; `None` if the file has no pose in that frame.
 pub(super) fn pose_in_file(file: &ProjectorFile, camera: Option<&str>) -> Option<Isometry3<f64>> {
     frame_in_file(file, camera).map(projector_from_parent)
 }
 
-/// The same for a file that places the projector in any frame: TF tells where the camera is in it now.
+/// `projector_from_camera` by a projector's file with a pose in any frame, in which TF places the camera.
 pub(super) fn pose_by_tf(
     file: &ProjectorFile,
     path: &Path,
@@ -153,7 +160,7 @@ pub(super) fn pose_by_tf(
     Ok(projector_from_parent(frame) * look_up_with(node, end, &frame.parent, camera)?)
 }
 
-/// Where a file places the projector's frame: in a certain one, or in any.
+/// The frame of the projector in its file: below a certain parent, or below any.
 pub(super) fn frame_in_file<'a>(file: &'a ProjectorFile, parent: Option<&str>) -> Option<&'a StaticFrame> {
     let same = |one: &str, other: &str| one.trim_start_matches('/') == other.trim_start_matches('/');
     let is_wanted = |frame: &&StaticFrame| {
@@ -162,12 +169,9 @@ pub(super) fn frame_in_file<'a>(file: &'a ProjectorFile, parent: Option<&str>) -
     file.frames.iter().find(is_wanted)
 }
 
-/// Takes points of the frame's parent to the projector.
+/// Inverts a projector's frame.
 pub(super) fn projector_from_parent(frame: &StaticFrame) -> Isometry3<f64> {
     let translation = Translation3::from(Vector3::from(frame.translation_m));
-    Isometry3::from_parts(translation, normalized(frame.rotation)).inverse()
-}
-
-fn normalized(rotation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_normalize(Quaternion::from(rotation.coords))
+    let rotation = UnitQuaternion::new_normalize(Quaternion::from(frame.rotation.coords));
+    Isometry3::from_parts(translation, rotation).inverse()
 }

@@ -2,26 +2,24 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
-use rcs_calibration::{solve, SolveOptions};
+use rcs_calibration::SolveOptions;
 use rcs_files::correspondences::read_places;
 use rcs_files::projector::ProjectorFile;
+use rcs_node_support::monitor_arguments::MonitorArguments;
 
 use super::clicks::Clicks;
-use super::input::Input;
-use super::placing::{self, PlacingArguments};
-use super::steer::{steer, Things};
-use super::{input, solve as solving, Failure};
-use rcs_node_support::lifecycle::EndRequest;
-use rcs_node_support::monitor_arguments::MonitorArguments;
+use super::correspondences::Correspondences;
+use super::crosshair::{self, Targets};
+use super::placing::{frame_in_file, pose_in_file, read_projector, PlacingArguments};
+use super::solve::solve_and_write;
+use super::Failure;
 
 /// Solves for the pose alone, for a projector that was bumped; a flat wall is enough
 ///
 /// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. By hand: the
-/// projector shows a crosshair that you steer with the keyboard onto six or more things: those that you click with
-/// rviz's Publish Point on the depth camera's cloud (--clicked), or whose places in the camera's optical frame a file
-/// has (--things).
+/// projector shows a crosshair that you move with the keyboard onto six or more points: those that you click with rviz's
+/// Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame (--things).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static
@@ -33,10 +31,10 @@ pub(super) struct RefineArguments {
     /// Files of points, or capture folders
     #[arg(value_name = "FILE", required_unless_present_any = ["things", "clicked", "list_monitors"])]
     points: Vec<PathBuf>,
-    /// Places of things, with the columns x_m, y_m and z_m, to steer a crosshair onto
+    /// Points to move a crosshair onto, with the columns x_m, y_m and z_m
     #[arg(long, value_name = "FILE", conflicts_with = "points")]
     things: Option<PathBuf>,
-    /// Steer the crosshair onto the things that are clicked in rviz meanwhile: points on this topic
+    /// Move the crosshair onto points that are clicked in rviz meanwhile: the topic
     #[arg(
         long,
         value_name = "TOPIC",
@@ -65,40 +63,27 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     if arguments.monitor.tell_monitors().map_err(Failure::refused)? {
         return Ok(());
     }
-    let lens = super::read_lens(&arguments.projector)?;
-    let (input, frames) = match things(arguments)? {
-        None => (input::read(&arguments.points)?, None),
-        Some(things) => {
-            let (samples, frames) = steer(things, &lens, &arguments.monitor)?;
-            (Input { samples, camera_frame: None }, frames)
+    let (file, lens) = read_projector(&arguments.projector)?;
+    let (points, frames) = match targets(arguments, &file)? {
+        None => (Correspondences::read(&arguments.points)?, None),
+        Some(targets) => {
+            let (samples, frames) = crosshair::collect(targets, &lens, &arguments.monitor)?;
+            (Correspondences { samples, camera_frame: None }, frames)
         }
     };
     let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
-    let solution = solve(&input.samples, &options).map_err(Failure::refused)?;
-    let pose = solving::first_pose(&solution)?;
-    let report = solving::judge(&input.samples, solution, arguments.report.as_deref())?;
-    let placed =
-        arguments.placing.place(&pose.projector_from_camera, input.camera_frame.as_deref(), frames.as_ref())?;
-    ProjectorFile::calibrated(&lens, &placed.parent, &placed.parent_from_projector)
-        .write(&arguments.output)
-        .map_err(Failure::refused)?;
-    solving::summarise(&report);
-    eprintln!("written: {}", arguments.output.display());
-    Ok(())
+    let (placing, report, output) = (&arguments.placing, arguments.report.as_deref(), &arguments.output);
+    solve_and_write(&points, &options, placing, frames.as_ref(), report, output)
 }
 
-/// What the user steers the crosshair onto, if that is asked for; it starts where the projector's file expects each
-/// thing.
-fn things(arguments: &RefineArguments) -> Result<Option<Things>, Failure> {
-    let old = || ProjectorFile::read(&arguments.projector).map_err(Failure::unreadable);
+/// The points that the user moves the crosshair onto, if that is asked for.
+fn targets(arguments: &RefineArguments, file: &ProjectorFile) -> Result<Option<Targets>, Failure> {
     if let Some(topic) = &arguments.clicked {
         let camera = arguments.placing.camera(None).to_owned();
-        let file = old()?;
-        let old_place = placing::frame_in_file(&file, Some(&camera)).or(placing::frame_in_file(&file, None)).cloned();
-        let end = EndRequest::watch_signals().context("cannot handle signals").map_err(Failure::Unreadable)?;
-        return Ok(Some(Things::Clicked(Clicks { topic: topic.clone(), camera, old_place, end })));
+        let old_place = frame_in_file(file, Some(&camera)).or(frame_in_file(file, None)).cloned();
+        return Ok(Some(Targets::Clicked(Clicks { topic: topic.clone(), camera, old_place })));
     }
     let Some(path) = &arguments.things else { return Ok(None) };
-    let things = read_places(path).map_err(Failure::unreadable)?;
-    Ok(Some(Things::Given(things, placing::pose_in_file(&old()?, None))))
+    let points = read_places(path).map_err(Failure::unreadable)?;
+    Ok(Some(Targets::Given(points, pose_in_file(file, None))))
 }

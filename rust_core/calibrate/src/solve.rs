@@ -1,18 +1,17 @@
 //! `projector_calibrate solve`: from correspondences to the projector's file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use rcs_calibration::{
-    solve, DistortionTerms, FocalLengths, Parameter, Report, Sample, ScanPose, Solution, SolveOptions, Verdict,
-};
+use rcs_calibration::{solve, DistortionTerms, FocalLengths, Parameter, Report, SolveOptions, Verdict};
 use rcs_files::calibration_report;
 use rcs_files::projector::ProjectorFile;
-
-use super::arguments::{size, Size};
-use super::placing::PlacingArguments;
-use super::{input, Failure};
 use rcs_node_support::key_value;
+
+use super::arguments::size_px;
+use super::correspondences::Correspondences;
+use super::placing::{read_projector, Frames, PlacingArguments};
+use super::Failure;
 
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
 ///
@@ -30,15 +29,15 @@ pub(super) struct SolveArguments {
     #[arg(value_name = "FILE", required = true)]
     points: Vec<PathBuf>,
     /// Width and height of the projector's picture, pixels
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Size,
+    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    size: [u32; 2],
     /// The projector's file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// A folder for report.yaml and report.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Distortion to solve for. auto: each term only if it predicts left-out points better
+    /// Distortion to solve for. auto: each term only if it lowers the held-out error
     #[arg(long, value_enum, default_value_t = Distortion::Auto)]
     distortion: Distortion,
     /// Focal lengths to solve for: one for both axes, or two
@@ -71,7 +70,7 @@ enum Focal {
     Two,
 }
 
-/// The name of a parameter and its value.
+/// Parses `NAME=VALUE`.
 fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
     let (name, value) = key_value::split(text).ok_or("not NAME=VALUE")?;
     let parameter = match name.trim() {
@@ -94,8 +93,8 @@ fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Runs the command.
 pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
-    let input = input::read(&arguments.points)?;
-    let initial = arguments.initial.as_deref().map(super::read_lens).transpose()?;
+    let points = Correspondences::read(&arguments.points)?;
+    let initial = arguments.initial.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
     let options = SolveOptions {
         distortion: match arguments.distortion {
             Distortion::Auto => DistortionTerms::Auto,
@@ -110,44 +109,42 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
         },
         fixed: arguments.fix.clone(),
         initial,
-        ..SolveOptions::new(arguments.size.0)
+        ..SolveOptions::new(arguments.size)
     };
-    let solution = solve(&input.samples, &options).map_err(Failure::refused)?;
-    let pose = first_pose(&solution)?;
-    let report = judge(&input.samples, solution, arguments.report.as_deref())?;
-    let placed = arguments.placing.place(&pose.projector_from_camera, input.camera_frame.as_deref(), None)?;
-    ProjectorFile::calibrated(&report.solution.lens, &placed.parent, &placed.parent_from_projector)
-        .write(&arguments.output)
-        .map_err(Failure::refused)?;
-    summarise(&report);
-    eprintln!("written: {}", arguments.output.display());
-    Ok(())
+    solve_and_write(&points, &options, &arguments.placing, None, arguments.report.as_deref(), &arguments.output)
 }
 
-/// The pose that is written: that of the first scan.
-pub(super) fn first_pose(solution: &Solution) -> Result<ScanPose, Failure> {
-    solution.poses.first().copied().ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))
-}
-
-/// Judges a solution and writes its report; refuses what is not to be used.
-pub(super) fn judge(
-    samples: &[Sample],
-    solution: Solution,
-    folder: Option<&std::path::Path>,
-) -> Result<Report, Failure> {
-    let report = Report::new(samples, solution);
-    if let Some(folder) = folder {
-        calibration_report::write(folder, &report, samples).map_err(Failure::refused)?;
+/// Solves, writes the report and, unless the verdict is "again", the projector's file with the pose of the first scan.
+pub(super) fn solve_and_write(
+    points: &Correspondences,
+    options: &SolveOptions,
+    placing: &PlacingArguments,
+    frames: Option<&Frames>,
+    report_folder: Option<&Path>,
+    output: &Path,
+) -> Result<(), Failure> {
+    let solution = solve(&points.samples, options).map_err(Failure::refused)?;
+    let pose = solution.poses.first().copied();
+    let pose = pose.ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))?;
+    let report = Report::new(&points.samples, solution);
+    if let Some(folder) = report_folder {
+        calibration_report::write(folder, &report, &points.samples).map_err(Failure::refused)?;
     }
     if report.verdict == Verdict::Again {
         let reasons = report.reasons.join("; ");
         return Err(Failure::Refused(anyhow::anyhow!("not to be used, scan again: {reasons}")));
     }
-    Ok(report)
+    let placed = placing.place(&pose.projector_from_camera, points.camera_frame.as_deref(), frames)?;
+    ProjectorFile::calibrated(&report.solution.lens, &placed.parent, &placed.parent_from_projector)
+        .write(output)
+        .map_err(Failure::refused)?;
+    summarise(&report);
+    eprintln!("written: {}", output.display());
+    Ok(())
 }
 
-/// Prints the figures that matter.
-pub(super) fn summarise(report: &Report) {
+/// Prints verdict and errors.
+fn summarise(report: &Report) {
     let solution = &report.solution;
     eprintln!(
         "verdict: {}. RMS error {:.2} px, held out {:.2} px, {:.2} mm; {} of {} points are inliers",

@@ -4,13 +4,9 @@
 //! is still open some time after the shutdown was requested, the process exits without closing it.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{sync_channel, RecvTimeoutError, SyncSender};
-use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
-
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// Time for a window to close and the node to unregister.
 const GRACE_PERIOD: Duration = Duration::from_millis(1500);
@@ -45,19 +41,5 @@ impl WindowWatch {
         };
         thread::Builder::new().name("window-watch".to_owned()).spawn(watching)?;
         Ok(Self { _open: open })
-    }
-
-    /// [`start`](Self::start) for a program that SIGINT and SIGTERM end. A second signal ends it at once.
-    ///
-    /// # Errors
-    /// The thread cannot be started, or a signal handler not installed.
-    pub fn start_with_signals(exit_status: i32) -> io::Result<Self> {
-        let is_asked = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal sets the flag, a second one finds it set.
-            signal_hook::flag::register_conditional_default(signal, Arc::clone(&is_asked))?;
-            signal_hook::flag::register(signal, Arc::clone(&is_asked))?;
-        }
-        Self::start(exit_status, move || is_asked.load(Ordering::Acquire))
     }
 }

@@ -1,42 +1,41 @@
-//! Reading the Gray code of a pixel bit by bit, the most significant one first: after each, the place is known to half
-//! as many pixels.
+//! Incremental decoding of a pixel's Gray code, the most significant bit first: each halves the range of columns or rows.
 
 use rcs_calibration::patterns::Stripes;
 
-/// A bit is clear where lit and dark differ by more than this share of white and black.
+/// Least difference of a clear bit, as a share of the contrast of white and black.
 const CLEAR: f64 = 0.3;
 
-/// What was read of a pixel's code along an axis.
+/// The first bits of a pixel's code along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct CoarseCode {
     /// The code's most significant bits.
     code: u32,
-    /// How many were read.
+    /// Number of bits that were read.
     bits: u32,
 }
 
 impl CoarseCode {
-    /// Whether the stripes of a pair differ clearly at a pixel: it is lit in the first (true) or in its inverse
-    /// (false); none if neither. `contrast` is that of white and black there.
+    /// A pixel's bit by a pair of stripes: lit in the first (`true`) or in its inverse (`false`); `None` if unclear.
+    /// `contrast` is the difference of white and black there.
     pub(crate) fn bit(stripes: u8, inverse: u8, contrast: f64) -> Option<bool> {
         let difference = f64::from(stripes) - f64::from(inverse);
         (difference.abs() >= CLEAR * contrast).then_some(difference > 0.0)
     }
 
-    /// Takes the next bit.
+    /// Adds the next bit.
     pub(crate) fn push(&mut self, is_lit: bool) {
-        // The Gray code's bit is that of the code before and after, compared.
+        // A bit of the Gray code tells whether two consecutive bits of the number differ.
         self.code = 2 * self.code + ((self.code & 1) ^ u32::from(is_lit));
         self.bits += 1;
     }
 
-    /// How many bits were read.
+    /// Number of bits that were read.
     pub(crate) fn bits(&self) -> u32 {
         self.bits
     }
 
-    /// The columns or rows that have this code: the middle of them and half of their number, pixels. `stripes` are some
-    /// of the code's, without an offset.
+    /// The middle of the columns or rows with this code, and half of their number, pixels. `stripes` are any of the
+    /// code's, without an offset.
     pub(crate) fn place_px(&self, stripes: &Stripes) -> (f64, f64) {
         let width = f64::from(stripes.step) * 2.0_f64.powi(stripes.bits.saturating_sub(self.bits) as i32);
         ((f64::from(self.code) + 0.5) * width - f64::from(stripes.offset), 0.5 * width)

@@ -1,19 +1,18 @@
-//! The mean of depth images. Pixels whose depth varies or is often missing are dropped: there, edges, shiny or moving
-//! things give some depth and not a certain one.
+//! The mean of depth images, without pixels whose depth varies or is often missing: edges, shiny or moving surfaces.
 //!
 //! Mean and variance by Welford, "Note on a method for calculating corrected sums of squares and products", 1962.
 
 use crate::devices::DepthFrame;
 
-/// The largest standard deviation at 1 m, metres; noise grows with the square of depth. A Kinect's is 1.5 mm.
-const MOST_DEVIATION_M: f32 = 0.006;
-/// What is added to it at any depth, metres: steps of depth.
+/// The largest standard deviation at 1 m, metres; it grows with the square of depth. A Kinect's is 1.5 mm.
+const MAX_DEVIATION_M: f32 = 0.006;
+/// An allowance for steps of depth, at any depth, metres.
 const STEP_M: f32 = 0.0015;
-/// The share of frames that a pixel must have a depth in.
-const LEAST_SHARE: f32 = 0.6;
+/// The share of frames in which a pixel must have a depth.
+const MIN_SHARE: f32 = 0.6;
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Pixel {
+struct DepthPixel {
     count: u32,
     mean_m: f32,
     /// The sum of squared differences from the mean.
@@ -23,17 +22,17 @@ struct Pixel {
 /// Sums of depth images of one size.
 #[derive(Debug, Clone)]
 pub(crate) struct DepthAverage {
-    pixels: Vec<Pixel>,
+    pixels: Vec<DepthPixel>,
     frames: u32,
 }
 
 impl DepthAverage {
-    /// No depth image of so many pixels yet.
+    /// Without depth images so far, of this number of pixels.
     pub(crate) fn new(pixels: usize) -> Self {
-        Self { pixels: vec![Pixel::default(); pixels], frames: 0 }
+        Self { pixels: vec![DepthPixel::default(); pixels], frames: 0 }
     }
 
-    /// How many were added.
+    /// Number of added depth images.
     pub(crate) fn frames(&self) -> u32 {
         self.frames
     }
@@ -51,12 +50,12 @@ impl DepthAverage {
         }
     }
 
-    /// The mean depths, metres; 0 where there is none that is certain.
+    /// The mean depths, metres; 0 where uncertain.
     pub(crate) fn depth_m(&self) -> Vec<f32> {
-        let least = (LEAST_SHARE * self.frames as f32).max(1.0);
-        let mean = |pixel: &Pixel| {
+        let least = (MIN_SHARE * self.frames as f32).max(1.0);
+        let mean = |pixel: &DepthPixel| {
             let deviation_m = (pixel.squares / pixel.count.saturating_sub(1).max(1) as f32).sqrt();
-            let most_m = STEP_M + MOST_DEVIATION_M * pixel.mean_m * pixel.mean_m;
+            let most_m = STEP_M + MAX_DEVIATION_M * pixel.mean_m * pixel.mean_m;
             if pixel.count as f32 >= least && deviation_m <= most_m {
                 pixel.mean_m
             } else {

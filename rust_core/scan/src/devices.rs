@@ -1,92 +1,112 @@
-//! What a scan needs of the world: a screen to show pictures on, and a camera that sees them. Tests bring simulated
-//! ones, whose time is not that of the clock.
+//! The devices of a scan: the projector's screen and the camera. Those of tests are simulated, with a time of their own.
 
 use std::time::{Duration, Instant};
 
 use rcs_calibration::Lens;
 
-/// Where pictures are shown: the projector.
-pub trait Screen {
-    /// What a message calls it, such as `monitor HDMI-1`.
+/// The projector.
+pub trait ProjectorScreen {
+    /// Its name in messages, such as `monitor HDMI-1`.
     fn name(&self) -> String;
 
-    /// Shows a picture of the projector's size in place of the one before: grey levels, row by row from the top. It
-    /// may be seen later.
+    /// Shows a picture of the projector's size: grey levels, row by row from the top. It may be seen later.
     ///
     /// # Errors
-    /// One line that says why it cannot be shown.
+    /// The reason, in one line.
     fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()>;
 }
 
-/// A picture from the camera.
+/// A frame from the camera.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct CameraFrame {
     /// Width and height, pixels.
     pub size_px: [u32; 2],
     /// Grey levels, row by row from the top.
     pub grey: Vec<u8>,
-    /// When it was received.
+    /// Time of receipt.
     pub received: Instant,
 }
 
-/// A depth image that is registered to the pictures.
+/// A depth image that is registered to the camera's frames.
 #[derive(Debug, Clone)]
 pub struct DepthFrame {
     /// Width and height, pixels.
     pub size_px: [u32; 2],
-    /// Depth along the view, metres, row by row; what is not a positive number is no depth.
+    /// Depth along the view, metres, row by row; none where not a positive number.
     pub depth_m: Vec<f32>,
 }
 
 /// A camera, with depth or without.
-pub trait Camera {
+pub trait ScanCamera {
     /// The present time.
     fn now(&self) -> Instant {
         Instant::now()
     }
 
-    /// The lens; its size is that of all pictures.
+    /// The lens; its size is that of all frames.
     fn lens(&self) -> Lens;
 
     /// The optical frame; may be empty.
     fn frame_id(&self) -> String;
 
-    /// The first picture received after a time. Pictures between two calls may be left out.
+    /// The first frame received after a time. Frames between two calls may be skipped.
     ///
     /// # Errors
-    /// [`CameraError`]: no picture within `timeout`, or one that cannot be used.
-    fn frame(&mut self, after: Instant, timeout: Duration) -> Result<Frame, CameraError>;
+    /// [`ScanCameraError`]: no frame within `timeout`, or an unusable one.
+    fn frame(&mut self, after: Instant, timeout: Duration) -> Result<CameraFrame, ScanCameraError>;
 
-    /// Whether it measures depth.
+    /// `true` if it measures depth.
     fn has_depth(&self) -> bool;
 
     /// The newest depth image, if there is one that was not returned before.
     ///
     /// # Errors
-    /// [`CameraError::Unusable`].
-    fn depth(&mut self) -> Result<Option<DepthFrame>, CameraError>;
+    /// [`ScanCameraError::Unusable`].
+    fn depth(&mut self) -> Result<Option<DepthFrame>, ScanCameraError>;
 }
 
-/// Why there is no picture.
+/// The reason for a missing frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CameraError {
-    /// Nothing arrived.
+pub enum ScanCameraError {
+    /// Nothing was received.
     #[error("nothing was received on {topic} within {} s: is the camera's driver running?", waited.as_secs())]
     Silent {
         /// The topic.
         topic: String,
-        /// How long it was waited for.
+        /// The timeout.
         waited: Duration,
     },
-    /// What arrived cannot be used.
+    /// A message or topic that cannot be used.
     #[error("{topic}: {reason}")]
     Unusable {
         /// The topic.
         topic: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// The program is asked to end.
+    /// The program was asked to end.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// The topic of depth.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DepthTopic {
+    /// Depth images that are registered to the camera's frames.
+    Image(String),
+    /// Organised clouds with a point for each pixel.
+    Cloud(String),
+    /// No depth.
+    None,
+}
+
+/// The topics of a camera, live or in a bag.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CameraTopics {
+    /// Images, plain or compressed.
+    pub image: String,
+    /// CameraInfo.
+    pub camera_info: String,
+    /// Depth.
+    pub depth: DepthTopic,
 }

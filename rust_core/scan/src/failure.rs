@@ -1,49 +1,37 @@
-//! Why a scan yields no capture. Each is one line that says what to do.
+//! The reasons why a scan yields no capture, each with what to do, in one line.
 
 use rcs_bag::BagError;
 use rcs_calibration::{DecodeError, ScanProblem, VerificationProblem};
 
-use crate::devices::CameraError;
-use crate::recorded::sequence::SequenceError;
+use crate::devices::ScanCameraError;
+use crate::recorded::sequence::PatternSequenceError;
 
-/// Why a scan was given up.
+/// The reason why a scan was given up.
 #[derive(Debug, thiserror::Error)]
 pub enum ScanFailure {
-    /// White and black look the same.
+    /// White and black look the same; the screen's name.
     #[error(
-        "the camera does not see the projector's light on {screen}: is the projector on, does the camera look at what \
+        "the camera does not see the projector's light on {0}: is the projector on, does the camera look at what \
          it lights, and is the room dark enough?"
     )]
-    NoLight {
-        /// The screen's name.
-        screen: String,
-    },
-    /// Brightness changes while the same is shown.
+    NoLight(String),
+    /// Brightness changes under the same picture; by this share of the projector's light.
     #[error(
         "the camera's brightness is not steady, it changes by {:.0} % while the same picture is shown: switch off \
          automatic exposure, gain and white balance, and lamps that flicker",
-        100.0 * change
+        100.0 * .0
     )]
-    Unsteady {
-        /// The change as a share of the projector's light.
-        change: f64,
-    },
-    /// Much of the picture is clipped at white.
-    #[error("{:.0} % of the lit pixels are overexposed: shorten the camera's exposure", 100.0 * clipped)]
-    Overexposed {
-        /// The share of lit pixels.
-        clipped: f64,
-    },
-    /// The same pattern looks different after some time.
+    Unsteady(f64),
+    /// The share of lit pixels that is clipped at white.
+    #[error("{:.0} % of the lit pixels are overexposed: shorten the camera's exposure", 100.0 * .0)]
+    Overexposed(f64),
+    /// The share of lit pixels that differ between two images of the same pattern.
     #[error(
         "the camera or the things have moved during the scan ({:.0} % of the lit pixels have changed): keep both at \
          rest and scan again",
-        100.0 * share
+        100.0 * .0
     )]
-    Moved {
-        /// The share of lit pixels that have changed.
-        share: f64,
-    },
+    Moved(f64),
     /// The projector's picture is mirrored.
     #[error(
         "the projector's picture is mirrored: switch off rear projection or mirroring in the projector's menu and in \
@@ -53,7 +41,7 @@ pub enum ScanFailure {
     /// The projector distorts its picture; the reason.
     #[error("{0}")]
     Keystone(String),
-    /// Stripes that the picture does not have.
+    /// Stripes that the projector's picture does not have.
     #[error(
         "{:.0} % of the lit pixels see stripes that no picture of {}x{} pixels has: is another picture, a scaled one, \
          or one of another size shown on {screen}?",
@@ -67,33 +55,25 @@ pub enum ScanFailure {
         /// The screen's name.
         screen: String,
     },
-    /// Two pictures in a row never look the same.
-    #[error(
-        "what the camera sees does not come to rest within {secs:.0} s: is something moving, or a lamp flickering?"
-    )]
-    Restless {
-        /// How long it was waited for.
-        secs: f64,
-    },
-    /// The pictures do not belong together.
+    /// The camera's image does not settle within these seconds.
+    #[error("the camera's image does not settle within {0:.0} s: is something moving, or a lamp flickering?")]
+    Restless(f64),
+    /// The images do not belong together.
     #[error("{0}")]
     Problem(ScanProblem),
-    /// Ctrl-C before there was enough.
+    /// The end was requested before there was enough.
     #[error("interrupted before enough was seen")]
     Interrupted,
-    /// Too little was decoded.
-    #[error("only {count} pixels could be decoded: light more of what the camera sees")]
-    Undecoded {
-        /// Decoded camera pixels.
-        count: usize,
-    },
+    /// Too few camera pixels were decoded; their number.
+    #[error("only {0} pixels could be decoded: light more of what the camera sees")]
+    Undecoded(usize),
     /// No depth was measured.
     #[error("no depth image was received during the scan: without depth, scan with --no-depth")]
     NoDepth,
     /// The camera fails.
     #[error(transparent)]
-    Camera(CameraError),
-    /// A picture or a depth image of another size than the camera info says.
+    Camera(ScanCameraError),
+    /// An image or a depth image of another size than in the CameraInfo.
     #[error(
         "the {what} has {}x{} pixels, but the camera info says {}x{}",
         size_px[0], size_px[1], camera_px[0], camera_px[1]
@@ -101,9 +81,9 @@ pub enum ScanFailure {
     Size {
         /// `picture` or `depth image`.
         what: &'static str,
-        /// Its width and height, pixels.
+        /// Width and height of the image, pixels.
         size_px: [u32; 2],
-        /// Width and height in the camera info.
+        /// Width and height in the CameraInfo, pixels.
         camera_px: [u32; 2],
     },
     /// The screen fails.
@@ -111,25 +91,25 @@ pub enum ScanFailure {
     Screen {
         /// The screen's name.
         screen: String,
-        /// Why.
+        /// The reason.
         reason: anyhow::Error,
     },
-    /// A verification that says nothing.
+    /// A verification without a result.
     #[error(transparent)]
     Verification(#[from] VerificationProblem),
     /// The patterns cannot be decoded.
     #[error(transparent)]
     Decode(#[from] DecodeError),
-    /// It is not known which pictures of a recording show which pattern.
+    /// The patterns were not found in the recording.
     #[error(transparent)]
-    Sequence(#[from] SequenceError),
+    Sequence(#[from] PatternSequenceError),
     /// A bag cannot be read.
     #[error(transparent)]
     Bag(#[from] BagError),
 }
 
 impl ScanFailure {
-    /// `true` if what was seen is refused, `false` if a device or a file cannot be used.
+    /// `true` if the images are refused, `false` if a device or a file cannot be used.
     pub fn is_refusal(&self) -> bool {
         !matches!(
             self,
@@ -138,7 +118,7 @@ impl ScanFailure {
     }
 }
 
-/// Whether a picture or depth image of so many pixels has the size of the camera info.
+/// Checks that an image or depth image, of `count` pixels, has the size in the CameraInfo.
 ///
 /// # Errors
 /// [`ScanFailure::Size`].
@@ -155,10 +135,10 @@ pub(crate) fn check_size(
     }
 }
 
-impl From<CameraError> for ScanFailure {
-    fn from(error: CameraError) -> Self {
+impl From<ScanCameraError> for ScanFailure {
+    fn from(error: ScanCameraError) -> Self {
         match error {
-            CameraError::Interrupted => Self::Interrupted,
+            ScanCameraError::Interrupted => Self::Interrupted,
             error => Self::Camera(error),
         }
     }

@@ -1,5 +1,4 @@
-//! From the pictures of a scan to its capture: decoding, and what is refused or warned of. A live scan and one from a
-//! bag share this.
+//! From the images of a scan to its capture: decoding and its checks, for a live scan and one from a bag.
 
 use rcs_calibration::patterns::{Axis, Pattern};
 use rcs_calibration::{decode, Decoded, Keystone, Lens, Pictures, ScanProblem};
@@ -7,66 +6,66 @@ use rcs_files::capture::{Capture, PatternPicture};
 
 use crate::depth_average::DepthAverage;
 use crate::failure::ScanFailure;
-use crate::light::Light;
-use crate::orientation::{self, Orientation};
+use crate::light::Illumination;
+use crate::orientation::{self, PictureOrientation};
 
-/// A capture with fewer decoded pixels is worth nothing: this share of the picture.
-const LEAST_DECODED: f64 = 0.002;
-/// Below this share of decoded pixels among the lit ones there is a warning.
+/// The least share of the image that must be decoded.
+const MIN_DECODED: f64 = 0.002;
+/// The share of the lit pixels below which there is a warning.
 const FEW_DECODED: f64 = 0.5;
 
-/// The stripes whose crossings tell whether the projector distorts its picture: so many bits of each axis.
+/// Bits of each axis whose stripes' crossings tell whether the projector distorts its picture.
 pub(crate) const KEYSTONE_BITS: u32 = 5;
 
-/// What a scan yields.
+/// The result of a scan.
 #[derive(Debug)]
-pub struct Scanned {
-    /// To be written.
+pub struct ScanResult {
+    /// The capture.
     pub capture: Capture,
-    /// What it tells.
+    /// Its decoded pixels.
     pub decoded: Decoded,
-    /// False if the scan was interrupted when it had seen enough.
-    pub is_whole: bool,
+    /// `false` if the scan was interrupted when it had enough.
+    pub is_complete: bool,
 }
 
-/// What a scan has seen.
-pub(crate) struct Seen<'a> {
+/// The images of a scan.
+pub(crate) struct ScanImages<'a> {
     /// The projector's width and height, pixels.
     pub(crate) projector_px: [u32; 2],
-    /// The camera's lens; its size is that of all pictures.
+    /// The camera's lens; its size is that of all images.
     pub(crate) lens: Lens,
     /// The camera's optical frame; may be empty.
     pub(crate) frame_id: String,
-    /// A picture of each pattern.
+    /// The image of each pattern.
     pub(crate) pictures: Vec<PatternPicture>,
-    /// What white and black have told.
-    pub(crate) light: &'a Light,
-    /// Depth; none for a camera without.
+    /// The projector's light in them.
+    pub(crate) light: &'a Illumination,
+    /// Depth, if the camera measures it.
     pub(crate) depth: Option<&'a DepthAverage>,
-    /// False if the scan was interrupted.
-    pub(crate) is_whole: bool,
+    /// `false` if the scan was interrupted.
+    pub(crate) is_complete: bool,
 }
 
-impl Seen<'_> {
-    /// Decodes the pictures and makes a capture of them, unless it is not worth it.
+impl ScanImages<'_> {
+    /// Decodes the images and makes a capture of them.
     ///
     /// # Errors
-    /// [`ScanFailure`]: what is wrong with them. [`ScanFailure::Interrupted`] if more of them might have been enough.
-    pub(crate) fn finish(mut self, warn: &mut dyn FnMut(&str)) -> Result<Scanned, ScanFailure> {
+    /// [`ScanFailure`]: their fault. [`ScanFailure::Interrupted`] if more of them might have been enough.
+    pub(crate) fn finish(mut self, warn: &mut dyn FnMut(&str)) -> Result<ScanResult, ScanFailure> {
         drop_unpaired(&mut self.pictures);
         let decoded = self.decode()?;
         for problem in decoded.quality.problems() {
-            let is_known = matches!(problem, ScanProblem::Clipped(_)) && self.light.is_overexposed();
+            let is_reported = matches!(problem, ScanProblem::Clipped(_)) && self.light.is_overexposed();
             if problem.is_fatal() {
                 return Err(ScanFailure::Problem(problem));
             }
-            if !is_known {
+            if !is_reported {
                 warn(&problem.to_string());
             }
         }
         let count = decoded.count();
-        if (count as f64) < LEAST_DECODED * decoded.pixels.len() as f64 {
-            return Err(if self.is_whole { ScanFailure::Undecoded { count } } else { ScanFailure::Interrupted });
+        if (count as f64) < MIN_DECODED * decoded.pixels.len() as f64 {
+            return Err(if self.is_complete { ScanFailure::Undecoded(count) } else { ScanFailure::Interrupted });
         }
         let share = count as f64 / decoded.lit.max(1) as f64;
         if share < FEW_DECODED {
@@ -83,7 +82,7 @@ impl Seen<'_> {
             depth_m: self.depth.map(DepthAverage::depth_m),
             warnings: Vec::new(),
         };
-        Ok(Scanned { capture, decoded, is_whole: self.is_whole })
+        Ok(ScanResult { capture, decoded, is_complete: self.is_complete })
     }
 
     fn decode(&self) -> Result<Decoded, ScanFailure> {
@@ -91,7 +90,7 @@ impl Seen<'_> {
         let levels = self.pictures.iter().map(|picture| picture.grey.as_slice()).collect();
         let pictures = Pictures { size_px: self.lens.size_px, patterns: &patterns, levels };
         decode(&pictures, self.projector_px).map_err(|error| {
-            if self.is_whole {
+            if self.is_complete {
                 error.into()
             } else {
                 ScanFailure::Interrupted
@@ -100,14 +99,14 @@ impl Seen<'_> {
     }
 }
 
-/// Whether the picture is mirrored, another one, or cut off, by its coarse stripes. `screen` is what a message calls
-/// where they are shown.
+/// Checks by the coarse stripes that the picture is neither mirrored nor another one, and warns if it is cut off.
+/// `screen` is the screen's name in messages.
 ///
 /// # Errors
 /// [`ScanFailure::Mirrored`] and [`ScanFailure::OtherPicture`].
 pub(crate) fn check_orientation(
     pictures: &[PatternPicture],
-    light: &Light,
+    light: &Illumination,
     camera_px: [u32; 2],
     projector_px: [u32; 2],
     screen: &str,
@@ -116,12 +115,12 @@ pub(crate) fn check_orientation(
     let pictures: Vec<(Pattern, &[u8])> =
         pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice())).collect();
     match orientation::judge(&pictures, &light.lit, camera_px, projector_px) {
-        Orientation::Right => Ok(()),
-        Orientation::Mirrored => Err(ScanFailure::Mirrored),
-        Orientation::OtherPicture(share) => {
+        PictureOrientation::Right => Ok(()),
+        PictureOrientation::Mirrored => Err(ScanFailure::Mirrored),
+        PictureOrientation::OtherPicture(share) => {
             Err(ScanFailure::OtherPicture { share, size_px: projector_px, screen: screen.to_owned() })
         }
-        Orientation::Cut(axis, [first, last]) => {
+        PictureOrientation::Cut(axis, [first, last]) => {
             let lines = if axis == Axis::X { "columns" } else { "rows" };
             warn(&format!(
                 "the projector's {lines} {first} to {last} are not seen: is its picture cut off or covered, or the \
@@ -132,7 +131,7 @@ pub(crate) fn check_orientation(
     }
 }
 
-/// Whether the projector distorts its picture, by the crossings of its coarse stripes, as far as these tell.
+/// Checks by the crossings of the coarse stripes that the projector does not distort its picture.
 ///
 /// # Errors
 /// [`ScanFailure::Keystone`].
@@ -156,7 +155,7 @@ pub(crate) fn check_keystone(
     Ok(())
 }
 
-/// Removes stripes without their inverse: those after which the scan was interrupted.
+/// Removes stripes without their inverse, after which the scan was interrupted.
 fn drop_unpaired(pictures: &mut Vec<PatternPicture>) {
     let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
     pictures.retain(|picture| match picture.pattern {

@@ -1,11 +1,12 @@
 //! The scan engine: shows patterns with a projector, takes the camera's images of them, checks both, and makes a
-//! capture of what was seen; or finds patterns and images in a recording.
+//! capture of them; or finds patterns and images in a recording.
 //!
-//! [`Session`] is a live scan on a [`Screen`] and a [`Camera`]; the ROS ones live in `calibrate`, tests bring simulated
-//! ones. [`recorded::scan`] is the scan of a bag. Both share what is checked of the images. No ROS master, no window.
+//! [`ScanSession`] is a live scan on a [`ProjectorScreen`] and a [`ScanCamera`]; those of ROS are in `calibrate`, tests
+//! bring simulated ones. [`recorded::scan`] is the scan of a bag. Both share the checks of the images. No ROS master,
+//! no window.
 #![forbid(unsafe_code)]
 
-mod camera_lens;
+mod camera_messages;
 mod coarse_code;
 mod compare;
 mod depth_average;
@@ -16,20 +17,18 @@ mod light;
 mod measure_light;
 mod orientation;
 pub mod preview;
-mod received;
 pub mod recorded;
+mod scan;
 mod session;
 #[cfg(test)]
 mod tests;
-mod topics;
 mod verification;
 
-pub use camera_lens::lens_of_topic;
-pub use devices::{Camera, CameraError, DepthFrame, Frame, Screen};
+pub use camera_messages::{depth_of, lens_of_topic, picture_of};
+pub use devices::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ProjectorScreen, ScanCamera, ScanCameraError};
 pub use failure::ScanFailure;
-pub use finish::Scanned;
+pub use finish::ScanResult;
 pub use light::Delay;
-pub use received::{depth_of, picture_of};
-pub use session::{patterns, ScanEvent, ScanOptions, Session};
-pub use topics::{CameraTopics, DepthTopic};
+pub use scan::patterns;
+pub use session::{ScanEvent, ScanOptions, ScanSession};
 pub use verification::Verification;

@@ -1,147 +1,151 @@
-//! Measures the projector's light at the beginning of a scan, and takes the image of each pattern.
+//! Measures the projector's light at the beginning of a session, and takes the image of each pattern.
 //!
 //! Black and white alternate. That finds the camera pixels that the projector lights, and the delay from showing a
 //! picture to seeing it, which no fixed sleep would know: window system, projector, camera and network each take their
-//! time. White that is held for a second also tells whether brightness is steady, and whether the camera is at rest.
+//! time. White that is held for a second also tells whether the brightness is steady and whether the camera moves.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::Pattern;
 
-use crate::compare::{is_same, mean, sample, Change, Rest, MOST_MOVED};
+use crate::compare::{is_same, mean, sample, ImageChange, SettledDetector, MAX_MOVED};
 use crate::failure::ScanFailure;
-use crate::light::{average, clipped_share, lit_pixels, Delay, Light, LEAST_LIT, MOST_CHANGE};
-use crate::session::Session;
+use crate::light::{average, clipped_share, lit_pixels, Delay, Illumination, MAX_CHANGE, MIN_LIT};
+use crate::session::ScanSession;
 
-/// How long the first black is shown before it is believed.
-const FIRST_LOOK: Duration = Duration::from_secs(2);
-/// How long light may take to be seen, and then to come to rest.
-const LONGEST_DELAY: Duration = Duration::from_secs(5);
-/// How long black and white are watched each time after they were seen.
+/// Least time of the first black: the camera may still see what was shown before.
+const FIRST_BLACK: Duration = Duration::from_secs(2);
+/// Timeout for light to be seen, and then to settle.
+const MAX_DELAY: Duration = Duration::from_secs(5);
+/// Time that black and white are observed for after they were seen.
 const HOLD: Duration = Duration::from_secs(1);
 /// The least frames of that time.
-const LEAST_HELD: usize = 6;
-/// Frames that the white picture is the mean of.
+const MIN_HELD: usize = 6;
+/// Frames that the white image is the mean of.
 const AVERAGED: usize = 5;
-/// A level has settled when it is this close to the last one, as a share of the projector's light.
+/// A settled level is this close to the last one, as a share of the projector's light.
 const SETTLED: f64 = 0.04;
 
-/// Black or white, watched from showing on.
-struct Watched {
+/// The camera's response to black or white.
+struct StepResponse {
     delay: Delay,
-    /// How much brightness changed afterwards, levels: more of the light than stays, or flicker.
+    /// The change of brightness afterwards, levels: overshoot or flicker.
     change: f64,
-    /// The largest difference of frames at rest.
+    /// The largest difference of settled frames.
     noise: f64,
     /// The mean of the last frames.
-    picture: Vec<u8>,
+    image: Vec<u8>,
 }
 
-impl Session<'_> {
-    /// Looks at black and white.
+impl ScanSession<'_> {
+    /// Measures the projector's light with black and white.
     ///
     /// # Errors
     /// [`ScanFailure`]: no light is seen, it is not steady or too much, or something moves.
-    pub(crate) fn find_light(&mut self) -> Result<Light, ScanFailure> {
-        let all = sample(self.camera_px());
-        let (dark, dark_noise) = self.first_black(&all)?;
-        let (white, noise) = self.first_white(&all, &dark, dark_noise)?;
-        let lit = lit_pixels(&dark, &white, &all, noise);
-        let (low, high) = (mean(&dark, &lit), mean(&white, &lit));
-        let mut watched = Vec::new();
+    pub(crate) fn measure_light(&mut self) -> Result<Illumination, ScanFailure> {
+        let all = sample(self.camera.lens().size_px);
+        let (black, black_noise) = self.first_black(&all)?;
+        let (white, noise) = self.first_white(&all, &black, black_noise)?;
+        let lit = lit_pixels(&black, &white, &all, noise);
+        let (low, high) = (mean(&black, &lit), mean(&white, &lit));
+        let mut responses = Vec::new();
         for pattern in [Pattern::Black, Pattern::White, Pattern::Black, Pattern::White] {
-            watched.push(self.watch(&pattern, &lit, [low, high])?);
+            responses.push(self.step_response(&pattern, &lit, [low, high])?);
         }
-        let longest = |of: fn(&Delay) -> Duration| watched.iter().map(|one| of(&one.delay)).max().unwrap_or_default();
+        let longest = |of: fn(&Delay) -> Duration| responses.iter().map(|one| of(&one.delay)).max().unwrap_or_default();
         let delay = Delay { seen: longest(|delay| delay.seen), settled: longest(|delay| delay.settled) };
-        let noise = watched.iter().map(|one| one.noise).fold(0.0, f64::max);
-        let change = watched.iter().map(|one| one.change).fold(0.0, f64::max) / (high - low);
-        let whites = [&watched[1].picture, &watched[3].picture];
-        let between = Change::between(whites[0], whites[1], &lit, noise);
+        let noise = responses.iter().map(|one| one.noise).fold(0.0, f64::max);
+        let change = responses.iter().map(|one| one.change).fold(0.0, f64::max) / (high - low);
+        let whites = [&responses[1].image, &responses[3].image];
+        let between = ImageChange::between(whites[0], whites[1], &lit, noise);
         let change = change.max(between.brightness.abs() * high / (high - low));
-        if change > MOST_CHANGE {
-            return Err(ScanFailure::Unsteady { change });
+        if change > MAX_CHANGE {
+            return Err(ScanFailure::Unsteady(change));
         }
-        if between.moved > MOST_MOVED {
-            return Err(ScanFailure::Moved { share: between.moved });
+        if between.moved > MAX_MOVED {
+            return Err(ScanFailure::Moved(between.moved));
         }
         let clipped = clipped_share(whites[1], &lit)?;
-        Ok(Light { delay, lit, noise, clipped, contrast: high - low })
+        Ok(Illumination { delay, lit, noise, clipped, contrast: high - low })
     }
 
-    /// The black picture, however late it comes, and its noise.
+    /// The black image once it has settled, and its noise.
     fn first_black(&mut self, at: &[usize]) -> Result<(Vec<u8>, f64), ScanFailure> {
         let shown = self.show(&Pattern::Black)?;
-        let (mut rest, mut after) = (Rest::default(), shown);
+        let (mut detector, mut after) = (SettledDetector::default(), shown);
         loop {
             let frame = self.frame(after)?;
             after = frame.received;
-            rest.push(&frame.grey, at);
+            detector.push(&frame.grey, at);
             let elapsed = after.saturating_duration_since(shown);
-            if elapsed >= FIRST_LOOK && rest.is_reached() {
-                return Ok((frame.grey, rest.noise()));
+            if elapsed >= FIRST_BLACK && detector.is_settled() {
+                return Ok((frame.grey, detector.noise()));
             }
-            if elapsed > FIRST_LOOK + LONGEST_DELAY {
-                return Err(ScanFailure::Restless { secs: elapsed.as_secs_f64() });
+            if elapsed > FIRST_BLACK + MAX_DELAY {
+                return Err(ScanFailure::Restless(elapsed.as_secs_f64()));
             }
         }
     }
 
-    /// The white picture once it is at rest, and its noise.
-    fn first_white(&mut self, at: &[usize], dark: &[u8], noise: f64) -> Result<(Vec<u8>, f64), ScanFailure> {
+    /// The white image once it has settled, and its noise.
+    fn first_white(&mut self, at: &[usize], black: &[u8], noise: f64) -> Result<(Vec<u8>, f64), ScanFailure> {
         let shown = self.show(&Pattern::White)?;
-        let (mut rest, mut after) = (Rest::default(), shown);
+        let (mut detector, mut after) = (SettledDetector::default(), shown);
         loop {
             let frame = self.frame(after)?;
             after = frame.received;
-            let share = lit_pixels(dark, &frame.grey, at, noise).len() as f64 / at.len().max(1) as f64;
-            if share >= LEAST_LIT {
-                rest.push(&frame.grey, at);
-                if rest.is_reached() {
-                    return Ok((frame.grey, rest.noise()));
+            let is_lit = lit_pixels(black, &frame.grey, at, noise).len() as f64 >= MIN_LIT * at.len() as f64;
+            if is_lit {
+                detector.push(&frame.grey, at);
+                if detector.is_settled() {
+                    return Ok((frame.grey, detector.noise()));
                 }
             }
             let elapsed = after.saturating_duration_since(shown);
-            if elapsed > 2 * LONGEST_DELAY || (elapsed > LONGEST_DELAY && share < LEAST_LIT) {
-                return Err(if share < LEAST_LIT {
-                    self.no_light()
-                } else {
-                    ScanFailure::Restless { secs: elapsed.as_secs_f64() }
-                });
+            if !is_lit && elapsed > MAX_DELAY {
+                return Err(self.no_light());
+            }
+            if elapsed > 2 * MAX_DELAY {
+                return Err(ScanFailure::Restless(elapsed.as_secs_f64()));
             }
         }
     }
 
-    /// Shows black or white and watches the lit pixels until some time after they have followed. `levels` are those of
-    /// black and white.
-    fn watch(&mut self, pattern: &Pattern, lit: &[usize], levels: [f64; 2]) -> Result<Watched, ScanFailure> {
+    /// Shows black or white and observes the lit pixels until some time after they have followed. `levels` are the mean
+    /// levels of black and white.
+    fn step_response(
+        &mut self,
+        pattern: &Pattern,
+        lit: &[usize],
+        levels: [f64; 2],
+    ) -> Result<StepResponse, ScanFailure> {
         let [low, high] = levels;
         let half = 0.5 * (low + high);
         let is_white = *pattern == Pattern::White;
         let shown = self.show(pattern)?;
         let mut after = shown;
-        // When each frame was received, and its level, from the first one on that shows the pattern.
+        // Time and level of each frame, from the first one on that shows the pattern.
         let mut held: Vec<(Duration, f64)> = Vec::new();
         let mut last: VecDeque<Vec<u8>> = VecDeque::new();
-        let mut rest = Rest::default();
+        let mut detector = SettledDetector::default();
         loop {
             let frame = self.frame(after)?;
             after = frame.received;
             let (elapsed, level) = (after.saturating_duration_since(shown), mean(&frame.grey, lit));
             if held.is_empty() && (level > half) != is_white {
-                if elapsed > LONGEST_DELAY {
+                if elapsed > MAX_DELAY {
                     return Err(self.no_light());
                 }
                 continue;
             }
             held.push((elapsed, level));
-            rest.push(&frame.grey, lit);
+            detector.push(&frame.grey, lit);
             last.push_back(frame.grey);
             if last.len() > AVERAGED {
                 last.pop_front();
             }
-            if held.len() >= LEAST_HELD && elapsed >= held[0].0 + HOLD {
+            if held.len() >= MIN_HELD && elapsed >= held[0].0 + HOLD {
                 break;
             }
         }
@@ -150,40 +154,36 @@ impl Session<'_> {
         let is_settled = |level: f64| (level - end).abs() <= SETTLED * (high - low);
         let settled = held.iter().rposition(|(_, level)| !is_settled(*level)).map_or(0, |late| late + 1);
         let settled = held[settled.min(held.len() - 1)].0;
-        // More light than stays is a camera that adapts; levels that jump at the end are flicker.
-        let beyond = held.iter().map(|(_, level)| if is_white { level - end } else { end - level });
+        // Overshoot is a camera that adapts; levels that jump at the end are flicker.
+        let overshoot = held.iter().map(|(_, level)| if is_white { level - end } else { end - level });
         let jump = tail.iter().map(|(_, level)| (level - end).abs());
-        let change = beyond.chain(jump).fold(0.0, f64::max);
-        Ok(Watched {
-            delay: Delay { seen: held[0].0, settled },
-            change,
-            noise: rest.noise(),
-            picture: average(last.iter()),
-        })
+        let change = overshoot.chain(jump).fold(0.0, f64::max);
+        let delay = Delay { seen: held[0].0, settled };
+        Ok(StepResponse { delay, change, noise: detector.noise(), image: average(last.iter()) })
     }
 
     fn no_light(&self) -> ScanFailure {
-        ScanFailure::NoLight { screen: self.screen_name() }
+        ScanFailure::NoLight(self.screen.name())
     }
 
-    /// Shows a pattern and gives the mean of some frames once it has settled: after the delay that was measured, as
-    /// soon as two frames are the same. If they are the same as the `last` picture, it may not be seen yet, so that it
-    /// gets as much time again.
+    /// Shows a pattern and returns the mean of some frames once it has settled: after the measured delay, as soon as two
+    /// frames are the same. If they are the same as the `last` image, the pattern may not be seen yet, and gets as much
+    /// time again.
     pub(crate) fn capture(
         &mut self,
         pattern: &Pattern,
-        light: &Light,
+        light: &Illumination,
         last: Option<&[u8]>,
     ) -> Result<Vec<u8>, ScanFailure> {
         let shown = self.show(pattern)?;
         self.capture_shown(shown, light, last)
     }
 
-    /// [`Self::capture`] of what is shown since a time.
+    /// Like [`Self::capture`], of a picture that is shown since a time.
     pub(crate) fn capture_shown(
         &mut self,
         shown: Instant,
-        light: &Light,
+        light: &Illumination,
         last: Option<&[u8]>,
     ) -> Result<Vec<u8>, ScanFailure> {
         let settled = light.delay.settled.mul_f64(1.25);
@@ -194,8 +194,8 @@ impl Session<'_> {
             let frame = self.frame(after)?;
             after = frame.received;
             let elapsed = after.saturating_duration_since(shown);
-            if elapsed > 2 * settled + LONGEST_DELAY {
-                return Err(ScanFailure::Restless { secs: elapsed.as_secs_f64() });
+            if elapsed > 2 * settled + MAX_DELAY {
+                return Err(ScanFailure::Restless(elapsed.as_secs_f64()));
             }
             let is_like = |other: &[u8]| is_same(other, &frame.grey, &light.lit, light.noise);
             if last.is_some_and(is_like) && elapsed < 2 * settled {
@@ -206,12 +206,19 @@ impl Session<'_> {
             }
             previous = Some(frame.grey.clone());
             alike.push_back(frame.grey);
-            let wanted = self.options().frames;
+            let wanted = self.options.frames;
             if alike.len() >= wanted.max(2) {
-                let needless = alike.len() - wanted;
-                alike.drain(..needless);
-                return Ok(average(alike.iter()));
+                return Ok(average(alike.range(alike.len() - wanted..)));
             }
         }
+    }
+
+    /// Compares an early white image with white now.
+    ///
+    /// # Errors
+    /// [`ScanFailure::Unsteady`] and [`ScanFailure::Moved`].
+    pub(crate) fn check_unchanged(&mut self, first_white: &[u8], light: &Illumination) -> Result<(), ScanFailure> {
+        let last = self.capture(&Pattern::White, light, None)?;
+        ImageChange::between(first_white, &last, &light.lit, light.noise).check()
     }
 }

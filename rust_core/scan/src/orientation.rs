@@ -1,4 +1,4 @@
-//! Which way round the projector's picture lies in the camera's, told from coarse stripes.
+//! The orientation of the projector's picture in the camera's image, by coarse stripes.
 //!
 //! Camera and projector see the same side of a surface, so the determinant of d(u, v)/d(x, y) is positive, also for a
 //! projector that hangs upside down (rotated by 180°). It is negative where the picture is mirrored: such a capture
@@ -11,21 +11,21 @@ use crate::coarse_code::CoarseCode;
 
 /// Bits that are read of each axis.
 pub(crate) const BITS: u32 = 4;
-/// Fewer clear pixels tell nothing.
-const LEAST_PIXELS: usize = 100;
-/// The share of variance that the fit must explain for its orientation to count.
-const LEAST_EXPLAINED: f64 = 0.2;
-/// The share of pixels with places that the picture does not have.
-const MOST_OUTSIDE: f64 = 0.05;
-/// The share of the picture that is missing at an edge before there is a warning.
+/// The least clear pixels for a result.
+const MIN_PIXELS: usize = 100;
+/// The least share of variance that the fit must explain.
+const MIN_EXPLAINED: f64 = 0.2;
+/// Limit of the share of pixels with places outside of the picture.
+const MAX_OUTSIDE: f64 = 0.05;
+/// The share of the picture that may be missing at an edge without a warning.
 const MARGIN: f64 = 0.2;
-/// Lit pixels so close to the edge of the camera's picture, as a share of it, mean that more is lit than is seen.
+/// Width of the image's edge, as a share of it: lit pixels there mean that more is lit than is seen.
 const EDGE: f64 = 0.03;
 
-/// What the coarse stripes tell.
+/// The verdict by the coarse stripes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Orientation {
-    /// Nothing that could be wrong, or too little to tell.
+pub(crate) enum PictureOrientation {
+    /// Right, or too few pixels for a verdict.
     Right,
     /// Mirrored.
     Mirrored,
@@ -35,13 +35,13 @@ pub(crate) enum Orientation {
     Cut(Axis, [u32; 2]),
 }
 
-/// A camera pixel and the projector's pixel there, roughly.
-struct Seen {
+/// A camera pixel and roughly the projector's pixel there.
+struct CoarseMatch {
     camera: [f64; 2],
     projector: [f64; 2],
 }
 
-/// Whether a pattern is white, black, or one of the first bits, which are looked at before the fine stripes are known.
+/// `true` for white, black and the first bits, which are checked before the fine stripes are known.
 pub(crate) fn is_coarse(pattern: &Pattern, bits: u32) -> bool {
     match pattern {
         Pattern::GrayCode(stripes) => stripes.bit < bits && stripes.offset == 0,
@@ -49,19 +49,20 @@ pub(crate) fn is_coarse(pattern: &Pattern, bits: u32) -> bool {
     }
 }
 
-/// Judges the pictures of the coarse bits. `pictures` are those taken up to now, white and black among them; `lit` is a
-/// sample of the lit pixels.
+/// Judges the images taken so far, white and black among them; `lit` is a sample of the lit pixels.
 pub(crate) fn judge(
     pictures: &[(Pattern, &[u8])],
     lit: &[usize],
     camera_px: [u32; 2],
     projector_px: [u32; 2],
-) -> Orientation {
+) -> PictureOrientation {
     let find = |wanted: Pattern| pictures.iter().find(|(pattern, _)| *pattern == wanted).map(|(_, grey)| *grey);
-    let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else { return Orientation::Right };
+    let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else {
+        return PictureOrientation::Right;
+    };
     let [bits_x, bits_y] = Axis::ALL.map(|axis| coarse_bits(pictures, axis));
     if bits_x.is_empty() || bits_y.is_empty() {
-        return Orientation::Right;
+        return PictureOrientation::Right;
     }
     // The middle of the columns or rows with the pixel's code, and half of their number.
     let place = |bits: &[(Stripes, &[u8], &[u8])], pixel: usize| {
@@ -72,7 +73,7 @@ pub(crate) fn judge(
         }
         bits.first().map(|(first, ..)| code.place_px(first))
     };
-    let mut seen = Vec::new();
+    let mut matches = Vec::new();
     let mut outside = 0;
     for pixel in lit {
         let (Some(u), Some(v)) = (place(&bits_x, *pixel), place(&bits_y, *pixel)) else { continue };
@@ -82,22 +83,22 @@ pub(crate) fn judge(
             continue;
         }
         let (x, y) = (*pixel as u32 % camera_px[0], *pixel as u32 / camera_px[0]);
-        seen.push(Seen { camera: [f64::from(x), f64::from(y)], projector: [u.0, v.0] });
+        matches.push(CoarseMatch { camera: [f64::from(x), f64::from(y)], projector: [u.0, v.0] });
     }
-    if seen.len() + outside < LEAST_PIXELS {
-        return Orientation::Right;
+    if matches.len() + outside < MIN_PIXELS {
+        return PictureOrientation::Right;
     }
-    let outside = outside as f64 / (seen.len() + outside) as f64;
-    if outside > MOST_OUTSIDE {
-        return Orientation::OtherPicture(outside);
+    let outside = outside as f64 / (matches.len() + outside) as f64;
+    if outside > MAX_OUTSIDE {
+        return PictureOrientation::OtherPicture(outside);
     }
-    if determinant(&seen).is_some_and(|determinant| determinant < 0.0) {
-        return Orientation::Mirrored;
+    if determinant(&matches).is_some_and(|determinant| determinant < 0.0) {
+        return PictureOrientation::Mirrored;
     }
-    cut(&seen, camera_px, projector_px).unwrap_or(Orientation::Right)
+    cut(&matches, camera_px, projector_px).unwrap_or(PictureOrientation::Right)
 }
 
-/// The coarse bits of an axis from the most significant on, with the pictures of the stripes and of their inverse.
+/// The coarse bits of an axis from the most significant on, with the images of the stripes and of their inverse.
 fn coarse_bits<'a>(pictures: &[(Pattern, &'a [u8])], axis: Axis) -> Vec<(Stripes, &'a [u8], &'a [u8])> {
     let find = |bit: u32| {
         pictures.iter().find_map(|(pattern, grey)| match pattern {
@@ -114,9 +115,9 @@ fn coarse_bits<'a>(pictures: &[(Pattern, &'a [u8])], axis: Axis) -> Vec<(Stripes
     (0..BITS).map_while(find).collect()
 }
 
-/// That of d(u, v)/d(x, y) by a linear fit; none if the places do not follow the camera's pixels.
-fn determinant(seen: &[Seen]) -> Option<f64> {
-    let rows = seen.iter().map(|seen| (Vector3::new(seen.camera[0], seen.camera[1], 1.0), seen.projector));
+/// The determinant of d(u, v)/d(x, y) by a linear fit; `None` for a bad fit.
+fn determinant(matches: &[CoarseMatch]) -> Option<f64> {
+    let rows = matches.iter().map(|one| (Vector3::new(one.camera[0], one.camera[1], 1.0), one.projector));
     let (mut normal, mut right) = (Matrix3::zeros(), [Vector3::zeros(); 2]);
     for (row, place) in rows.clone() {
         normal += row * row.transpose();
@@ -127,40 +128,40 @@ fn determinant(seen: &[Seen]) -> Option<f64> {
     let inverse = normal.try_inverse()?;
     let fits = right.map(|right| inverse * right);
     for axis in 0..2 {
-        let mean = seen.iter().map(|seen| seen.projector[axis]).sum::<f64>() / seen.len() as f64;
+        let mean = matches.iter().map(|one| one.projector[axis]).sum::<f64>() / matches.len() as f64;
         let (mut all, mut left) = (0.0, 0.0);
         for (row, place) in rows.clone() {
             all += (place[axis] - mean).powi(2);
             left += (place[axis] - row.dot(&fits[axis])).powi(2);
         }
-        if all <= 0.0 || 1.0 - left / all < LEAST_EXPLAINED {
+        if all <= 0.0 || 1.0 - left / all < MIN_EXPLAINED {
             return None;
         }
     }
     Some(fits[0].x * fits[1].y - fits[0].y * fits[1].x)
 }
 
-/// What is missing of the projector's picture though the camera sees where the light ends.
-fn cut(seen: &[Seen], camera_px: [u32; 2], projector_px: [u32; 2]) -> Option<Orientation> {
-    let is_at_edge = |seen: &&Seen| {
+/// The missing part of the projector's picture, if the camera sees where the light ends.
+fn cut(matches: &[CoarseMatch], camera_px: [u32; 2], projector_px: [u32; 2]) -> Option<PictureOrientation> {
+    let is_at_edge = |one: &&CoarseMatch| {
         (0..2).any(|axis| {
             let size = f64::from(camera_px[axis]);
-            !(EDGE * size..(1.0 - EDGE) * size).contains(&seen.camera[axis])
+            !(EDGE * size..(1.0 - EDGE) * size).contains(&one.camera[axis])
         })
     };
-    if seen.iter().filter(is_at_edge).count() * 200 > seen.len() {
+    if matches.iter().filter(is_at_edge).count() * 200 > matches.len() {
         return None;
     }
     Axis::ALL.into_iter().find_map(|axis| {
         let size = f64::from(projector_px[axis.index()]);
-        let mut places: Vec<f64> = seen.iter().map(|seen| seen.projector[axis.index()]).collect();
+        let mut places: Vec<f64> = matches.iter().map(|one| one.projector[axis.index()]).collect();
         places.sort_by(f64::total_cmp);
         // Single pixels may be wrong.
         let (first, last) = (places[places.len() / 200], places[places.len() - 1 - places.len() / 200]);
         if first > MARGIN * size {
-            return Some(Orientation::Cut(axis, [0, first as u32]));
+            return Some(PictureOrientation::Cut(axis, [0, first as u32]));
         }
-        (last < (1.0 - MARGIN) * size).then_some(Orientation::Cut(axis, [last as u32, size as u32 - 1]))
+        (last < (1.0 - MARGIN) * size).then_some(PictureOrientation::Cut(axis, [last as u32, size as u32 - 1]))
     })
 }
 
@@ -173,8 +174,8 @@ mod tests {
     const CAMERA_PX: [u32; 2] = [64, 48];
     const PROJECTOR_PX: [u32; 2] = [128, 80];
 
-    /// What a camera before a wall sees, by where each of its pixels is lit; nothing outside of the picture.
-    fn judged(size_px: [u32; 2], lit_by: impl Fn(f64, f64) -> [f64; 2]) -> Orientation {
+    /// The verdict on a camera's images of a wall, by the projector's pixel that lights each of its pixels.
+    fn judged(size_px: [u32; 2], lit_by: impl Fn(f64, f64) -> [f64; 2]) -> PictureOrientation {
         let all: Vec<usize> = (0..64 * 48).collect();
         let place = |pixel: &usize| lit_by((pixel % 64) as f64, (pixel / 64) as f64);
         let is_in = |at: [f64; 2]| (0..2).all(|axis| (0.0..f64::from(PROJECTOR_PX[axis])).contains(&at[axis]));
@@ -196,26 +197,26 @@ mod tests {
     }
 
     #[test]
-    fn turned_pictures_are_right_and_mirrored_ones_are_not() {
+    fn rotated_pictures_are_right_and_mirrored_ones_are_not() {
         let right = |x: f64, y: f64| [2.6 * x - 20.0 + 0.1 * y, 2.2 * y - 12.0];
-        assert_eq!(judged(PROJECTOR_PX, right), Orientation::Right);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, 47.0 - y)), Orientation::Right);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, y)), Orientation::Mirrored);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(x, 47.0 - y)), Orientation::Mirrored);
+        assert_eq!(judged(PROJECTOR_PX, right), PictureOrientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, 47.0 - y)), PictureOrientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, y)), PictureOrientation::Mirrored);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(x, 47.0 - y)), PictureOrientation::Mirrored);
     }
 
     #[test]
     fn places_beyond_the_picture_are_noticed() {
         let right = |x: f64, y: f64| [2.6 * x - 20.0, 2.2 * y - 12.0];
-        assert!(matches!(judged([80, 80], right), Orientation::OtherPicture(share) if share > 0.2));
+        assert!(matches!(judged([80, 80], right), PictureOrientation::OtherPicture(share) if share > 0.2));
     }
 
     #[test]
     fn a_picture_that_is_cut_off_is_noticed() {
         let cut = |x: f64, y: f64| if x < 40.0 { [2.6 * x - 20.0, 2.2 * y - 12.0] } else { [-1.0; 2] };
-        assert!(matches!(judged(PROJECTOR_PX, cut), Orientation::Cut(Axis::X, [70..90, 127])));
+        assert!(matches!(judged(PROJECTOR_PX, cut), PictureOrientation::Cut(Axis::X, [70..90, 127])));
         // Where the camera's picture ends, it is the camera that does not see more.
         let beside = |x: f64, y: f64| [1.4 * x, 2.2 * y - 12.0];
-        assert_eq!(judged(PROJECTOR_PX, beside), Orientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, beside), PictureOrientation::Right);
     }
 }

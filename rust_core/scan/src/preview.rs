@@ -1,24 +1,23 @@
-//! What is decoded, as a picture: red grows with the projector's column, green with its row; black is not decoded.
+//! The decoded pixels as a picture: red grows with the projector's column, green with its row; black is not decoded.
 //!
-//! While the scan goes on, [`Reading`] reads each pixel's code bit by bit: a comparison for each pixel with every pair
-//! of stripes, after which its place is known to half as many pixels. What comes out in the end is decoded by
-//! [`rcs_calibration::decode()`].
+//! During a scan, [`PreviewDecoder`] reads each pixel's code bit by bit, with one comparison for each pair of stripes.
+//! The final result is decoded by [`rcs_calibration::decode()`].
 
-use rcs_calibration::patterns::{Axis, Pattern, Stripes};
+use rcs_calibration::patterns::{Pattern, Stripes};
 use rcs_calibration::Decoded;
 use rcs_files::capture::PatternPicture;
 use rcs_scene::{Encoding, Picture};
 
 use crate::coarse_code::CoarseCode;
 
-/// The blue of decoded pixels, so that the projector's first pixel is not black.
+/// The blue of decoded pixels: the projector's first pixel is not black.
 const BLUE: u8 = 128;
-/// A pixel is lit if white is brighter than black by so many levels.
+/// The least difference of white and black of a lit pixel, levels.
 const LIT_LEVELS: u8 = 6;
-/// Stripes that are narrower than this may blur: a pixel counts as decoded without them, projector pixels.
+/// Stripes narrower than this may blur, and a pixel counts as decoded without them, projector pixels.
 const FINE_PX: f64 = 8.0;
 
-/// The picture of what was decoded, of the camera's size.
+/// The decoded pixels as a picture of the camera's size.
 pub fn of_decoded(decoded: &Decoded, projector_px: [u32; 2]) -> Picture {
     let place = decoded.pixels.iter().map(|pixel| pixel.is_decoded().then_some(pixel.at));
     false_colours(decoded.size_px, place, projector_px)
@@ -34,59 +33,43 @@ fn false_colours(size_px: [u32; 2], places: impl Iterator<Item = Option<[f32; 2]
     Picture { width_px, height_px, encoding: Encoding::Rgb8, data: places.flat_map(colour).collect() }
 }
 
-/// What the stripes up to now tell of the camera's pixels.
-pub struct Reading {
-    /// By how many levels white is brighter than black; 0 where a pixel is not lit.
+/// Decodes the camera's pixels during a scan.
+#[derive(Default)]
+pub struct PreviewDecoder {
+    /// The difference of white and black, levels; 0 where a pixel is not lit, empty before white and black.
     contrast: Vec<u8>,
-    axes: [AxisReading; 2],
+    axes: [AxisDecoder; 2],
 }
 
-/// Along one axis.
-struct AxisReading {
-    codes: Vec<CoarseCode>,
-    /// How many bits each pixel might have read, none yet: no stripes were seen.
-    seen: Option<Seen>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    /// The last stripes.
-    last: Stripes,
-    /// How many bits they and those before are.
-    bits: u32,
-    /// How many of these are wide enough for any camera.
-    wide: u32,
-}
-
-impl Reading {
-    /// Takes the last of the pictures of a scan up to now. None while white or black is missing.
-    pub fn take(reading: &mut Option<Self>, pictures: &[PatternPicture]) {
-        let Some(reading) = reading else {
-            *reading = Self::new(pictures);
-            return;
-        };
+impl PreviewDecoder {
+    /// Adds the last of the images of a scan so far.
+    pub fn add(&mut self, pictures: &[PatternPicture]) {
+        if self.contrast.is_empty() {
+            return self.start(pictures);
+        }
         let [.., one, other] = pictures else { return };
         if let (Pattern::GrayCode(stripes), Pattern::GrayCode(inverse)) = (one.pattern, other.pattern) {
             if stripes.inverse() == inverse && !stripes.inverted && stripes.offset == 0 {
-                reading.axes[stripes.axis.index()].take(stripes, &one.grey, &other.grey, &reading.contrast);
+                self.axes[stripes.axis.index()].add(stripes, &one.grey, &other.grey, &self.contrast);
             }
         }
     }
 
-    fn new(pictures: &[PatternPicture]) -> Option<Self> {
+    /// Finds the lit pixels once white and black are there.
+    fn start(&mut self, pictures: &[PatternPicture]) {
         let find = |wanted| pictures.iter().find(|picture| picture.pattern == wanted).map(|picture| &picture.grey);
-        let (white, black) = (find(Pattern::White)?, find(Pattern::Black)?);
+        let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else { return };
         let contrast = white.iter().zip(black).map(|(white, black)| white.saturating_sub(*black));
-        let contrast: Vec<u8> = contrast.map(|levels| if levels > LIT_LEVELS { levels } else { 0 }).collect();
-        let axes = Axis::ALL.map(|_| AxisReading { codes: vec![CoarseCode::default(); contrast.len()], seen: None });
-        Some(Self { contrast, axes })
+        self.contrast = contrast.map(|levels| if levels > LIT_LEVELS { levels } else { 0 }).collect();
+        self.axes.iter_mut().for_each(|axis| axis.codes = vec![CoarseCode::default(); self.contrast.len()]);
     }
 
-    /// The share of lit pixels that have read all stripes up to now along both axes, but for fine ones.
-    pub fn share(&self) -> f64 {
+    /// The share of lit pixels that have read all stripes so far along both axes, except for fine ones; `None` before
+    /// white and black.
+    pub fn share(&self) -> Option<f64> {
         let lit = self.contrast.iter().filter(|contrast| **contrast > 0).count();
         let decoded = (0..self.contrast.len()).filter(|pixel| self.is_decoded(*pixel)).count();
-        decoded as f64 / lit.max(1) as f64
+        (!self.contrast.is_empty()).then_some(decoded as f64 / lit.max(1) as f64)
     }
 
     fn is_decoded(&self, pixel: usize) -> bool {
@@ -103,15 +86,25 @@ impl Reading {
     }
 }
 
-impl AxisReading {
-    /// Takes a pair of stripes. A pixel that could not read one reads none of the finer ones.
-    fn take(&mut self, stripes: Stripes, lit: &[u8], inverse: &[u8], contrast: &[u8]) {
-        let before = self.seen.map_or(0, |seen| seen.bits);
+/// The codes along an axis.
+#[derive(Default)]
+struct AxisDecoder {
+    codes: Vec<CoarseCode>,
+    /// The last stripes.
+    last: Option<Stripes>,
+    /// Number of stripes so far that are wide enough for any camera.
+    wide: u32,
+}
+
+impl AxisDecoder {
+    /// Adds a pair of stripes. A pixel that could not read one reads none of the finer ones.
+    fn add(&mut self, stripes: Stripes, lit: &[u8], inverse: &[u8], contrast: &[u8]) {
+        let before = self.last.map_or(0, |last| last.bit + 1);
         if stripes.bit != before {
             return;
         }
-        let wide = self.seen.map_or(0, |seen| seen.wide) + u32::from(stripes.width_px() >= FINE_PX);
-        self.seen = Some(Seen { last: stripes, bits: before + 1, wide });
+        self.wide += u32::from(stripes.width_px() >= FINE_PX);
+        self.last = Some(stripes);
         for (pixel, code) in self.codes.iter_mut().enumerate().filter(|(_, code)| code.bits() == before) {
             if let (true, Some(bit)) =
                 (contrast[pixel] > 0, CoarseCode::bit(lit[pixel], inverse[pixel], f64::from(contrast[pixel])))
@@ -122,11 +115,11 @@ impl AxisReading {
     }
 
     fn is_read(&self, pixel: usize) -> bool {
-        self.seen.is_some_and(|seen| self.codes[pixel].bits() >= seen.wide.max(1))
+        self.last.is_some() && self.codes[pixel].bits() >= self.wide.max(1)
     }
 
     fn place_px(&self, pixel: usize) -> Option<f32> {
-        self.seen.map(|seen| self.codes[pixel].place_px(&seen.last).0 as f32)
+        self.last.map(|last| self.codes[pixel].place_px(&last).0 as f32)
     }
 }
 
@@ -137,15 +130,15 @@ mod tests {
     use rcs_calibration::{DecodedPixel, Quality};
 
     #[test]
-    fn colours_tell_the_place() {
+    fn colours_encode_the_place() {
         let pixel = |u, v| DecodedPixel { at: [u, v], sigma: [0.1; 2] };
         let pixels = vec![pixel(0.0, 0.0), pixel(640.0, 800.0), DecodedPixel::NONE];
         let decoded = Decoded { size_px: [3, 1], pixels, lit: 3, quality: Quality::default() };
         assert_eq!(of_decoded(&decoded, [1280, 800]).data, [0, 0, 128, 128, 255, 128, 0, 0, 0]);
     }
 
-    /// A camera whose pixels are the projector's, but for a dark one at the end.
-    fn seen(projector_px: [u32; 2], pattern: &Pattern) -> Vec<u8> {
+    /// The image of a camera whose pixels are the projector's, except for a dark one at the end.
+    fn image(projector_px: [u32; 2], pattern: &Pattern) -> Vec<u8> {
         let mut grey: Vec<u8> = pattern.picture(projector_px).iter().map(|level| 20 + level / 2).collect();
         if let Some(last) = grey.last_mut() {
             *last = 20;
@@ -156,16 +149,16 @@ mod tests {
     #[test]
     fn places_become_more_precise_with_every_pair() {
         let projector_px = [32, 20];
-        let (mut reading, mut pictures, mut errors) = (None, Vec::new(), Vec::new());
+        let (mut decoder, mut pictures, mut errors) = (PreviewDecoder::default(), Vec::new(), Vec::new());
         for pattern in gray_code(projector_px) {
-            pictures.push(PatternPicture { pattern, grey: seen(projector_px, &pattern) });
-            Reading::take(&mut reading, &pictures);
-            let Some(reading) = &reading else { continue };
-            let colours = reading.picture(projector_px, projector_px).data;
+            pictures.push(PatternPicture { pattern, grey: image(projector_px, &pattern) });
+            decoder.add(&pictures);
+            let Some(share) = decoder.share() else { continue };
+            let colours = decoder.picture(projector_px, projector_px).data;
             if pictures.len() < 2 + 2 * 5 + 2 {
-                assert_eq!((reading.share(), colours.iter().max()), (0.0, Some(&0)), "{}", pictures.len());
+                assert_eq!((share, colours.iter().max()), (0.0, Some(&0)), "{}", pictures.len());
             } else if pictures.len().is_multiple_of(2) {
-                assert_eq!(reading.share(), 1.0);
+                assert_eq!(share, 1.0);
                 assert_eq!(colours[3 * (32 * 20 - 1)..], [0; 3]);
                 let error =
                     |pixel: usize| (f64::from(colours[3 * pixel + 1]) - 255.0 * (pixel / 32) as f64 / 20.0).abs();
@@ -177,15 +170,15 @@ mod tests {
     }
 
     #[test]
-    fn blurred_fine_stripes_leave_what_is_known() {
+    fn blurred_fine_stripes_change_nothing() {
         let projector_px = [32, 20];
-        let (mut reading, mut pictures) = (None, Vec::new());
+        let (mut decoder, mut pictures) = (PreviewDecoder::default(), Vec::new());
         for pattern in gray_code(projector_px) {
             let is_fine = matches!(pattern, Pattern::GrayCode(stripes) if stripes.width_px() < FINE_PX);
-            let grey = if is_fine { vec![80; 640] } else { seen(projector_px, &pattern) };
+            let grey = if is_fine { vec![80; 640] } else { image(projector_px, &pattern) };
             pictures.push(PatternPicture { pattern, grey });
-            Reading::take(&mut reading, &pictures);
+            decoder.add(&pictures);
         }
-        assert_eq!(reading.map(|reading| reading.share()), Some(1.0));
+        assert_eq!(decoder.share(), Some(1.0));
     }
 }

@@ -152,7 +152,7 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
     let arguments = ["refine", "--clicked", "--projector", "old.yaml", "-o", "new.yaml", "--parent", "torso"];
     let mut refining = Running::start(command.args(arguments)).unwrap();
     let asks = |text: String| wait_until(PATIENCE, || refining.errors().iter().any(|line| line.contains(&text)));
-    assert!(asks("click the next thing".to_owned()), "{:?}", refining.errors());
+    assert!(asks("click the next point".to_owned()), "{:?}", refining.errors());
 
     // Things in the corners of the picture and elsewhere, clicked in the torso's frame.
     let places = [[60, 40], [580, 50], [70, 320], [570, 310], [320, 60], [200, 200], [450, 250], [330, 300]];
@@ -163,7 +163,7 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
         let place = format!("x={}, y={}, z={}", in_torso.x, in_torso.y, in_torso.z);
         let header = "header=Header(frame_id='torso')";
         python.run(format!("send('/clicked_point', PointStamped({header}, point=Point({place})))")).unwrap();
-        assert!(asks(format!("thing {}:", number + 1)), "{:?}", refining.errors());
+        assert!(asks(format!("point {}:", number + 1)), "{:?}", refining.errors());
         // The crosshair is where the old pose expects the thing, and has to go to where the new one does.
         assert!(wait_until(PATIENCE, || crosshair(&screen) == Some([u, v])), "{number}: {:?}", crosshair(&screen));
         let lit_by = lens.project(&bumped.inverse_transform_point(&thing)).unwrap();
@@ -171,7 +171,7 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
         screen.press("Return");
         assert!(asks(format!("; {} ", number + 1)), "{:?}", refining.errors());
     }
-    assert!(asks("8 things are done".to_owned()), "{:?}", refining.errors());
+    assert!(asks("8 points are done".to_owned()), "{:?}", refining.errors());
     screen.press("f");
     assert_eq!(refining.wait(PATIENCE).unwrap().code(), Some(0), "{:?}", refining.errors());
     let new = ProjectorFile::read(&folder.path().join("new.yaml")).unwrap();

@@ -12,7 +12,6 @@ use rcs_files::projector::ProjectorFile;
 
 use super::arguments::{length_m, size_px, two_lengths_m};
 use super::Failure;
-use questions::Answers;
 
 /// Intrinsics from a tape measure; asks for what to measure if no measure is given
 ///
@@ -32,28 +31,28 @@ Examples:
     --distance2 2.4 --projected2 1.83x1.14 --axis2 0.915,1.22 -o projector.yaml")]
 pub(super) struct ManualArguments {
     /// Width and height of the picture in pixels, w and h
-    #[arg(long, value_name = "WxH", value_parser = Pixels::parse)]
-    size: Option<Pixels>,
+    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    size: Option<[u32; 2]>,
     /// Distance from the lens to the wall, Z
     #[arg(long, value_name = "Z", value_parser = length_m, allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Width and height of the picture on the wall, W and H
-    #[arg(long, value_name = "WxH", value_parser = Lengths::parse, allow_hyphen_values = true)]
-    projected: Option<Lengths>,
+    #[arg(long, value_name = "WxH", value_parser = two_lengths_m, allow_hyphen_values = true)]
+    projected: Option<[f64; 2]>,
     /// Where the optical axis meets the wall, from the picture's top left corner: X to the right, Y down; it may lie
     /// outside of the picture
-    #[arg(long, value_name = "X,Y", value_parser = Lengths::parse, allow_hyphen_values = true)]
-    axis: Option<Lengths>,
-    /// The same with the wall at a second distance
+    #[arg(long, value_name = "X,Y", value_parser = two_lengths_m, allow_hyphen_values = true)]
+    axis: Option<[f64; 2]>,
+    /// Distance from the lens to the wall in a second place
     #[arg(long, value_name = "Z", value_parser = length_m, allow_hyphen_values = true, requires = "projected2")]
     distance2: Option<f64>,
-    /// The picture's width and height at the second distance
-    #[arg(long, value_name = "WxH", value_parser = Lengths::parse, allow_hyphen_values = true, requires = "distance2")]
-    projected2: Option<Lengths>,
+    /// Width and height of the picture at the second distance
+    #[arg(long, value_name = "WxH", value_parser = two_lengths_m, allow_hyphen_values = true, requires = "distance2")]
+    projected2: Option<[f64; 2]>,
     /// Where the optical axis meets the wall at the second distance; --axis or --axis2 is needed, both are better
-    #[arg(long, value_name = "X,Y", value_parser = Lengths::parse, allow_hyphen_values = true, requires = "distance2")]
-    axis2: Option<Lengths>,
-    /// How far a length read from the tape may be off, in metres [default: 0.002]
+    #[arg(long, value_name = "X,Y", value_parser = two_lengths_m, allow_hyphen_values = true, requires = "distance2")]
+    axis2: Option<[f64; 2]>,
+    /// Error of a length read from the tape, in metres [default: 0.002]
     #[arg(long, value_name = "LENGTH", value_parser = length_m, allow_hyphen_values = true)]
     tape_error: Option<f64>,
     /// A projector file whose K and P to compare; may be given without measures
@@ -64,28 +63,8 @@ pub(super) struct ManualArguments {
     output: Option<PathBuf>,
 }
 
-/// A size in pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Pixels([u32; 2]);
-
-impl Pixels {
-    fn parse(text: &str) -> Result<Self, String> {
-        size_px(text).map(Self)
-    }
-}
-
-/// Two lengths in metres, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Lengths([f64; 2]);
-
-impl Lengths {
-    fn parse(text: &str) -> Result<Self, String> {
-        two_lengths_m(text).map(Self)
-    }
-}
-
 impl ManualArguments {
-    /// The measures; none if not a single one is given.
+    /// The measures; `None` without any.
     fn measures(&self) -> Result<Option<ManualMeasures>, Failure> {
         let has_any = self.size.is_some()
             || self.distance.or(self.distance2).is_some()
@@ -96,21 +75,15 @@ impl ManualArguments {
         let missing = |name: &str| {
             Failure::Unreadable(anyhow!("{name} is missing (without any measure, manual asks for each of them)"))
         };
-        let Lengths(picture_m) = self.projected.ok_or_else(|| missing("--projected"))?;
-        let first = WallMeasures {
-            distance_m: self.distance.ok_or_else(|| missing("--distance"))?,
-            picture_m,
-            axis_m: self.axis.map(|Lengths(axis)| axis),
-        };
-        let second = self.distance2.zip(self.projected2).map(|(distance_m, Lengths(picture_m))| WallMeasures {
-            distance_m,
-            picture_m,
-            axis_m: self.axis2.map(|Lengths(axis)| axis),
-        });
+        let picture_m = self.projected.ok_or_else(|| missing("--projected"))?;
+        let distance_m = self.distance.ok_or_else(|| missing("--distance"))?;
+        let first = WallMeasures { distance_m, picture_m, axis_m: self.axis };
+        let second = self.distance2.zip(self.projected2);
+        let second = second.map(|(distance_m, picture_m)| WallMeasures { distance_m, picture_m, axis_m: self.axis2 });
         if self.axis.or(self.axis2).is_none() {
             return Err(missing("--axis"));
         }
-        let Pixels(size_px) = self.size.ok_or_else(|| missing("--size"))?;
+        let size_px = self.size.ok_or_else(|| missing("--size"))?;
         Ok(Some(ManualMeasures { size_px, first, second, tape_error_m: self.tape_error_m() }))
     }
 
@@ -126,9 +99,8 @@ pub(super) fn run(arguments: &ManualArguments) -> Result<(), Failure> {
         (Some(measures), _) => (measures, arguments.output.clone()),
         (None, Some(faults)) => return report_check(faults, arguments),
         (None, None) => {
-            let Answers { measures, output } =
-                questions::ask_user(arguments.tape_error_m(), arguments.output.as_deref())?;
-            (measures, output)
+            let (measures, output) = questions::ask_user(arguments.tape_error_m(), arguments.output.as_deref())?;
+            (measures, Some(output))
         }
     };
     let found = solve(&measures).map_err(Failure::refused)?;
@@ -151,7 +123,7 @@ pub(super) fn run(arguments: &ManualArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a projector's file and warns of its faults. How many there are.
+/// Reads a projector's file, warns of its faults and returns their number.
 fn check_file(path: &Path) -> Result<usize, Failure> {
     let file = ProjectorFile::read(path).map_err(Failure::unreadable)?;
     let info = &file.camera_info;
@@ -167,7 +139,7 @@ fn check_file(path: &Path) -> Result<usize, Failure> {
     Ok(faults.len())
 }
 
-/// The end of a check without measures.
+/// The result of a check without measures.
 fn report_check(faults: usize, arguments: &ManualArguments) -> Result<(), Failure> {
     if arguments.output.is_some() {
         return Err(Failure::Unreadable(anyhow!("--output needs measures; --check alone writes nothing")));
@@ -183,26 +155,26 @@ fn report_check(faults: usize, arguments: &ManualArguments) -> Result<(), Failur
     }
 }
 
-/// What was found and how certain it is.
+/// The lens and its accuracy in words.
 fn summary(found: &ManualLens) -> String {
     let (f, c, accuracy) = (found.lens.focal_px, found.lens.center_px, &found.accuracy);
     let percent = 100.0 * accuracy.focal_share;
     let mut lines = vec![
         format!("fx {:.1} ± {:.2} %, fy {:.1} ± {:.2} % (pixels)", f.x, percent.x, f.y, percent.y),
         format!("cx {:.1} ± {:.1}, cy {:.1} ± {:.1} (pixels)", c.x, accuracy.center_px.x, c.y, accuracy.center_px.y),
-        format!("by the tape alone, light is up to {:.1} mm off at a metre", 1e3 * accuracy.light_m),
+        format!("error by the tape alone: up to {:.1} mm at a metre", 1e3 * accuracy.light_m),
     ];
     if let Some([x, y]) = found.lens_place_m {
         let behind_m = 0.5 * (x + y);
         let side = if behind_m < 0.0 { "nearer to" } else { "farther from" };
         lines.push(format!(
-            "light comes from a place {:.0} mm {side} the wall than where distances were measured from",
+            "the center of projection is {:.0} mm {side} the wall than where distances were measured from",
             1e3 * behind_m.abs()
         ));
     }
     if let Some(by_place) = accuracy.focal_share_by_place {
         lines.push(format!(
-            "f is off by {by_place:.1} % more for each 10 mm that light comes from elsewhere than the distance was \
+            "f is off by {by_place:.1} % more for each 10 mm between the center of projection and where distances were \
              measured from; a second distance (--distance2, --projected2) cancels that"
         ));
     }

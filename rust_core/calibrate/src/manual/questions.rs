@@ -1,21 +1,21 @@
-//! The measures, asked for one after the other on the terminal. An answer that cannot be used is asked for again, and
-//! measures that contradict each other, too. The end of the input (Ctrl-D) and Ctrl-C end the program; nothing has been
-//! written by then.
+//! The dialog that asks for the measures on the terminal. It repeats a question after an unusable answer, and those of
+//! a distance whose measures contradict each other. The end of the input (Ctrl-D) and Ctrl-C end the program, before
+//! anything is written.
 //!
-//! Questions go to standard error, so that standard output is the file's.
+//! Questions go to standard error, since the file may go to standard output.
 
 use std::io::{self, BufRead, Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
+use std::time::Duration;
 
 use anyhow::{anyhow, Context as _};
 use rcs_calibration::manual::{solve, ManualMeasures, WallMeasures};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
+use rcs_node_support::lifecycle::EndRequest;
 
-use super::super::arguments::{length_m, size_px, two_lengths_m};
-use super::Failure;
+use crate::arguments::{length_m, size_px, two_lengths_m};
+use crate::Failure;
 
 const INTRODUCTION: &str = "\
 Put the projector before a flat wall, its optical axis at right angles to it. Switch keystone correction off, show a
@@ -40,35 +40,25 @@ With a second distance it does not matter where in the projector the light comes
 or forth, by as much as there is room, and measure everything again, the distance from the same place of the projector.
 ";
 
-/// An answer may be this long, bytes.
-const MOST_BYTES: u64 = 1000;
-/// So many unusable answers in a row are no person's.
-const MOST_ATTEMPTS: u32 = 30;
+/// Length limit of an answer, bytes.
+const MAX_BYTES: u64 = 1000;
+/// Unusable answers in a row until the dialog gives up: more are no person's.
+const MAX_ATTEMPTS: u32 = 30;
 
-/// What the user answered.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Answers {
-    /// The measures, of which a lens follows.
-    pub(super) measures: ManualMeasures,
-    /// The file to write; none: standard output.
-    pub(super) output: Option<PathBuf>,
-}
-
-/// Asks on the terminal. `output` is the file to write if one was given already.
-pub(super) fn ask_user(tape_error_m: f64, output: Option<&Path>) -> Result<Answers, Failure> {
+/// Asks on the terminal for measures that determine a lens, and for the file to write unless `output` names it.
+pub(super) fn ask_user(tape_error_m: f64, output: Option<&Path>) -> Result<(ManualMeasures, PathBuf), Failure> {
     end_on_signals().context("cannot handle signals").map_err(Failure::Refused)?;
     ask(&mut io::stdin().lock(), &mut io::stderr(), tape_error_m, output)
 }
 
-/// Ends the program on Ctrl-C while it waits for an answer. To be called once.
+/// Ends the program on Ctrl-C while it waits for an answer.
 fn end_on_signals() -> io::Result<()> {
-    let mut signals = Signals::new([SIGINT, SIGTERM])?;
+    let end = EndRequest::watch_signals()?;
     let waiting = move || {
-        if signals.forever().next().is_some() {
-            eprintln!();
-            let _: ExitCode = interrupted().report();
-            std::process::exit(1);
-        }
+        end.wait_for(Duration::MAX);
+        eprintln!();
+        let _: ExitCode = interrupted().report();
+        std::process::exit(1);
     };
     thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
 }
@@ -77,13 +67,13 @@ fn interrupted() -> Failure {
     Failure::Refused(anyhow!("ended before the last answer; nothing written"))
 }
 
-/// Asks until there are measures of which a lens follows.
+/// Asks until the measures determine a lens.
 fn ask(
     input: &mut impl BufRead,
     terminal: &mut impl Write,
     tape_error_m: f64,
     output: Option<&Path>,
-) -> Result<Answers, Failure> {
+) -> Result<(ManualMeasures, PathBuf), Failure> {
     let mut dialog = Dialog { input, terminal };
     dialog.say(INTRODUCTION)?;
     let size_px = dialog.answer("Width and height of the picture in pixels, such as 1280x800: ", size_px)?;
@@ -99,7 +89,7 @@ fn ask(
         Some(path) => path.to_owned(),
         None => dialog.file()?,
     };
-    Ok(Answers { measures: measures(first, second), output: Some(output) })
+    Ok((measures(first, second), output))
 }
 
 /// Questions and answers.
@@ -114,12 +104,12 @@ impl<I: BufRead, T: Write> Dialog<'_, I, T> {
         said.map_err(Failure::refused)
     }
 
-    /// What `read` makes of the answer; asks again until it makes something of it.
+    /// Asks until `read` accepts the answer.
     fn answer<A>(&mut self, question: &str, read: impl Fn(&str) -> Result<A, String>) -> Result<A, Failure> {
-        for _ in 0..MOST_ATTEMPTS {
+        for _ in 0..MAX_ATTEMPTS {
             write!(self.terminal, "{question}").and_then(|()| self.terminal.flush()).map_err(Failure::refused)?;
             let mut line = String::new();
-            match self.input.by_ref().take(MOST_BYTES).read_line(&mut line) {
+            match self.input.by_ref().take(MAX_BYTES).read_line(&mut line) {
                 Ok(0) => {
                     self.say("")?;
                     return Err(interrupted());
@@ -136,12 +126,12 @@ impl<I: BufRead, T: Write> Dialog<'_, I, T> {
         Err(Failure::Unreadable(anyhow!("no usable answer to: {}", question.trim())))
     }
 
-    /// What is measured at one distance; asks for all of it again while `check` finds a fault.
+    /// Asks for the measures at one distance until `check` accepts them.
     fn wall<E: std::fmt::Display>(
         &mut self,
         check: &dyn Fn(WallMeasures) -> Result<(), E>,
     ) -> Result<WallMeasures, Failure> {
-        for _ in 0..MOST_ATTEMPTS {
+        for _ in 0..MAX_ATTEMPTS {
             let distance_m =
                 self.answer("Distance from the lens to the wall, Z: ", |text| positive(length_m(text)?))?;
             let picture_m = self.answer("Width and height of the picture on the wall, W x H: ", |text| {
@@ -203,7 +193,7 @@ fn not_finite() -> String {
 mod tests {
     use super::*;
 
-    fn answers(lines: &[&str]) -> (Result<Answers, Failure>, String) {
+    fn answers(lines: &[&str]) -> (Result<(ManualMeasures, PathBuf), Failure>, String) {
         let (input, mut shown) = (lines.join("\n") + "\n", Vec::new());
         let result = ask(&mut input.as_bytes(), &mut shown, 0.001, Some(Path::new("out.yaml")));
         (result, String::from_utf8(shown).unwrap())
@@ -213,11 +203,11 @@ mod tests {
     fn each_measure_is_asked_for() {
         let lines = ["1280x800", "1.2", "0.9x0.56", "45cm,60cm", "", "2.4", "1.83x1.14", "0.915,1.22"];
         let (result, shown) = answers(&lines);
-        let Answers { measures, output } = result.unwrap();
+        let (measures, output) = result.unwrap();
         assert_eq!(measures.size_px, [1280, 800]);
         assert_eq!(measures.first.axis_m, Some([0.45, 0.6]));
         assert_eq!(measures.second.unwrap().picture_m, [1.83, 1.14]);
-        assert_eq!(output, Some(PathBuf::from("out.yaml")));
+        assert_eq!(output, PathBuf::from("out.yaml"));
         assert!(shown.starts_with(INTRODUCTION) && shown.contains(SECOND), "{shown}");
     }
 
@@ -225,7 +215,7 @@ mod tests {
     fn what_cannot_be_used_is_asked_for_again() {
         let lines = ["wide", "1280x800", "-1", "nan", "1.2", "0.9", "0.9x0.56", "0.45,inf", "0.45,0.6", "maybe", "n"];
         let (result, shown) = answers(&lines);
-        assert_eq!(result.unwrap().measures.first.picture_m, [0.9, 0.56]);
+        assert_eq!(result.unwrap().0.first.picture_m, [0.9, 0.56]);
         for reason in ["not a size", "greater than zero", "not a finite number", "not two lengths", "answer y or n"] {
             assert!(shown.contains(reason), "{reason}: {shown}");
         }
@@ -236,7 +226,7 @@ mod tests {
         let first = ["1280x800", "1.2", "0.9x0.56", "0.45,0.6", "y"];
         let lines = [&first[..], &["2.4", "0.8x0.5", "0.4,0.5", "2.4", "1.8x1.12", "0.9,1.2"]].concat();
         let (result, shown) = answers(&lines);
-        assert_eq!(result.unwrap().measures.second.unwrap().distance_m, 2.4);
+        assert_eq!(result.unwrap().0.second.unwrap().distance_m, 2.4);
         assert!(shown.contains("a picture grows with the distance: measure this distance again"), "{shown}");
     }
 

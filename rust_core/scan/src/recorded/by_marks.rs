@@ -1,25 +1,25 @@
-//! Patterns between marks, see [`super::sequence`].
+//! Patterns between checkerboards, see [`super::sequence`].
 
 use std::ops::Range;
 
 use rcs_calibration::patterns::Pattern;
 
-use super::sequence::{Sequence, SequenceError};
-use super::timeline::{Stretch, Timeline};
+use super::sequence::{PatternSequence, PatternSequenceError};
+use super::timeline::{Segment, Timeline};
 
-/// Stretches that differ less than this share of what neighbours typically differ by show the same.
+/// Limit of the difference of segments of the same picture, as a share of the median difference of neighbours.
 const ALIKE: f64 = 0.3;
 
-/// Finds patterns with a mark before, between and after them; none if nothing recurs so often.
+/// Finds patterns with a checkerboard before, between and after them; `None` if no picture recurs so often.
 ///
 /// # Errors
-/// [`SequenceError::BetweenMarks`].
+/// [`PatternSequenceError::BetweenMarks`].
 pub(crate) fn find(
     timeline: &Timeline,
-    stretches: &[Stretch],
+    segments: &[Segment],
     patterns: &[Pattern],
-) -> Option<Result<Sequence, SequenceError>> {
-    let marks = marks(timeline, stretches);
+) -> Option<Result<PatternSequence, PatternSequenceError>> {
+    let marks = marks(timeline, segments);
     if 2 * marks.iter().filter(|is_mark| **is_mark).count() <= patterns.len() {
         return None;
     }
@@ -27,32 +27,32 @@ pub(crate) fn find(
     let last = marks.iter().rposition(|is_mark| *is_mark)?;
     let mut shown: Vec<Range<usize>> = Vec::new();
     for between in (first..last).collect::<Vec<_>>().split(|index| marks[*index]) {
-        // What is brief is the change from one to the other.
-        let longest = between.iter().map(|index| &stretches[*index].pictures).max_by_key(|pictures| pictures.len());
+        // The brief ones show the change from one picture to the other.
+        let longest = between.iter().map(|index| &segments[*index].frames).max_by_key(|frames| frames.len());
         shown.extend(longest.cloned());
     }
     if shown.len() != patterns.len() {
-        return Some(Err(SequenceError::BetweenMarks {
+        return Some(Err(PatternSequenceError::BetweenMarks {
             seen: shown.len(),
             patterns: patterns.len(),
-            from: timeline.time(stretches[first].pictures.start),
-            to: timeline.time(stretches[last].pictures.start),
+            from: timeline.time(segments[first].frames.start),
+            to: timeline.time(segments[last].frames.start),
         }));
     }
-    let alike = Some([&stretches[first], &stretches[last]].map(|mark| mark.pictures.clone()));
-    Some(Ok(Sequence { shown: patterns.iter().copied().zip(shown).collect(), alike, delay: None }))
+    let repeated = Some([&segments[first], &segments[last]].map(|mark| mark.frames.clone()));
+    Some(Ok(PatternSequence { shown: patterns.iter().copied().zip(shown).collect(), repeated, delay: None }))
 }
 
-/// Which stretches show what recurs most often.
-fn marks(timeline: &Timeline, stretches: &[Stretch]) -> Vec<bool> {
-    let between = |pair: &[Stretch]| timeline.difference(&pair[0].look, &pair[1].look);
-    let mut typical: Vec<f64> = stretches.windows(2).map(between).collect();
-    typical.sort_by(f64::total_cmp);
-    let typical = typical.get(typical.len() / 2).copied().unwrap_or_default();
-    let limit = (ALIKE * typical).max(timeline.limit());
-    let alike_to = |one: &Stretch| -> Vec<bool> {
-        stretches.iter().map(|other| timeline.difference(&one.look, &other.look) <= limit).collect()
+/// Flags the segments of the picture that recurs most often.
+fn marks(timeline: &Timeline, segments: &[Segment]) -> Vec<bool> {
+    let between = |pair: &[Segment]| timeline.difference(&pair[0].levels, &pair[1].levels);
+    let mut median: Vec<f64> = segments.windows(2).map(between).collect();
+    median.sort_by(f64::total_cmp);
+    let median = median.get(median.len() / 2).copied().unwrap_or_default();
+    let limit = (ALIKE * median).max(timeline.limit());
+    let alike_to = |one: &Segment| -> Vec<bool> {
+        segments.iter().map(|other| timeline.difference(&one.levels, &other.levels) <= limit).collect()
     };
     let count = |alike: &Vec<bool>| alike.iter().filter(|is_alike| **is_alike).count();
-    stretches.iter().map(alike_to).max_by_key(count).unwrap_or_default()
+    segments.iter().map(alike_to).max_by_key(count).unwrap_or_default()
 }

@@ -1,59 +1,250 @@
-//! What a scan that was recorded needs of its recording. Tests bring one that was never written.
+//! The recording of a scan: a bag, or in tests one that was never written.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
+use std::path::PathBuf;
 use std::time::Duration;
 
+use rcs_bag::{full_name, Bag, Connection};
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::{AnyMessage, MessageKind, Time};
 
-use crate::devices::DepthFrame;
+use crate::camera_messages::{depth_of, lens_of_topic, picture_of};
+use crate::devices::{CameraTopics, DepthFrame, DepthTopic, ScanCameraError};
 use crate::failure::ScanFailure;
 
-/// What is done with each of a recording's pictures: its number, its time, its width and height, its grey levels row by
-/// row from the top.
-pub type VisitPicture<'a> = dyn FnMut(usize, Duration, [u32; 2], Vec<u8>) -> Result<(), ScanFailure> + 'a;
+/// A visitor of frames: number, time, width and height in pixels, grey levels row by row from the top.
+pub(crate) type VisitFrame<'a> = dyn FnMut(usize, Duration, [u32; 2], Vec<u8>) -> Result<(), ScanFailure> + 'a;
 
-/// What is done with each of a recording's depth images.
-pub type VisitDepth<'a> = dyn FnMut(DepthFrame) -> Result<(), ScanFailure> + 'a;
+/// A visitor of depth images.
+pub(crate) type VisitDepth<'a> = dyn FnMut(DepthFrame) -> Result<(), ScanFailure> + 'a;
 
-/// A picture that a node showed with the projector.
+/// A picture that was shown with the projector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shown {
-    /// When it was published.
+pub struct ShownPicture {
+    /// Time of publication.
     pub at: Duration,
-    /// What it is; none if it is no pattern.
+    /// Its pattern; `None` for other pictures.
     pub pattern: Option<Pattern>,
 }
 
 /// A recording of a camera that saw patterns. Times are since its beginning.
 pub trait Footage {
-    /// What a message calls it.
+    /// Its name in messages.
     fn name(&self) -> String;
 
-    /// The camera's lens; its size is that of all pictures.
+    /// The camera's lens; its size is that of all frames.
     fn lens(&self) -> Lens;
 
     /// The camera's optical frame; may be empty.
     fn frame_id(&self) -> String;
 
-    /// Visits the pictures with the wanted numbers in the order of time; the first has number 0.
+    /// Visits the frames with the wanted numbers in the order of time; the first has number 0.
     ///
     /// # Errors
-    /// A picture that cannot be read, or the visitor's error.
-    fn pictures(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitPicture<'_>) -> Result<(), ScanFailure>;
+    /// An unreadable frame, or the visitor's error.
+    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure>;
 
-    /// Whether there is depth.
+    /// `true` if there is depth.
     fn has_depth(&self) -> bool;
 
     /// Visits the depth images of a part of the recording.
     ///
     /// # Errors
-    /// One that cannot be read, or the visitor's error.
+    /// An unreadable one, or the visitor's error.
     fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure>;
 
-    /// What was shown when, if that was recorded. `recognise` tells the pattern of a picture of the projector's size.
+    /// The pictures that were shown, if they were recorded. `recognise` returns the pattern of a picture of the
+    /// projector's size.
     ///
     /// # Errors
-    /// A picture that cannot be read.
-    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<Shown>>, ScanFailure>;
+    /// An unreadable picture.
+    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure>;
+}
+
+/// Types of image messages.
+const IMAGES: [MessageKind; 2] = [MessageKind::Image, MessageKind::CompressedImage];
+
+/// A bag with the topics of a camera.
+pub struct BagFootage {
+    bag: Bag,
+    name: String,
+    image: String,
+    depth: Option<String>,
+    /// The topic on which the patterns were shown.
+    shown: Option<String>,
+    /// Time of the bag's first message, nanoseconds.
+    beginning: i64,
+    /// Time since then of the first message that counts.
+    start: Duration,
+    lens: Lens,
+    frame_id: String,
+}
+
+impl BagFootage {
+    /// Opens bags, of which messages in the first `start` do not count. `shown` is the topic on which the patterns were
+    /// shown, if the bag has it.
+    ///
+    /// # Errors
+    /// [`ScanFailure`]: an unreadable bag, a topic that is missing or of another type, an unusable CameraInfo.
+    pub fn open(
+        paths: &[PathBuf],
+        topics: &CameraTopics,
+        shown: Option<&str>,
+        start: Duration,
+    ) -> Result<Self, ScanFailure> {
+        let bag = Bag::open_all(paths)?;
+        let beginning = bag.time_range().map_or(0, |(first, _)| first.nanos());
+        let depth = match &topics.depth {
+            DepthTopic::Image(topic) | DepthTopic::Cloud(topic) => Some(full_name(topic)),
+            DepthTopic::None => None,
+        };
+        let mut footage = Self {
+            bag,
+            name: paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
+            image: full_name(&topics.image),
+            depth,
+            shown: shown.map(full_name),
+            beginning,
+            start,
+            lens: Lens::pinhole([1, 1], [1.0, 1.0], [0.0, 0.0]),
+            frame_id: String::new(),
+        };
+        let depth_kinds: &[MessageKind] =
+            if matches!(topics.depth, DepthTopic::Cloud(_)) { &[MessageKind::PointCloud2] } else { &IMAGES };
+        footage.check_topic(&footage.image, &IMAGES)?;
+        footage.depth.iter().try_for_each(|topic| footage.check_topic(topic, depth_kinds))?;
+        footage.shown.iter().try_for_each(|topic| footage.check_topic(topic, &IMAGES))?;
+        let info_topic = full_name(&topics.camera_info);
+        footage.check_topic(&info_topic, &[MessageKind::CameraInfo])?;
+        let info = footage.camera_info(&info_topic)?;
+        footage.lens = lens_of_topic(&info, &footage.image).map_err(|reason| unusable(&info_topic, reason))?;
+        footage.frame_id.clone_from(&info.header.frame_id);
+        Ok(footage)
+    }
+
+    /// Checks that a topic has one of these types.
+    fn check_topic(&self, topic: &str, kinds: &[MessageKind]) -> Result<(), ScanFailure> {
+        let types: Vec<&str> = kinds.iter().map(|kind| kind.ros_type()).collect();
+        let connections = || self.bag.connections();
+        let is_one = |connection: &Connection| kinds.iter().any(|kind| connection.holds(*kind));
+        let of_topic = || connections().filter(|connection| full_name(&connection.topic) == topic);
+        let reason = match of_topic().find(|connection| !is_one(connection)).or_else(|| of_topic().next()) {
+            Some(connection) if is_one(connection) => return Ok(()),
+            Some(connection) => format!("holds {} in the bag, not {}", connection.held(), types.join(" or ")),
+            None => {
+                let mut names: Vec<&str> = connections()
+                    .filter(|connection| is_one(connection))
+                    .map(|connection| &*connection.topic)
+                    .collect();
+                names.sort_unstable();
+                names.dedup();
+                let has = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+                format!("not in {}, whose topics with {} are: {has}", self.name, types.join(" or "))
+            }
+        };
+        Err(unusable(topic, reason))
+    }
+
+    /// Visits the messages of a topic from a time on, with the time since the bag's beginning. The visitor decodes those
+    /// that it needs.
+    fn messages(&self, topic: &str, from: Duration, visit: &mut VisitMessage<'_>) -> Result<(), ScanFailure> {
+        const LAST: Time = Time { sec: u32::MAX, nsec: 999_999_999 };
+        let from = self.beginning.saturating_add(i64::try_from(from.as_nanos()).unwrap_or(i64::MAX)).min(LAST.nanos());
+        let of_topic = |connection: &Connection| full_name(&connection.topic) == topic;
+        for message in self.bag.messages_from(Time::from_nanos(from), of_topic) {
+            let message = message?;
+            let nanos = message.time.nanos().saturating_sub(self.beginning);
+            let time = Duration::from_nanos(u64::try_from(nanos).unwrap_or_default());
+            let decode = || {
+                let connection = &message.connection;
+                let kind = connection
+                    .kind()
+                    .ok_or_else(|| unusable(topic, format!("holds {} in the bag", connection.held())))?;
+                kind.decode(&message.bytes).map_err(|error| {
+                    unusable(topic, format!("cannot decode the message after {:.3} s: {error}", time.as_secs_f64()))
+                })
+            };
+            if visit(time, &decode)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The first CameraInfo of the bag: it may be latched, and recorded once.
+    fn camera_info(&self, topic: &str) -> Result<CameraInfo, ScanFailure> {
+        let mut first = None;
+        self.messages(topic, Duration::ZERO, &mut |_, decode| {
+            if let AnyMessage::CameraInfo(info) = decode()? {
+                first = Some(info);
+            }
+            Ok(ControlFlow::Break(()))
+        })?;
+        let info = first.ok_or_else(|| unusable(topic, "has no message in the bag".to_owned()))?;
+        Ok((*info).clone())
+    }
+}
+
+fn unusable(topic: &str, reason: String) -> ScanFailure {
+    ScanCameraError::Unusable { topic: topic.to_owned(), reason }.into()
+}
+
+/// Decodes a message.
+type Decode<'a> = dyn Fn() -> Result<AnyMessage, ScanFailure> + 'a;
+
+/// A visitor of messages, by their times.
+type VisitMessage<'a> = dyn FnMut(Duration, &Decode<'_>) -> Result<ControlFlow<()>, ScanFailure> + 'a;
+
+impl Footage for BagFootage {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    fn frame_id(&self) -> String {
+        self.frame_id.clone()
+    }
+
+    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
+        let mut number = 0;
+        self.messages(&self.image, self.start, &mut |time, decode| {
+            if wanted(number) {
+                let picture = picture_of(&self.image, &decode()?);
+                let (size_px, grey) = picture.map_err(|reason| unusable(&self.image, reason))?;
+                visit(number, time, size_px, grey)?;
+            }
+            number += 1;
+            Ok(ControlFlow::Continue(()))
+        })
+    }
+
+    fn has_depth(&self) -> bool {
+        self.depth.is_some()
+    }
+
+    fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure> {
+        let Some(topic) = &self.depth else { return Ok(()) };
+        self.messages(topic, self.start, &mut |time, decode| {
+            if during.contains(&time) {
+                visit(depth_of(topic, &decode()?).map_err(|reason| unusable(topic, reason))?)?;
+            }
+            Ok(if time < during.end { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+        })
+    }
+
+    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
+        let Some(topic) = &self.shown else { return Ok(None) };
+        let mut all = Vec::new();
+        self.messages(topic, self.start, &mut |at, decode| {
+            let (_, grey) = picture_of(topic, &decode()?).map_err(|reason| unusable(topic, reason))?;
+            all.push(ShownPicture { at, pattern: recognise(&grey) });
+            Ok(ControlFlow::Continue(()))
+        })?;
+        Ok(Some(all))
+    }
 }

@@ -1,48 +1,48 @@
-//! Whether pictures can be those of the patterns: where stripes are dark, their inverse is lit. Pictures that are one
-//! pattern off are not.
+//! Checks that images can be those of the patterns: where stripes are dark, their inverse is lit. Images that are one
+//! pattern off fail.
 
 use rcs_calibration::patterns::{Pattern, Stripes};
 
-use super::sequence::SequenceError;
+use super::sequence::PatternSequenceError;
 
-/// A lit pixel is brighter in white than in black by more levels.
+/// The least difference of white and black of a lit pixel, levels.
 const LIT_LEVELS: u8 = 6;
-/// The share of pixels that must be lit.
-const LEAST_LIT: f64 = 0.1;
+/// The least share of lit pixels.
+const MIN_LIT: f64 = 0.1;
 /// A pixel is dark below this share of white and black. Blurred stripes light it by half, and gamma brightens that.
 const DARK: f64 = 0.2;
-/// The share of lit pixels that may be dark in both.
-const MOST_DARK: f64 = 0.08;
-/// The share of lit pixels that may be darker in white than in black.
-const MOST_SWAPPED: f64 = 0.02;
-/// Coarse stripes: the first bits. Half of the lit pixels must see the difference from the inverse clearly, as a share
-/// of white and black.
+/// Limit of the share of lit pixels that are dark in both.
+const MAX_DARK: f64 = 0.08;
+/// Limit of the share of lit pixels that are darker in white than in black.
+const MAX_SWAPPED: f64 = 0.02;
+/// Bits of coarse stripes, the least clear difference from the inverse as a share of white and black, and the least share
+/// of lit pixels that see it.
 const COARSE_BITS: u32 = 3;
 const CLEAR: f64 = 0.3;
-const LEAST_CLEAR: f64 = 0.5;
+const MIN_CLEAR: f64 = 0.5;
 
-/// Finds a pair that cannot be one. Levels are at the same pixels in all; the patterns have white and black.
+/// Checks all pairs of stripes. Levels are at the same pixels in all; white and black are among the patterns.
 ///
 /// # Errors
-/// [`SequenceError::NoPair`].
-pub(crate) fn check(patterns: &[Pattern], levels: &[&[u8]]) -> Result<(), SequenceError> {
-    let wrong = |stripes: &Stripes, share| SequenceError::NoPair { axis: stripes.axis.name(), share };
-    let Some(lit) = Lit::new(patterns, levels) else { return Ok(()) };
+/// [`PatternSequenceError::NoPair`].
+pub(crate) fn check(patterns: &[Pattern], levels: &[&[u8]]) -> Result<(), PatternSequenceError> {
+    let wrong = |stripes: &Stripes, share| PatternSequenceError::NoPair { axis: stripes.axis.name(), share };
+    let Some(lit) = LitPixels::new(patterns, levels) else { return Ok(()) };
     for (index, pattern) in patterns.iter().enumerate() {
         let Pattern::GrayCode(stripes) = pattern else { continue };
         let inverse = patterns.iter().position(|other| *other == Pattern::GrayCode(stripes.inverse()));
         let Some(inverse) = inverse.filter(|_| !stripes.inverted) else { continue };
         let dark = lit.share(levels[index], levels[inverse], |one, other| one < DARK && other < DARK);
-        if dark > MOST_DARK {
+        if dark > MAX_DARK {
             return Err(wrong(stripes, dark));
         }
     }
     Ok(())
 }
 
-/// Whether pictures look like the patterns: white brighter than black, coarse stripes clear, pairs as they must be.
-pub(crate) fn look_like(patterns: &[Pattern], levels: &[&[u8]]) -> bool {
-    let Some(lit) = Lit::new(patterns, levels) else { return false };
+/// `true` if images match the patterns: white is brighter than black, coarse stripes are clear, pairs match.
+pub(crate) fn are_plausible(patterns: &[Pattern], levels: &[&[u8]]) -> bool {
+    let Some(lit) = LitPixels::new(patterns, levels) else { return false };
     let is_clear = |(index, pattern): (usize, &Pattern)| {
         let Pattern::GrayCode(stripes) = pattern else { return true };
         if stripes.inverted || stripes.bit >= COARSE_BITS || stripes.offset > 0 {
@@ -50,19 +50,19 @@ pub(crate) fn look_like(patterns: &[Pattern], levels: &[&[u8]]) -> bool {
         }
         let inverse = patterns.iter().position(|other| *other == Pattern::GrayCode(stripes.inverse()));
         let is_apart = |one: f64, other: f64| (one - other).abs() > CLEAR;
-        inverse.is_none_or(|inverse| lit.share(levels[index], levels[inverse], is_apart) > LEAST_CLEAR)
+        inverse.is_none_or(|inverse| lit.share(levels[index], levels[inverse], is_apart) > MIN_CLEAR)
     };
     lit.is_plausible() && patterns.iter().enumerate().all(is_clear) && check(patterns, levels).is_ok()
 }
 
 /// Pixels that are brighter in white than in black.
-struct Lit<'a> {
+struct LitPixels<'a> {
     white: &'a [u8],
     black: &'a [u8],
     at: Vec<usize>,
 }
 
-impl<'a> Lit<'a> {
+impl<'a> LitPixels<'a> {
     fn new(patterns: &[Pattern], levels: &[&'a [u8]]) -> Option<Self> {
         let find = |wanted| patterns.iter().position(|pattern| *pattern == wanted);
         let (white, black) = (levels[find(Pattern::White)?], levels[find(Pattern::Black)?]);
@@ -74,10 +74,10 @@ impl<'a> Lit<'a> {
         let is_swapped = |(white, black): &(&u8, &u8)| black.saturating_sub(**white) > LIT_LEVELS;
         let swapped = self.white.iter().zip(self.black).filter(is_swapped).count();
         let lit = self.at.len() as f64;
-        lit >= LEAST_LIT * self.white.len() as f64 && swapped as f64 <= MOST_SWAPPED * lit
+        lit >= MIN_LIT * self.white.len() as f64 && swapped as f64 <= MAX_SWAPPED * lit
     }
 
-    /// The share of lit pixels at which something holds of the levels of two pictures, 0 for black and 1 for white.
+    /// The share of lit pixels whose levels in two images fulfil a condition; 0 is black and 1 white.
     fn share(&self, one: &[u8], other: &[u8], holds: impl Fn(f64, f64) -> bool) -> f64 {
         let level = |grey: &[u8], pixel: usize| {
             let [level, white, black] = [grey, self.white, self.black].map(|grey| f64::from(grey[pixel]));

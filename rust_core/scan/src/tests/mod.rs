@@ -11,19 +11,19 @@ use rcs_calibration::Decoded;
 use rcs_files::capture::Capture;
 use rcs_scan_simulator::Conditions;
 
-use crate::devices::CameraError;
+use crate::devices::ScanCameraError;
 use crate::failure::ScanFailure;
-use crate::finish::Scanned;
+use crate::finish::ScanResult;
 use crate::light::Delay;
-use crate::session::{ScanEvent, ScanOptions, Session};
+use crate::session::{ScanEvent, ScanOptions, ScanSession};
 use world::{Faults, SimulatedCamera, SimulatedScreen, World, PERIOD, PROJECTOR_PX};
 
-/// What came of a scan.
+/// The result of a scan, and what it took.
 struct Outcome {
-    result: Result<Scanned, ScanFailure>,
+    result: Result<ScanResult, ScanFailure>,
     delay: Option<Delay>,
     warnings: Vec<String>,
-    /// Pictures shown, the first look's among them.
+    /// Number of pictures that were shown, black and white at the beginning among them.
     shown: usize,
     took: Duration,
     world: std::rc::Rc<std::cell::RefCell<World>>,
@@ -34,7 +34,7 @@ impl Outcome {
         Self::until(faults, usize::MAX)
     }
 
-    /// Interrupts the scan when so many pictures were shown.
+    /// Interrupts the scan after this number of pictures.
     fn until(faults: Faults, most_shown: usize) -> Self {
         let projector_px = faults.assumed_px;
         let world = World::new(faults);
@@ -48,7 +48,7 @@ impl Outcome {
             ScanEvent::Note(_) => {}
             ScanEvent::Captured { readable, .. } => assert!((0.0..=1.0).contains(&readable)),
         };
-        let result = Session::new(&mut screen, &mut camera, &options, &mut observe).run();
+        let result = ScanSession::new(&mut screen, &mut camera, &options, &mut observe).scan();
         let (shown, took) = (world.borrow().shown(), world.borrow().elapsed());
         Self { result, delay, warnings, shown, took, world }
     }
@@ -63,7 +63,6 @@ impl Outcome {
         }
     }
 
-    /// As [`shares`] of it.
     fn shares(&self) -> (f64, f64) {
         shares(&self.result.as_ref().unwrap().decoded, &self.world.borrow())
     }
@@ -90,7 +89,7 @@ fn a_scan_is_decoded_however_late_its_pictures_are_seen() {
         let lag = lag_frames * PERIOD;
         let outcome = Outcome::of(Faults { lag, ..Faults::default() });
         let scanned = outcome.result.as_ref().unwrap();
-        assert!(scanned.is_whole && outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+        assert!(scanned.is_complete && outcome.warnings.is_empty(), "{:?}", outcome.warnings);
         let Delay { seen, settled } = outcome.delay.unwrap();
         assert!(seen + PERIOD >= lag && seen <= lag + PERIOD, "{seen:?} {lag:?}");
         assert!(settled >= seen && settled <= lag + 2 * PERIOD, "{settled:?} {lag:?}");
@@ -131,7 +130,7 @@ fn a_projector_that_hangs_upside_down_is_fine() {
     let turned = Matrix3::new(-1.0, 0.0, right, 0.0, -1.0, bottom, 0.0, 0.0, 1.0);
     let conditions = Conditions { picture_from_panel: turned, ..Faults::default().conditions };
     let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
-    assert!(outcome.result.unwrap().is_whole && outcome.warnings.is_empty());
+    assert!(outcome.result.unwrap().is_complete && outcome.warnings.is_empty());
 }
 
 #[test]
@@ -220,7 +219,7 @@ fn a_silent_camera_is_named() {
     for secs in [1, 10] {
         let failure =
             Outcome::of(Faults { silent_after: Some(Duration::from_secs(secs)), ..Faults::default() }).failure();
-        assert!(matches!(&failure, ScanFailure::Camera(CameraError::Silent { .. })), "{failure:?}");
+        assert!(matches!(&failure, ScanFailure::Camera(ScanCameraError::Silent { .. })), "{failure:?}");
         assert!(failure.to_string().contains("/camera/image") && !is_refused(&failure));
     }
 }
@@ -250,7 +249,7 @@ fn an_interrupted_scan_is_kept_if_it_saw_enough() {
     let outcome = Outcome::until(Faults::default(), 33);
     let scanned = outcome.result.as_ref().unwrap();
     let pictures = scanned.capture.pictures.len();
-    assert!(!scanned.is_whole && (20..33).contains(&pictures) && pictures.is_multiple_of(2), "{pictures}");
+    assert!(!scanned.is_complete && (20..33).contains(&pictures) && pictures.is_multiple_of(2), "{pictures}");
     let (_, right) = outcome.shares();
     assert!(right > 0.8, "{right}");
     let folder = tempfile::tempdir().unwrap();

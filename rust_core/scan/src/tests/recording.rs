@@ -11,24 +11,24 @@ use rcs_scan_simulator::Conditions;
 
 use super::world::{Faults, Showing, SimulatedCamera, World, PROJECTOR_PX};
 use super::{is_refused, shares};
-use crate::devices::{Camera, DepthFrame};
+use crate::devices::{DepthFrame, ScanCamera};
 use crate::failure::ScanFailure;
-use crate::finish::Scanned;
-use crate::recorded::footage::{Footage, Shown, VisitDepth, VisitPicture};
-use crate::recorded::{scan, RecordedOptions, SequenceError};
+use crate::finish::ScanResult;
+use crate::recorded::footage::{Footage, ShownPicture, VisitDepth, VisitFrame};
+use crate::recorded::{scan, PatternSequenceError, RecordedOptions};
 use crate::session::ScanEvent;
 
-/// What was shown for how long.
+/// A picture and the time that it is shown for.
 type Slide = (Showing, Duration);
 
 const SECOND: Duration = Duration::from_secs(1);
-/// For how long each pattern is shown, and each mark.
+/// Times to show each pattern and each mark.
 const SHOWN: Duration = Duration::from_millis(500);
 const PAUSE: Duration = Duration::from_millis(300);
 /// Before the show and after it, nothing is shown.
 const IDLE: Slide = (Showing::Pattern(Pattern::Black), SECOND);
 
-/// What a camera recorded, and perhaps what was shown.
+/// The recording of a camera, and perhaps of the pictures that were shown.
 struct Recording {
     lens: Lens,
     pictures: Vec<(Duration, Vec<u8>)>,
@@ -58,11 +58,11 @@ impl Recording {
         Self { lens: camera.lens(), pictures, depths, shown: Some(shown), world }
     }
 
-    fn scan(&self) -> (Result<Scanned, ScanFailure>, Vec<String>) {
+    fn scan(&self) -> (Result<ScanResult, ScanFailure>, Vec<String>) {
         self.scan_as(gray_code(PROJECTOR_PX))
     }
 
-    fn scan_as(&self, patterns: Vec<Pattern>) -> (Result<Scanned, ScanFailure>, Vec<String>) {
+    fn scan_as(&self, patterns: Vec<Pattern>) -> (Result<ScanResult, ScanFailure>, Vec<String>) {
         let mut warnings = Vec::new();
         let options = RecordedOptions { projector_px: PROJECTOR_PX, patterns, frames: 3 };
         let result = scan(self, &options, &mut |event| {
@@ -77,11 +77,11 @@ impl Recording {
         Self { shown: None, ..self }
     }
 
-    /// Scans, and wants what is decoded to be much and right.
+    /// Scans and asserts that much is decoded, and correctly.
     fn is_decoded(&self) {
         let (result, warnings) = self.scan();
         let scanned = result.unwrap();
-        assert!(scanned.is_whole && warnings.is_empty(), "{warnings:?}");
+        assert!(scanned.is_complete && warnings.is_empty(), "{warnings:?}");
         let (decoded, right) = shares(&scanned.decoded, &self.world.borrow());
         assert!(decoded > 0.8 && right > 0.99, "{decoded} {right}");
         let depth_m = scanned.capture.depth_m.unwrap();
@@ -112,7 +112,7 @@ impl Footage for Recording {
         "camera_optical".to_owned()
     }
 
-    fn pictures(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitPicture<'_>) -> Result<(), ScanFailure> {
+    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
         let wanted = self.pictures.iter().enumerate().filter(|(number, _)| wanted(*number));
         for (number, (time, grey)) in wanted {
             visit(number, *time, self.lens.size_px, grey.clone())?;
@@ -128,12 +128,12 @@ impl Footage for Recording {
         self.depths.iter().filter(|(time, _)| during.contains(time)).try_for_each(|(_, depth)| visit(depth.clone()))
     }
 
-    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<Shown>>, ScanFailure> {
+    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
         let pattern = |showing: &Showing| match showing {
             Showing::Pattern(pattern) => recognise(&pattern.picture(PROJECTOR_PX)),
             Showing::Mark | Showing::Picture(_) => None,
         };
-        let shown = |(at, showing): &(Duration, Showing)| Shown { at: *at, pattern: pattern(showing) };
+        let shown = |(at, showing): &(Duration, Showing)| ShownPicture { at: *at, pattern: pattern(showing) };
         Ok(self.shown.as_ref().map(|all| all.iter().map(shown).collect()))
     }
 }
@@ -206,12 +206,12 @@ fn a_show_without_one_of_the_patterns_is_refused() {
     // Both a pattern and the mark before it.
     let failure = missing(without(without(with_marks(), 12), 11)).without_topic().failure();
     let patterns = gray_code(PROJECTOR_PX).len();
-    let ScanFailure::Sequence(SequenceError::BetweenMarks { seen, .. }) = &failure else { panic!("{failure}") };
+    let ScanFailure::Sequence(PatternSequenceError::BetweenMarks { seen, .. }) = &failure else { panic!("{failure}") };
     assert!(*seen == patterns - 1 && failure.to_string().contains("--start"), "{failure}");
     let failure = missing(without(in_order(), 6)).without_topic().failure();
-    assert!(matches!(failure, ScanFailure::Sequence(SequenceError::NotInOrder { .. })), "{failure}");
+    assert!(matches!(failure, ScanFailure::Sequence(PatternSequenceError::NotInOrder { .. })), "{failure}");
     let failure = missing(without(in_order(), 6)).failure();
-    assert!(matches!(failure, ScanFailure::Sequence(SequenceError::NotShown { missing: 1, .. })), "{failure}");
+    assert!(matches!(failure, ScanFailure::Sequence(PatternSequenceError::NotShown { missing: 1, .. })), "{failure}");
     assert!(is_refused(&failure));
 }
 
@@ -226,7 +226,7 @@ fn patterns_in_another_order_are_refused() {
     }
     slides[stripes[stripes.len() - 1]] = first;
     let failure = Recording::of(Faults::default(), &slides).without_topic().failure();
-    assert!(matches!(failure, ScanFailure::Sequence(SequenceError::NoPair { .. })), "{failure}");
+    assert!(matches!(failure, ScanFailure::Sequence(PatternSequenceError::NoPair { .. })), "{failure}");
     assert!(is_refused(&failure));
 }
 
@@ -234,10 +234,10 @@ fn patterns_in_another_order_are_refused() {
 fn two_shows_are_refused_unless_the_first_is_skipped() {
     let twice = [in_order(), in_order()].concat();
     let failure = Recording::of(Faults::default(), &twice).without_topic().failure();
-    let ScanFailure::Sequence(SequenceError::Ambiguous { one, other }) = failure else { panic!("{failure}") };
+    let ScanFailure::Sequence(PatternSequenceError::Ambiguous { one, other }) = failure else { panic!("{failure}") };
     assert!(one > SECOND / 2 && other > one + 15 * SECOND, "{one:?} {other:?}");
     let failure = Recording::of(Faults::default(), &[with_marks(), with_marks()].concat()).without_topic().failure();
-    assert!(matches!(failure, ScanFailure::Sequence(SequenceError::BetweenMarks { .. })), "{failure}");
+    assert!(matches!(failure, ScanFailure::Sequence(PatternSequenceError::BetweenMarks { .. })), "{failure}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Verifications in a simulated room, of true files and others, and what goes wrong in them.
+//! Verifications in a simulated room, of true and false files.
 
 use std::time::Duration;
 
@@ -8,17 +8,17 @@ use rcs_calibration::{ErrorStatistics, VerificationProblem};
 use super::is_refused;
 use super::world::{Faults, SimulatedCamera, SimulatedScreen, World, PROJECTOR_PX};
 use crate::failure::ScanFailure;
-use crate::session::{ScanEvent, ScanOptions, Session};
+use crate::session::{ScanEvent, ScanOptions, ScanSession};
 use crate::verification::Verification;
 
-/// Verifies a file whose pose is off by this much, and says how many pictures were shown.
+/// Verifies a pose that is `off`, and returns the number of pictures that were shown.
 fn verify(faults: Faults, off: Isometry3<f64>) -> (Result<Verification, ScanFailure>, usize) {
     let world = World::new(faults);
     let (mut screen, mut camera) = (SimulatedScreen(world.clone()), SimulatedCamera(world.clone()));
     let (lens, pose) = (world.borrow().rig().projector, off * world.borrow().rig().projector_from_camera());
     let options = ScanOptions { projector_px: PROJECTOR_PX, step: 1, frames: 2, is_cancelled: &|| false };
     let mut observe = |_: ScanEvent<'_>| ();
-    let result = Session::new(&mut screen, &mut camera, &options, &mut observe).verify(&lens, &pose);
+    let result = ScanSession::new(&mut screen, &mut camera, &options, &mut observe).verify(&lens, &pose);
     let shown = world.borrow().shown();
     (result, shown)
 }
@@ -32,20 +32,20 @@ fn turned() -> Isometry3<f64> {
 #[test]
 fn a_true_file_is_verified_and_spots_stay_shown() {
     let (verification, shown) = verify(Faults::default(), Isometry3::identity());
-    let Verification { verified, white, camera_px } = verification.unwrap();
-    let spots = ErrorStatistics::of(&verified.spots);
-    assert!(spots.count * 10 > 9 * verified.spots_shown && spots.count >= 10, "{spots:?} of {}", verified.spots_shown);
-    assert!(spots.median[0] < 0.3 && verified.all().rms[0] < 0.5, "{spots:?} {:?}", verified.all());
+    let Verification { result, white, camera_px } = verification.unwrap();
+    let spots = ErrorStatistics::of(&result.spots);
+    assert!(spots.count * 10 > 9 * result.spots_shown && spots.count >= 10, "{spots:?} of {}", result.spots_shown);
+    assert!(spots.median[0] < 0.3 && result.all().rms[0] < 0.5, "{spots:?} {:?}", result.all());
     assert_eq!((white.len(), camera_px), (160 * 120, [160, 120]));
-    // Six to look at the light, white and black, spots twice in a square table, outlines, white again, and all at once.
-    let side = (1..).find(|side| side * side >= verified.spots_shown).unwrap();
+    // Six to measure the light, white and black, spots twice in a square table, outlines, white again, and all at once.
+    let side = (1..).find(|side| side * side >= result.spots_shown).unwrap();
     assert_eq!(shown, 6 + 2 + 2 * side + 1 + 1 + 1);
 }
 
 #[test]
 fn a_turned_projector_is_off_by_its_angle() {
     let (verification, _) = verify(Faults::default(), turned());
-    let spots = ErrorStatistics::of(&verification.unwrap().verified.spots);
+    let spots = ErrorStatistics::of(&verification.unwrap().result.spots);
     // 340 pixels times the angle, and a little more beside the middle.
     assert!((2.8..3.8).contains(&spots.median[0]), "{spots:?}");
 }

@@ -10,15 +10,15 @@ use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
 use rcs_scan_simulator::{Conditions, DepthCamera, Motion, Random, Rig, Room, Scan, View};
 
-use crate::devices::{Camera, CameraError, DepthFrame, Frame, Screen};
-use crate::session::patterns;
+use crate::devices::{CameraFrame, DepthFrame, ProjectorScreen, ScanCamera, ScanCameraError};
+use crate::scan::patterns;
 
 /// The projector's picture.
 pub(crate) const PROJECTOR_PX: [u32; 2] = [320, 200];
 /// Time from frame to frame.
 pub(crate) const PERIOD: Duration = Duration::from_millis(33);
 
-/// What a projector shows.
+/// A picture of the projector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Showing {
     /// A pattern.
@@ -32,14 +32,14 @@ pub(crate) enum Showing {
 /// The side of the checkerboard's fields, pixels of the projector.
 const FIELD_PX: f64 = 20.0;
 
-/// What is wrong with the world.
+/// Faults of the simulated projector and camera.
 #[derive(Debug, Clone)]
 pub(crate) struct Faults {
     /// From showing a picture to the first frame that it is all of.
     pub(crate) lag: Duration,
     /// The camera takes its gain from the picture, with this time constant.
     pub(crate) adapts_within: Option<Duration>,
-    /// By which share brightness grows in a second.
+    /// Growth of brightness in a second, as a share.
     pub(crate) drift: f64,
     /// The camera moves after this time.
     pub(crate) moves_after: Option<Duration>,
@@ -49,13 +49,13 @@ pub(crate) struct Faults {
     pub(crate) silent_after: Option<Duration>,
     /// The size of the picture that the session takes the projector to have.
     pub(crate) assumed_px: [u32; 2],
-    /// Which room and which places of camera and projector.
+    /// Seed of the room and of the places of camera and projector.
     pub(crate) seed: u64,
     /// Light, lenses and sensor; motion and drift are those of the fields above.
     pub(crate) conditions: Conditions,
     /// The camera sends pictures of this size.
     pub(crate) frame_px: Option<[u32; 2]>,
-    /// How many frames pass between two depth images; none if there is no depth.
+    /// Frames from one depth image to the next; `None` without depth.
     pub(crate) depth_every: Option<u32>,
 }
 
@@ -84,9 +84,9 @@ pub(crate) struct World {
     known: Vec<(Pattern, Vec<u8>)>,
     /// Pictures that are no patterns.
     others: Vec<Vec<u8>>,
-    /// What was shown from when on.
+    /// The shown pictures and their times.
     shown: Vec<(Instant, Showing)>,
-    /// What the camera sees of each of them, before and after it has moved.
+    /// The images of each of them, before and after the camera has moved.
     seen: HashMap<(Showing, bool), Vec<u8>>,
     started: Instant,
     now: Instant,
@@ -121,17 +121,17 @@ impl World {
         }))
     }
 
-    /// How many pictures were shown.
+    /// Number of pictures that were shown.
     pub(crate) fn shown(&self) -> usize {
         self.shown.len()
     }
 
-    /// How much time has passed.
+    /// Time since the beginning.
     pub(crate) fn elapsed(&self) -> Duration {
         self.now - self.started
     }
 
-    /// Where the camera and the projector stand, and their lenses.
+    /// The poses and lenses of camera and projector.
     pub(crate) fn rig(&self) -> &Rig {
         self.view.rig()
     }
@@ -141,7 +141,7 @@ impl World {
         self.view.truth(pixel as u32 % 160, pixel as u32 / 160).map(|truth| [truth.x, truth.y])
     }
 
-    /// What the camera sees of what was shown at a time.
+    /// The image of the picture that was shown at a time.
     fn sees(&mut self, at: Instant) -> Vec<u8> {
         let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, showing)| *showing);
         let showing = shown.filter(|_| !self.faults.is_dark).unwrap_or(Showing::Pattern(Pattern::Black));
@@ -182,7 +182,7 @@ impl World {
         self.shown.push((self.now, showing));
     }
 
-    /// The conditions without what differs from frame to frame.
+    /// The conditions without noise from frame to frame.
     fn still(&self) -> Conditions {
         Conditions { full_well: f64::INFINITY, flicker: 0.0, ..self.faults.conditions.clone() }
     }
@@ -217,7 +217,7 @@ impl World {
 /// The projector.
 pub(crate) struct SimulatedScreen(pub(crate) Rc<RefCell<World>>);
 
-impl Screen for SimulatedScreen {
+impl ProjectorScreen for SimulatedScreen {
     fn name(&self) -> String {
         "the simulated projector".to_owned()
     }
@@ -237,7 +237,7 @@ impl Screen for SimulatedScreen {
 /// The camera.
 pub(crate) struct SimulatedCamera(pub(crate) Rc<RefCell<World>>);
 
-impl Camera for SimulatedCamera {
+impl ScanCamera for SimulatedCamera {
     fn now(&self) -> Instant {
         self.0.borrow().now
     }
@@ -250,16 +250,16 @@ impl Camera for SimulatedCamera {
         "camera_optical".to_owned()
     }
 
-    fn frame(&mut self, after: Instant, timeout: Duration) -> Result<Frame, CameraError> {
+    fn frame(&mut self, after: Instant, timeout: Duration) -> Result<CameraFrame, ScanCameraError> {
         let world = &mut *self.0.borrow_mut();
         loop {
             let grey = world.expose();
             if world.faults.silent_after.is_some_and(|after| world.elapsed() > after) {
-                return Err(CameraError::Silent { topic: "/camera/image".to_owned(), waited: timeout });
+                return Err(ScanCameraError::Silent { topic: "/camera/image".to_owned(), waited: timeout });
             }
             if world.now > after {
                 let size_px = world.faults.frame_px.unwrap_or([160, 120]);
-                return Ok(Frame { size_px, grey, received: world.now });
+                return Ok(CameraFrame { size_px, grey, received: world.now });
             }
         }
     }
@@ -268,7 +268,7 @@ impl Camera for SimulatedCamera {
         self.0.borrow().faults.depth_every.is_some()
     }
 
-    fn depth(&mut self) -> Result<Option<DepthFrame>, CameraError> {
+    fn depth(&mut self) -> Result<Option<DepthFrame>, ScanCameraError> {
         let world = self.0.borrow();
         let is_due = world.faults.depth_every.is_some_and(|every| world.frames.is_multiple_of(every));
         let depth_m = || world.depth[world.frames as usize % world.depth.len()].clone();

@@ -1,12 +1,45 @@
-//! What the camera's messages say: grey levels of a picture, depths of a depth image or of an organised cloud. Images
-//! may be compressed.
+//! Conversion of the camera's messages: its lens, the grey levels of an image, the depths of a depth image or of an
+//! organised cloud. Images may be compressed.
 
 use std::borrow::Cow;
 
+use rcs_calibration::Lens;
 use rcs_displays::unpack_image;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, Image, PointCloud2};
 
 use crate::devices::DepthFrame;
+
+/// The lens of a camera with images on this topic.
+///
+/// # Errors
+/// The fault of the CameraInfo.
+pub fn lens_of_topic(info: &CameraInfo, image_topic: &str) -> Result<Lens, String> {
+    lens_of(info, is_rectified(image_topic))
+}
+
+/// `true` for a topic of rectified images, by the names of image_proc and image_transport.
+fn is_rectified(topic: &str) -> bool {
+    let name = topic.strip_suffix("/compressed").unwrap_or(topic).rsplit('/').next();
+    name.is_some_and(|name| name.starts_with("image_rect"))
+}
+
+/// The lens of a CameraInfo: K and D for raw images, the left part of P for rectified ones.
+fn lens_of(info: &CameraInfo, is_rectified: bool) -> Result<Lens, String> {
+    let mut camera_info = info.clone();
+    if is_rectified {
+        let [fx, skew, cx, _, below, fy, cy, _, row @ ..] = info.P;
+        camera_info.K = [fx, skew, cx, below, fy, cy, row[0], row[1], row[2]];
+        camera_info.D.clear();
+        camera_info.distortion_model.clear();
+    }
+    if camera_info.width == 0 || camera_info.height == 0 {
+        return Err(format!("the camera's size is {}x{} pixels", camera_info.width, camera_info.height));
+    }
+    let file = ProjectorFile { camera_info, camera_info_topic: None, frames: Vec::new(), ignored_keys: Vec::new() };
+    file.camera_lens().map_err(|problem| problem.to_string())
+}
 
 /// Size in pixels and grey levels of an image, compressed or not.
 ///
@@ -33,20 +66,19 @@ fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, 
     match message {
         AnyMessage::Image(image) => Ok(Cow::Borrowed(image)),
         AnyMessage::CompressedImage(packed) => unpack_image(topic, packed).map(Cow::Owned),
-        other => Err(format!("{} is no image", other.kind().ros_type())),
+        other => Err(format!("{} is not an image", other.kind().ros_type())),
     }
 }
 
-/// Grey levels of an image, row by row. Of colours, the luma of ITU-R BT.601, as cv_bridge has it; the colours that a
-/// pixel of a Bayer pattern lacks are its neighbours'.
+/// Grey levels of an image, row by row: the luma of ITU-R BT.601, as in cv_bridge. Bayer patterns are demosaiced.
 ///
 /// # Errors
-/// The reason, for a message that names the topic.
+/// The reason.
 fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     if let Some(colors) = image.demosaic() {
         return Ok(colors?.as_chunks().0.iter().map(|color| luma(*color)).collect());
     }
-    // Where red, green and blue are in a pixel, and its bytes.
+    // Indices of red, green and blue in a pixel, and its bytes.
     let (channels, bytes) = match image.encoding.as_str() {
         "mono8" | "8UC1" => ([0, 0, 0], 1),
         "rgb8" => ([0, 1, 2], 3),
@@ -54,7 +86,7 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
         "rgba8" => ([0, 1, 2], 4),
         "bgra8" | "8UC4" => ([2, 1, 0], 4),
         other => {
-            return Err(format!("encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8, bgra8 and bayer_* can)"));
+            return Err(format!("unsupported encoding '{other}': use mono8, rgb8, bgr8, rgba8, bgra8 or bayer_*"));
         }
     };
     let mut grey = Vec::new();
@@ -64,15 +96,14 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     Ok(grey)
 }
 
-/// The luma of a colour.
 fn luma([red, green, blue]: [u8; 3]) -> u8 {
     ((299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue) + 500) / 1000) as u8
 }
 
-/// Depths of a depth image, metres, row by row; what is not a positive number is no depth.
+/// Depths of a depth image, metres, row by row; none where not a positive number.
 ///
 /// # Errors
-/// The reason, for a message that names the topic.
+/// The reason.
 fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
     let mut depths = Vec::new();
     match image.encoding.as_str() {
@@ -87,7 +118,7 @@ fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
             }
         }
         other => {
-            return Err(format!("encoding '{other}' is none of depth (16UC1 in millimetres and 32FC1 in metres are)"));
+            return Err(format!("unsupported depth encoding '{other}': use 16UC1 in millimetres or 32FC1 in metres"));
         }
     }
     Ok(depths)
@@ -96,7 +127,7 @@ fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
 /// Depths of an organised cloud in the camera's optical frame: the z of each point.
 ///
 /// # Errors
-/// The reason, for a message that names the topic.
+/// The reason.
 fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
     if cloud.height < 2 {
         return Err(format!("the cloud is not organised: it has {} row", cloud.height));
@@ -115,6 +146,31 @@ mod tests {
     use rcs_scene::{Encoding, Picture};
 
     use super::*;
+
+    #[test]
+    fn rectified_images_have_another_lens() {
+        let info = CameraInfo {
+            width: 640,
+            height: 480,
+            distortion_model: "plumb_bob".to_owned(),
+            D: vec![0.1, 0.0, 0.0, 0.0, 0.0],
+            K: [500.0, 0.0, 320.0, 0.0, 501.0, 240.0, 0.0, 0.0, 1.0],
+            P: [510.0, 0.0, 321.0, 0.0, 0.0, 511.0, 241.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+            ..CameraInfo::default()
+        };
+        let (raw, rectified) = (lens_of(&info, false).unwrap(), lens_of(&info, true).unwrap());
+        assert_eq!((raw.focal_px.x, raw.distortion.coefficients()[0]), (500.0, 0.1));
+        assert_eq!(rectified, Lens::pinhole([640, 480], [510.0, 511.0], [321.0, 241.0]));
+        assert!(is_rectified("/camera/rgb/image_rect_color") && !is_rectified("/camera/rgb/image_raw"));
+        assert!(is_rectified("/camera/rgb/image_rect/compressed") && !is_rectified("/rgb/image_raw/compressed"));
+    }
+
+    #[test]
+    fn an_uncalibrated_camera_is_an_error() {
+        let info = CameraInfo { width: 640, height: 480, ..CameraInfo::default() };
+        assert!(lens_of(&info, false).unwrap_err().contains("K"));
+        assert!(lens_of(&CameraInfo::default(), false).unwrap_err().contains("0x0"));
+    }
 
     fn image(encoding: &str, size_px: [u32; 2], step: u32, data: &[u8]) -> Image {
         Image::new(Header::default(), size_px, encoding, step, Arc::new(data.to_vec()))
@@ -164,7 +220,7 @@ mod tests {
         assert_eq!((depth.size_px, depth.depth_m), ([2, 1], vec![1.5, 0.0]));
         assert_eq!(picture_of("/c", &packed("rgb8; jpeg", vec![1, 2])), Err("neither JPEG nor PNG".to_owned()));
         let cloud = AnyMessage::PointCloud2(Arc::default());
-        assert!(picture_of("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is no image"));
+        assert!(picture_of("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is not an image"));
     }
 
     #[test]
@@ -187,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_an_error() {
+    fn invalid_images_are_errors() {
         for (encoding, size_px, step, len) in [
             ("mono8", [4, 4], 4, 15),
             ("rgb8", [4, 4], 11, 100),

@@ -1,0 +1,154 @@
+//! A camera on ROS topics: the newest picture and depth image, and the first CameraInfo.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rcs_calibration::Lens;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_node_support::lifecycle::EndRequest;
+use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
+use rcs_scan::{depth_of, lens_of_topic, picture_of};
+use rcs_scan::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ScanCamera, ScanCameraError};
+
+/// Time between two checks for the end of the program.
+const POLL_PERIOD: Duration = Duration::from_millis(100);
+/// Timeout for the first message of each topic: drivers start and connections are made.
+const FIRST_MESSAGE: Duration = Duration::from_secs(10);
+/// Only the newest message counts.
+const QUEUE_SIZE: usize = 1;
+
+/// A camera on topics of a node.
+pub(crate) struct RosCamera<'a> {
+    node: &'a RosNode,
+    end: &'a EndRequest,
+    image: TopicSubscription,
+    depth: Option<TopicSubscription>,
+    info: TopicSubscription,
+    lens: Lens,
+    frame_id: String,
+    newest_frame: Option<(AnyMessage, Instant)>,
+    newest_depth: Option<AnyMessage>,
+    first_info: Option<Arc<CameraInfo>>,
+}
+
+impl<'a> RosCamera<'a> {
+    /// Subscribes and waits for the first message of each topic.
+    ///
+    /// # Errors
+    /// A topic's invalid name, or [`ScanCameraError`] with the topic.
+    pub(super) fn connect(node: &'a RosNode, end: &'a EndRequest, topics: &CameraTopics) -> anyhow::Result<Self> {
+        let started = Instant::now();
+        let kind = |topic: &str| kind_of_images(node, end, topic, started + FIRST_MESSAGE);
+        let image = node.subscribe(&topics.image, kind(&topics.image)?, QUEUE_SIZE)?;
+        let depth = match &topics.depth {
+            DepthTopic::Image(topic) => Some(node.subscribe(topic, kind(topic)?, QUEUE_SIZE)?),
+            DepthTopic::Cloud(topic) => Some(node.subscribe(topic, MessageKind::PointCloud2, QUEUE_SIZE)?),
+            DepthTopic::None => None,
+        };
+        let info = node.subscribe(&topics.camera_info, MessageKind::CameraInfo, QUEUE_SIZE)?;
+        // The lens is known once the CameraInfo is there.
+        let lens = Lens::pinhole([1, 1], [1.0, 1.0], [0.0, 0.0]);
+        let (frame_id, newest_frame, newest_depth, first_info) = (String::new(), None, None, None);
+        let mut camera = Self { node, end, image, depth, info, lens, frame_id, newest_frame, newest_depth, first_info };
+        while let Some(silent) = camera.silent_topic() {
+            if started.elapsed() >= FIRST_MESSAGE {
+                return Err(ScanCameraError::Silent { topic: silent.topic().to_string(), waited: FIRST_MESSAGE }.into());
+            }
+            camera.receive()?;
+        }
+        if let Some(info) = camera.first_info.take() {
+            camera.frame_id.clone_from(&info.header.frame_id);
+            camera.lens =
+                lens_of_topic(&info, camera.image.topic()).map_err(|reason| Self::unusable(&camera.info, reason))?;
+        }
+        Ok(camera)
+    }
+
+    /// A topic without a message so far.
+    fn silent_topic(&self) -> Option<&TopicSubscription> {
+        let info = self.first_info.is_none().then_some(&self.info);
+        let image = || self.newest_frame.is_none().then_some(&self.image);
+        info.or_else(image).or_else(|| self.depth.as_ref().filter(|_| self.newest_depth.is_none()))
+    }
+
+    /// Waits up to [`POLL_PERIOD`] for messages and keeps them.
+    fn receive(&mut self) -> Result<(), ScanCameraError> {
+        if self.end.is_requested() {
+            return Err(ScanCameraError::Interrupted);
+        }
+        for event in self.node.events().wait(POLL_PERIOD) {
+            let NodeEvent::Message { topic, message, received, .. } = event else { continue };
+            if self.depth.as_ref().is_some_and(|depth| *depth.topic() == topic) {
+                self.newest_depth = Some(message);
+            } else if *self.image.topic() == topic {
+                self.newest_frame = Some((message, received));
+            } else if let (AnyMessage::CameraInfo(info), true) = (message, *self.info.topic() == topic) {
+                self.first_info = Some(info);
+            }
+        }
+        Ok(())
+    }
+
+    fn unusable(topic: &TopicSubscription, reason: String) -> ScanCameraError {
+        ScanCameraError::Unusable { topic: topic.topic().to_string(), reason }
+    }
+}
+
+impl ScanCamera for RosCamera<'_> {
+    fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    fn frame_id(&self) -> String {
+        self.frame_id.clone()
+    }
+
+    fn frame(&mut self, after: Instant, timeout: Duration) -> Result<CameraFrame, ScanCameraError> {
+        let started = Instant::now();
+        loop {
+            if let Some((message, received)) = self.newest_frame.take_if(|(_, received)| *received > after) {
+                let picture = picture_of(self.image.topic(), &message);
+                let (size_px, grey) = picture.map_err(|reason| Self::unusable(&self.image, reason))?;
+                return Ok(CameraFrame { size_px, grey, received });
+            }
+            // `after` may lie in the future.
+            let silent = Instant::now().saturating_duration_since(started.max(after));
+            if silent >= timeout {
+                return Err(ScanCameraError::Silent { topic: self.image.topic().to_string(), waited: timeout });
+            }
+            self.receive()?;
+        }
+    }
+
+    fn has_depth(&self) -> bool {
+        self.depth.is_some()
+    }
+
+    fn depth(&mut self) -> Result<Option<DepthFrame>, ScanCameraError> {
+        let (Some(topic), Some(message)) = (&self.depth, self.newest_depth.take()) else { return Ok(None) };
+        depth_of(topic.topic(), &message).map(Some).map_err(|reason| Self::unusable(topic, reason))
+    }
+}
+
+/// The type of an image topic, plain or compressed, as the master knows it. A driver may start later.
+///
+/// # Errors
+/// An invalid name; [`ScanCameraError`]: nobody publishes it up to the deadline, or the program is to end.
+fn kind_of_images(node: &RosNode, end: &EndRequest, topic: &str, deadline: Instant) -> anyhow::Result<MessageKind> {
+    let name = node.resolve(topic)?;
+    loop {
+        // The node's own copy: a master that hangs must not hold up the end.
+        let publications = node.publications();
+        if let Some(publication) = publications.as_ref().and_then(|publications| publications.get(&name)) {
+            let is_packed = publication.ros_type == MessageKind::CompressedImage.ros_type();
+            return Ok(if is_packed { MessageKind::CompressedImage } else { MessageKind::Image });
+        }
+        if Instant::now() >= deadline {
+            return Err(ScanCameraError::Silent { topic: name, waited: FIRST_MESSAGE }.into());
+        }
+        if end.wait_for(POLL_PERIOD) {
+            return Err(ScanCameraError::Interrupted.into());
+        }
+    }
+}

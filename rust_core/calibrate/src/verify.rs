@@ -1,0 +1,194 @@
+//! `projector_calibrate verify`: the reprojection error of a projector's file, on the surface that the camera sees now
+//! or on the points of a scan.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::anyhow;
+use clap::Args;
+use nalgebra::Isometry3;
+use rcs_calibration::{ErrorStatistics, Lens, ReprojectionError};
+use rcs_files::picture_file::{self, PictureFormat};
+use rcs_files::projector::ProjectorFile;
+use rcs_files::verification;
+use rcs_scan::{ScanCamera, ScanOptions, ScanSession, Verification};
+
+use super::arguments::{check_folder, seconds};
+use super::correspondences::Correspondences;
+use super::live::{DeviceArguments, LiveSession, LiveSetup, Progress};
+use super::placing::{pose_by_tf, pose_in_file, read_projector};
+use super::Failure;
+
+/// Measures the reprojection error of a calibrated projector
+///
+/// Lights spots, and outlines along depth edges, on the surface that the camera sees now, and finds their light in the
+/// camera's pictures. Afterwards both stay shown for a while. Given files of points or capture folders beside
+/// --projector, compares with these instead and shows nothing.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8), --camera-info, and --depth (16UC1 in
+millimetres, 32FC1 in metres) or --cloud; the defaults are those of Fetch's head camera. /tf, if the file places the
+projector in another frame than the camera's
+Exit codes: 0 within the limit; 1 beyond it, or too little light was found; 2 invalid arguments, unreadable files, or a
+topic that is silent or cannot be used
+
+Examples: projector_calibrate verify projector.yaml --limit 2 --monitor HDMI-1
+          projector_calibrate verify capture --projector projector.yaml --limit 2")]
+pub(super) struct VerifyArguments {
+    /// The projector's file; with --projector, files of points or capture folders to compare it with
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The projector's file
+    #[arg(long, value_name = "FILE")]
+    projector: Option<PathBuf>,
+    /// The limit of the RMS error, pixels of the projector
+    #[arg(long, value_name = "PIXELS", default_value_t = 2.0)]
+    limit: f64,
+    /// The devices.
+    #[command(flatten)]
+    devices: DeviceArguments,
+    /// Publish the pictures on this topic, for a projector_window elsewhere, and open no window
+    #[arg(long, value_name = "TOPIC", conflicts_with = "monitor")]
+    show_on: Option<String>,
+    /// Time to show spots and outlines afterwards; Ctrl-C, or Escape in the window, ends it
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    hold: Duration,
+    /// Write all errors as YAML
+    #[arg(long, value_name = "FILE.yaml")]
+    report: Option<PathBuf>,
+    /// Write the camera's picture with arrows from the expected to the measured positions
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
+    let limit = arguments.limit;
+    if !limit.is_finite() || limit <= 0.0 {
+        return Err(Failure::Unreadable(anyhow!("--limit {limit} is not a positive number")));
+    }
+    match (&arguments.projector, &*arguments.files) {
+        (Some(projector), []) | (None, [projector]) => verify_live(arguments, projector),
+        (Some(projector), files) => {
+            if arguments.report.is_some() || arguments.picture.is_some() {
+                let reason = "--report and --picture are of a live verification: give no files of points";
+                return Err(Failure::Unreadable(anyhow!(reason)));
+            }
+            verify_points(files, projector, limit)
+        }
+        (None, _) => Err(Failure::Unreadable(anyhow!("which projector? Give its file, alone or as --projector"))),
+    }
+}
+
+/// Compares a projector's file with the points of a scan: which pixel lights each of them, and which should.
+fn verify_points(points: &[PathBuf], projector: &Path, limit: f64) -> Result<(), Failure> {
+    let (file, lens) = read_projector(projector)?;
+    let points = Correspondences::read(points)?;
+    let pose = pose_in_file(&file, points.camera_frame.as_deref()).ok_or_else(|| {
+        let camera = points.camera_frame.as_deref().unwrap_or("the camera's optical frame");
+        Failure::Unreadable(anyhow!(
+            "{}: does not place {} in {camera}: solve or refine without --parent writes such a file",
+            projector.display(),
+            file.camera_info.header.frame_id
+        ))
+    })?;
+    let error = ReprojectionError::measure(&points.samples, &lens, &pose);
+    println!(
+        "reprojection error: {:.2} px ({:.2} mm) RMS, median {:.2} px, 99th percentile {:.1} px; {} points",
+        error.rms_px,
+        1000.0 * error.rms_m,
+        error.median_px,
+        error.max_px,
+        error.count
+    );
+    if error.count == 0 {
+        return Err(Failure::Refused(anyhow!("no point is in front of the projector")));
+    }
+    judge(error.rms_px, limit)
+}
+
+/// Measures on the surface that the camera sees now, reports and judges.
+fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> {
+    if let Some(picture) = &arguments.picture {
+        PictureFormat::of(picture).map_err(Failure::unreadable)?;
+    }
+    [&arguments.picture, &arguments.report].into_iter().flatten().try_for_each(|path| check_folder(path))?;
+    let (file, lens) = read_projector(path)?;
+    let setup = LiveSetup {
+        name: "the verification",
+        devices: arguments.devices.clone(),
+        topics: arguments.devices.topics(),
+        show_on: arguments.show_on.clone(),
+        projector_px: lens.size_px,
+    };
+    let (arguments, path) = (arguments.clone(), path.to_owned());
+    setup.run(move |session| {
+        let pose = pose_by_tf(&file, &path, &session.camera.frame_id(), session.node, session.end)?;
+        let verification = measure(session, usize::from(arguments.devices.frames), &lens, &pose)?;
+        session.check_valid()?;
+        let judged = report(&arguments, &path, &verification);
+        if !arguments.hold.is_zero() {
+            log::info!("spots and outlines are shown for {:.0} s, or until Ctrl-C", arguments.hold.as_secs_f64());
+        }
+        session.end.wait_for(arguments.hold);
+        judged
+    })
+}
+
+fn measure(
+    session: &mut LiveSession<'_>,
+    frames: usize,
+    lens: &Lens,
+    projector_from_camera: &Isometry3<f64>,
+) -> Result<Verification, Failure> {
+    let (end, projector_px) = (session.end, lens.size_px);
+    let options = ScanOptions { projector_px, step: 1, frames, is_cancelled: &|| end.is_requested() };
+    let camera_px = session.camera.lens().size_px;
+    let mut progress = Progress::new("looking for the projector's light", None, camera_px, projector_px);
+    let mut observe = |event| progress.show(&event);
+    let verified = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe)
+        .verify(lens, projector_from_camera);
+    progress.finish();
+    Ok(verified?)
+}
+
+/// Prints and writes the errors, and judges them.
+fn report(arguments: &VerifyArguments, projector: &Path, verification: &Verification) -> Result<(), Failure> {
+    let (limit, result) = (arguments.limit, &verification.result);
+    println!("{}", line("light", &result.all()));
+    for (name, errors, shown) in
+        [("spots", &result.spots, result.spots_shown), ("edges", &result.edges, result.edges_shown)]
+    {
+        let statistics = ErrorStatistics::of(errors);
+        if statistics.count > 0 {
+            println!("  {}; {} of {shown} seen", line(name, &statistics), statistics.count);
+        } else {
+            println!("  {name}: none of {shown} seen");
+        }
+    }
+    if let Some(path) = &arguments.report {
+        let projector = projector.display().to_string();
+        verification::write(path, &projector, limit, result).map_err(Failure::refused)?;
+    }
+    if let Some(path) = &arguments.picture {
+        let (picture, factor) = verification::picture(&verification.white, verification.camera_px, result);
+        picture_file::write(path, &picture).map_err(Failure::refused)?;
+        log::info!("{}: arrows are {factor:.0} times as long as the errors", path.display());
+    }
+    judge(result.all().rms[0], limit)
+}
+
+/// The statistics in a line.
+fn line(name: &str, statistics: &ErrorStatistics) -> String {
+    let both = |[px, m]: [f64; 2]| format!("{px:.2} px ({:.2} mm)", 1000.0 * m);
+    let ErrorStatistics { median, rms, worst, .. } = statistics;
+    format!("{name}: {} RMS error, median {}, worst {}", both(*rms), both(*median), both(*worst))
+}
+
+/// Compares an RMS error with the limit.
+fn judge(rms_px: f64, limit: f64) -> Result<(), Failure> {
+    if rms_px > limit {
+        return Err(Failure::Refused(anyhow!("{rms_px:.2} px RMS are beyond the limit of {limit} px")));
+    }
+    Ok(())
+}

@@ -1,0 +1,48 @@
+//! Helpers of the commands with a window on the projector.
+
+use std::io;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use anyhow::anyhow;
+use rcs_node_support::lifecycle::EndRequest;
+use rcs_scene::join_within;
+use rcs_window::{MonitorInfo, PictureSink};
+
+/// Timeout for a thread that was asked to end: it may be writing its files, or ends a node.
+const END_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Closes the window once the end is requested.
+pub(super) fn close_on_end(end: EndRequest, sink: PictureSink) -> io::Result<()> {
+    let waiting = move || {
+        end.wait_for(Duration::MAX);
+        sink.close();
+    };
+    thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
+}
+
+/// Joins a thread that was asked to end; `name` is its work, such as `the scan`.
+///
+/// # Errors
+/// It panicked, or does not end, and is left behind.
+pub(super) fn join<T>(thread: JoinHandle<T>, name: &str) -> anyhow::Result<T> {
+    match join_within(thread, END_TIMEOUT) {
+        Some(Ok(result)) => Ok(result),
+        Some(Err(_)) => Err(anyhow!("the thread of {name} has panicked")),
+        None => Err(anyhow!("the thread of {name} does not end, so it is left behind")),
+    }
+}
+
+/// Checks that a monitor has the projector's pixels.
+///
+/// # Errors
+/// The monitor's size, with what to do.
+pub(super) fn check_monitor(monitor: &MonitorInfo, projector_px: [u32; 2]) -> anyhow::Result<()> {
+    let [width, height] = projector_px;
+    anyhow::ensure!(
+        monitor.size_px == (width, height),
+        "monitor {monitor} does not have the projector's {width}x{height} pixels: choose the projector's monitor, in \
+         its native resolution and without scaling"
+    );
+    Ok(())
+}
