@@ -18,7 +18,7 @@ use std::{
     path::{Component, Path, PathBuf},
     sync::{
         atomic::{AtomicBool, Ordering},
-        Mutex, MutexGuard, PoisonError,
+        Mutex,
     },
     time::{Duration, Instant},
 };

@@ -210,7 +210,7 @@ impl MeshStore {
     /// Checks all files and packages that failed again.
     pub fn retry_failures(&self) {
         self.core.loader.packages.search_again();
-        let mut state = self.core.lock();
+        let mut state = lock(&self.core.state);
         let failed = |slot: &CachedResource| matches!(slot.outcome, Some(Err(_)));
         let keys: Vec<ResourceKey> =
             state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();

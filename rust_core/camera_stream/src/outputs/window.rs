@@ -11,7 +11,9 @@ use std::time::{Duration, Instant};
 
 use rcs_render::LastStep;
 use rcs_scene::{Encoding, Picture};
-use rcs_window::{run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
+use rcs_window::{
+    run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit,
+};
 
 use super::{Frame, Output, OutputError};
 use crate::runtime::watchdog::{self, Task, Worker};
