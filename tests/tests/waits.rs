@@ -39,10 +39,10 @@ const OWN_WAITS: [&str; 7] = ["self", "shared", "events()", "calls()", "pacing",
 /// What is allowed: where (a file or a folder), what, and why nothing hangs by it.
 const ALLOWED: [(&str, &str, &str); 11] = [
     ("ros/src/acceptor.rs", ".accept()", "the socket does not block: `poll` has waited"),
-    ("scene/src/waits.rs", ".join()", "the thread has ended"),
-    ("calibrate/src/manual/questions.rs", ".forever()", "a thread that only hands on a signal"),
-    ("calibrate/src/show.rs", ".forever()", "the same"),
-    ("calibrate/src/manual/questions.rs", "stdin()", "a user's answer; a signal ends the program"),
+    ("scene/src/threads.rs", ".join()", "the thread has ended"),
+    ("app/src/projector_calibrate/manual/questions.rs", ".forever()", "a thread that only hands on a signal"),
+    ("app/src/projector_calibrate/show.rs", ".forever()", "the same"),
+    ("app/src/projector_calibrate/manual/questions.rs", "stdin()", "a user's answer; a signal ends the program"),
     ("ros/src/network.rs", ".to_socket_addrs()", "the resolver has limits; the start can be cancelled"),
     ("ros/src/xmlrpc/client.rs", ".to_socket_addrs()", "the resolver has limits; the caller has its own thread"),
     ("ros/src/tcpros/subscription.rs", ".to_socket_addrs()", "the same"),
@@ -69,7 +69,7 @@ const QUEUES: [(&str, &str); 24] = [
     ("displays/src/classes/depth_cloud/pairs.rs", "images.len()<=self.queue_size"),
     ("displays/src/classes/effort.rs", "self.shown.len()>=self.settings.history_lengthasusize"),
     ("displays/src/classes/interactive_markers/server.rs", "self.updates.len()>=MAX_UPDATES"),
-    ("displays/src/framework/arrivals.rs", "self.on_the_way.len()>=MOST_WAITING"),
+    ("displays/src/framework/arrivals.rs", "self.pending.len()>=MOST_WAITING"),
     ("displays/src/framework/message_cache.rs", "kept.len()>=most_kept(message.kind())"),
     // As many messages as the user asks for, in rviz without a bound, too.
     ("displays/src/parts/history.rs", "self.counts.len()>=self.length"),

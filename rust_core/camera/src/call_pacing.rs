@@ -1,33 +1,30 @@
-//! When a picture is due for a program that is asked regularly, such as rviz once per frame of its window.
+//! Schedule of pictures for a program that is called regularly, such as rviz once per frame of its window.
 //!
-//! Pictures are due at moments one period apart. Each moment is served by the call nearest to it, so that in the long
-//! run there are exactly as many pictures as the frame rate says, or one for each call if there are fewer calls: a
-//! picture every so many milliseconds since the last one would be due at each second of 30 calls a second for a rate
-//! of 20, and at about every second one for a rate of 30. After a pause, moments that passed are forgotten: there is
-//! no burst.
+//! Pictures are due at moments one period apart, each served by the nearest call, so that in the long run the frame
+//! rate is exact, or one picture a call if there are fewer calls. (A minimum time since the last picture would give 15
+//! a second of 30 calls a second for a rate of 20.) After a pause, missed moments are forgotten: there is no burst.
 //!
 //! [`Schedule`](crate::Schedule) is for a program that can wake up whenever it wants to.
 
 use std::time::Duration;
 
-/// The weight of the newest interval between calls in their mean.
+/// Weight of the newest interval between calls in their mean.
 const NEWEST_WEIGHT: f64 = 0.2;
 
-/// How much later than it should be a picture may be and still be followed by one that is on time, in intervals between
-/// calls.
+/// Delay that is caught up with, in intervals between calls.
 const MOST_LATE: u32 = 2;
-/// Later than this is a pause, in intervals between calls.
+/// Delay that counts as a pause, in intervals between calls.
 const PAUSE: u32 = 4;
 
-/// Decides at which calls a picture is due. Times are those since any fixed moment.
+/// Decides at which calls a picture is due. Times count from any fixed moment.
 #[derive(Clone, Copy, Debug)]
 pub struct CallPacing {
     pace: Pace,
     triggered: bool,
     last_call: Option<Duration>,
-    /// The mean time between calls.
+    /// Mean time between calls.
     interval: Option<Duration>,
-    /// When the next picture of a frame rate is due; `None`: at once.
+    /// Time of the next picture of a frame rate; `None`: at once.
     next: Option<Duration>,
 }
 
@@ -50,7 +47,7 @@ impl Default for CallPacing {
 }
 
 impl CallPacing {
-    /// From a display's "Frame Rate" in pictures a second: below 0 at each call, at 0 (or NaN) only when triggered.
+    /// Sets a display's "Frame Rate" in pictures a second: below 0 at each call, at 0 (or NaN) only when triggered.
     pub fn set_frame_rate(&mut self, frame_rate_hz: f32) {
         let pace = if frame_rate_hz < 0.0 {
             Pace::EachCall
@@ -65,13 +62,12 @@ impl CallPacing {
         }
     }
 
-    /// One picture is due at the next call, whatever the frame rate.
+    /// Makes one picture due at the next call, whatever the frame rate.
     pub fn trigger(&mut self) {
         self.triggered = true;
     }
 
-    /// Whether a picture is due at this call. `watched`: somebody looks at it; only what was triggered is due
-    /// otherwise.
+    /// `true` if a picture is due at this call. Without a subscriber (`watched`) only a triggered one is.
     pub fn is_due(&mut self, now: Duration, watched: bool) -> bool {
         self.note_call(now);
         self.triggered || watched && self.is_paced(now)
@@ -88,8 +84,8 @@ impl CallPacing {
         self.triggered = false;
     }
 
-    /// The moment that a picture at this call serves: the next one, unless that is long ago. Of what irregular calls
-    /// are late, [`MOST_LATE`] is caught up; after a pause, nothing.
+    /// The moment that a picture at this call serves: the next one, unless that is long ago. Of the delay of irregular
+    /// calls [`MOST_LATE`] is caught up with; after a pause, nothing.
     fn served(&self, now: Duration) -> Duration {
         let interval = self.interval.unwrap_or_default();
         match self.next {
@@ -111,7 +107,7 @@ impl CallPacing {
 
     fn note_call(&mut self, now: Duration) {
         let Some(last) = self.last_call.replace(now) else { return };
-        // A pause says nothing about how calls come.
+        // A pause says nothing about the interval.
         let longest = match self.pace {
             Pace::Every(period) => period,
             Pace::EachCall | Pace::OnTrigger => Duration::from_secs(1),
@@ -135,7 +131,7 @@ mod tests {
         Duration::from_secs_f64(secs)
     }
 
-    /// When pictures are begun at calls at these times.
+    /// Times at which pictures are begun, of calls at these times.
     fn begun(pacing: &mut CallPacing, calls: impl Iterator<Item = f64>) -> Vec<f64> {
         calls
             .filter(|call| {

@@ -1,14 +1,7 @@
-//! From what a depth buffer holds to metres.
+//! Conversion of depth buffer values to metres.
 
-/// How far away what a pixel shows is, in metres along the optical axis, by its value in the depth buffer of a
-/// perspective camera: 0 at `near_m`, 1 at `far_m`. NaN where nothing was drawn, which is 1 or more, and for what is
-/// no depth.
-///
-/// ```
-/// # use rcs_camera::metres_of_depth_buffer;
-/// assert_eq!(metres_of_depth_buffer(0.0, 0.5, 100.0), 0.5);
-/// assert!(metres_of_depth_buffer(1.0, 0.5, 100.0).is_nan());
-/// ```
+/// Distance in metres along the optical axis of a value in the depth buffer of a perspective camera: 0 at `near_m`, 1
+/// at `far_m`. NaN where nothing was drawn (1 or more) and for invalid values.
 #[inline]
 pub fn metres_of_depth_buffer(depth: f32, near_m: f64, far_m: f64) -> f32 {
     if !(0.0..1.0).contains(&depth) {

@@ -1,24 +1,25 @@
-//! Where a picture does not fit the world when it is projected, although it is the picture that rviz draws.
+//! Projection errors of a picture that is drawn as rviz does.
 //!
 //! rviz uses one focal length and its own sign of `P[7]`, mirrors nothing, leaves out skews and P's third row, and does
-//! not bend the picture for the lens that D describes; nor does this program unless it is asked to. For a picture on a
-//! screen that hardly matters; a projection misses its objects.
+//! not undo the distortion of D; nor does this program unless it is asked to. On a screen that hardly matters; a
+//! projection misses its objects.
 
 use rcs_calibration::Distortion;
 use rcs_scene::Intrinsics;
 
 use crate::{is_distorted, CameraInfoFields, CameraModel, NoLens, Projection};
 
-/// What whoever draws says about its settings that mend a deviation.
+/// Advice on the settings that correct a deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// How to draw what P says; empty where there is no such setting.
+    /// How to draw by P exactly; empty where there is no such setting.
     pub exact: &'static str,
-    /// How to allow for the lens.
+    /// How to undo the distortion.
     pub undistort: &'static str,
 }
 
-/// One phrase for each deviation, with its size; `no_lens` is why the lens could not be allowed for, if that was tried.
+/// One phrase for each deviation, with its size; `no_lens` is the reason why the distortion could not be undone, if
+/// that was tried.
 pub fn deviations(
     info: &CameraInfoFields<'_>,
     model: CameraModel,
@@ -34,11 +35,11 @@ pub fn deviations(
     if !is_through_lens {
         phrases.extend(distortion(info, &intrinsics, no_lens, advice));
     }
-    phrases.extend(left_out(info));
+    phrases.extend(not_applied(info));
     phrases
 }
 
-/// What rviz's projection does otherwise than P says by more than half a pixel.
+/// Deviations of rviz's projection from P by more than half a pixel.
 fn of_rviz(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Vec<String> {
     let [.., below_x, below_y, scale, below_w] = *info.p;
     let row = [below_x, below_y, scale, below_w];
@@ -77,7 +78,7 @@ fn skews(intrinsics: &Intrinsics) -> impl Iterator<Item = String> {
 }
 
 /// The CameraInfo's binning and region of interest, which are not applied.
-fn left_out(info: &CameraInfoFields<'_>) -> Option<String> {
+fn not_applied(info: &CameraInfoFields<'_>) -> Option<String> {
     let CameraInfoFields { width_px, height_px, binning: [x, y], region_px: [left, top, width, height], .. } = *info;
     let binning = info.is_binned().then(|| format!("binning {x}x{y}"));
     let region = info.is_cropped().then(|| format!("the region of interest {width}x{height} at ({left}, {top})"));
@@ -88,7 +89,7 @@ fn left_out(info: &CameraInfoFields<'_>) -> Option<String> {
     })
 }
 
-/// The advice after what it is about; nothing where there is none.
+/// `; ADVICE`, or nothing without advice.
 fn after_semicolon(advice: &str) -> String {
     if advice.is_empty() {
         String::new()
@@ -139,8 +140,8 @@ fn distortion(
     ))
 }
 
-/// The farthest that the distortion moves one of the picture's corners, middles of its edges, or centre. `None` where
-/// the model is not known, or moves a point to nowhere.
+/// Largest shift by the distortion among the picture's corners, middles of its edges, and centre. `None` for an unknown
+/// model or a point that it cannot distort.
 fn largest_shift_px(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Option<f64> {
     // By what P means, where it means something; that counts from pixels' edges.
     let exact = Intrinsics::exactly(info.width_px, info.height_px, info.p).ok();

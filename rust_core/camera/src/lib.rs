@@ -1,11 +1,11 @@
-//! What every CameraPub needs, whoever draws its picture: this package's node, or rviz with the plugin.
+//! Parts of a CameraPub that this package's node and rviz with the plugin share.
 //!
 //! ```text
-//!   CameraInfo ──► optics: what to draw, and the lens behind it     deviations: where a projection will miss
+//!   CameraInfo ──► optics: intrinsics to draw with, and the lens    deviations: errors of a projection
 //!   clock ───────► schedule (of changes), call_pacing (of calls): when a picture is due
-//!   drawn ───────► lens, readback, depth_buffer: the picture that is published
+//!   drawn ───────► lens, readback, depth_buffer: the published picture
 //!   orientation ─► oriented_info: the CameraInfo of an image that is mirrored and turned
-//!   times ───────► step_times, rolling_window: how long the last hundred pictures took
+//!   times ───────► step_times, rolling_window, picture_rate: statistics of the last hundred pictures
 //! ```
 //!
 //! No messages, no topics, no windows and no drawing: plain numbers and bytes in and out. Pixels, lengths and frames
@@ -17,7 +17,6 @@ mod depth_buffer;
 mod deviations;
 mod info;
 mod lens;
-mod lens_of;
 mod optics;
 mod oriented_info;
 mod picture_rate;
@@ -32,9 +31,8 @@ mod through_lens;
 pub use call_pacing::CallPacing;
 pub use depth_buffer::metres_of_depth_buffer;
 pub use deviations::{deviations, Advice};
-pub use info::CameraInfoFields;
+pub use info::{lens_of, CameraInfoFields, LensProblem};
 pub use lens::{see_depth_through, see_through, write_depth_through, write_through};
-pub use lens_of::{lens_of, LensProblem};
 pub use optics::{optics, CameraModel, Optics, Projection};
 pub use oriented_info::{OrientedInfo, QuarterTurns};
 pub use picture_rate::PictureRate;

@@ -1,4 +1,4 @@
-//! From a CameraInfo to what is drawn: the intrinsics, and the lens behind them.
+//! Intrinsics to draw with, and the lens behind them, of a CameraInfo.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use rcs_scene::{require_finite, Camera, CameraError, Flip, Intrinsics, PixelMap}
 use crate::through_lens::{is_distorted, Lenses};
 use crate::CameraInfoFields;
 
-/// How a CameraInfo's P becomes a projection.
+/// Projection of a CameraInfo's P.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Projection {
@@ -20,12 +20,12 @@ pub enum Projection {
     Exact,
 }
 
-/// How a CameraInfo becomes a picture.
+/// Camera model of a CameraInfo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct CameraModel {
-    /// How its P becomes a projection.
+    /// Projection of its P.
     pub projection: Projection,
-    /// Where it has a distortion, the picture is bent so that it is right after the lens of K and D. P is taken
+    /// `true` if the picture is warped so that the lens of K and D undoes it, where there is distortion. P is taken
     /// [exactly](Projection::Exact) then.
     pub undistort: bool,
 }
@@ -36,14 +36,14 @@ impl From<Projection> for CameraModel {
     }
 }
 
-/// What a camera draws, wherever it stands.
+/// A camera without its pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
-    /// Those of what is drawn; with a lens, that is the source of its picture.
+    /// Intrinsics of the drawn image; with a lens, that is the source of the picture.
     pub drawn: Intrinsics,
-    /// Between what is drawn and the picture.
+    /// Map from the drawn image to the picture.
     pub lens: Option<Arc<PixelMap>>,
-    /// How the picture is flipped when it is finished, where the CameraInfo describes a mirrored one.
+    /// Flip of the finished picture, where the CameraInfo describes a mirrored one.
     pub flip: Flip,
 }
 
@@ -58,8 +58,8 @@ impl Optics {
     }
 }
 
-/// Checks a CameraInfo and says what is drawn for it. What is wrong with a lens is no error: the picture is drawn
-/// without it, and [`Lenses::problem`] tells. `topic` is what `lenses` knows the CameraInfo's lens by.
+/// Checks a CameraInfo and returns its camera. An invalid lens is no error: the picture is drawn without it, and
+/// [`Lenses::problem`] returns the reason. `topic` is the key of the CameraInfo's lens in `lenses`.
 ///
 /// # Errors
 /// The first field that makes drawing impossible.
@@ -151,7 +151,7 @@ mod tests {
         assert!(drawn(Projection::Rviz, false).is_ok());
         for refused in [drawn(Projection::Exact, false), drawn(Projection::Rviz, true), drawn(Projection::Exact, true)]
         {
-            assert_eq!(refused.unwrap_err(), CameraError::ThirdRow { row: [0.0; 4] });
+            assert_eq!(refused.unwrap_err(), CameraError::ThirdRow([0.0; 4]));
         }
     }
 

@@ -18,7 +18,8 @@ pub struct QuarterTurns {
     pub quarters: u32,
 }
 
-/// The fields of an oriented image's CameraInfo, see [`CameraInfoFields`]; the distortion model is that of the original.
+/// The fields of an oriented image's CameraInfo, see [`CameraInfoFields`]; the distortion model is that of the
+/// original.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrientedInfo {
     /// Width and height, pixels.
@@ -127,7 +128,7 @@ mod tests {
         (0..8).map(|which| QuarterTurns { is_mirrored: which >= 4, quarters: which % 4 })
     }
 
-    /// Where a pixel of the image is in the oriented one.
+    /// Place of a pixel of the image in the oriented one.
     fn turned(turns: QuarterTurns, [u, v]: [f64; 2]) -> Vector2<f64> {
         let (width, height) = (1279.0, 799.0);
         let u = if turns.is_mirrored { width - u } else { u };

@@ -1,11 +1,11 @@
-//! How many pictures a second there are, by the last hundred of them.
+//! Frame rate over the last hundred pictures.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use crate::PICTURES;
 
-/// When the last pictures were published. Times are those since any fixed moment.
+/// Times of the last pictures, since any fixed moment.
 #[derive(Clone, Debug, Default)]
 pub struct PictureRate {
     published: VecDeque<Duration>,
@@ -20,7 +20,7 @@ impl PictureRate {
         self.published.push_back(published);
     }
 
-    /// Pictures a second; falls once the next one is later than usual. None with fewer than two pictures.
+    /// Pictures a second; falls once the next one is later than usual. `None` with fewer than two pictures.
     pub fn hz(&self, now: Duration) -> Option<f64> {
         let (first, last) = (*self.published.front()?, *self.published.back()?);
         let intervals = u32::try_from(self.published.len() - 1).ok().filter(|intervals| *intervals > 0)?;

@@ -1,31 +1,31 @@
-//! At most so many pictures a second in the long run, and a change after a pause at once.
+//! Rate limit of pictures in the long run, with no delay after a pause.
 //!
-//! A bucket of tokens: each picture takes one, one is added in each period, and [`MOST_TOKENS`] fit in. A change that
-//! finds no token waits for one, so that changes that come much faster than the rate are drawn at equal intervals.
-//! Changes that come just a little faster, such as 30.05 clouds a second at a rate of 30, would so be late each by a
-//! part of a period that slowly grows and shrinks. There, the change waits for two tokens, by when usually the next one
-//! has come, which is drawn instead and leaves a token: one in some hundred is left out, and none is late.
+//! A token bucket: each picture takes one, one is added in each period, and [`MOST_TOKENS`] fit in. A change that finds
+//! no token waits for one, so that changes that come much faster than the rate are drawn at equal intervals. Changes
+//! that come just a little faster, such as 30.05 clouds a second at a rate of 30, would all be late by a slowly
+//! drifting part of a period. There, the change waits for two tokens, by when usually the next one has come, which is
+//! drawn instead and leaves a token: one in some hundred is left out, and none is late.
 
 use std::time::{Duration, Instant};
 
-/// How many pictures may follow each other at once after a pause.
+/// Pictures that may follow each other at once after a pause.
 const MOST_TOKENS: f64 = 2.0;
-/// Changes come much faster than the rate if less than this share of a period lies between them.
+/// Share of a period below which the interval between changes is much faster than the rate.
 const FAST_SHARE: f64 = 0.75;
-/// The weight of the newest interval in their mean.
+/// Weight of the newest interval in the mean.
 const NEWEST_WEIGHT: f64 = 0.2;
 
 /// Limits the rate of pictures.
 #[derive(Clone, Copy, Debug)]
 pub struct RateLimit {
     period: Duration,
-    /// At `counted_at`.
+    /// Number at `counted_at`.
     tokens: f64,
     counted_at: Option<Instant>,
     /// A change waits for tokens.
     is_waiting: bool,
     last_change: Option<Instant>,
-    /// The mean time between changes, in periods.
+    /// Mean time between changes, in periods.
     mean_interval: f64,
 }
 
@@ -48,7 +48,7 @@ impl RateLimit {
         self.mean_interval < FAST_SHARE
     }
 
-    /// What a change that waits waits for.
+    /// Tokens that a waiting change needs.
     fn wanted_tokens(&self) -> f64 {
         if self.is_fast() {
             1.0
@@ -57,17 +57,17 @@ impl RateLimit {
         }
     }
 
-    /// Records that there is a change, or another one.
+    /// Records a change.
     pub fn note_change(&mut self, now: Instant) {
         if let Some(last) = self.last_change.replace(now) {
-            // After a pause nothing is known of how they come.
+            // A pause says nothing about the interval.
             let interval = self.periods(now.saturating_duration_since(last)).min(1.0);
             self.mean_interval += (interval - self.mean_interval) * NEWEST_WEIGHT;
         }
         self.is_waiting &= self.is_fast();
     }
 
-    /// Whether the change that was noted last may be drawn now. If not, it waits, see [`Self::until_free`].
+    /// `true` if the change that was noted last may be drawn now. If not, it waits, see [`Self::until_free`].
     pub fn allows(&mut self, now: Instant) -> bool {
         let wanted = if self.is_waiting { self.wanted_tokens() } else { 1.0 };
         let is_allowed = self.tokens_at(now) >= wanted;
@@ -75,7 +75,7 @@ impl RateLimit {
         is_allowed
     }
 
-    /// How long the change that waits still has to; `None` if none waits.
+    /// Remaining wait of the waiting change; `None` if none waits.
     pub fn until_free(&self, now: Instant) -> Option<Duration> {
         let missing = (self.wanted_tokens() - self.tokens_at(now)).max(0.0);
         // Rounded up, so that it is free then.
@@ -94,8 +94,8 @@ impl RateLimit {
 mod tests {
     use super::*;
 
-    /// When pictures are drawn, in seconds, at a rate of 30, of changes that come at these times; each change is
-    /// drawn as soon as it may be, with those that came meanwhile.
+    /// Times in seconds at which pictures are drawn, at a rate of 30, of changes at these times; each change is drawn
+    /// as soon as it may be, with those that came meanwhile.
     fn drawn(changes: impl Iterator<Item = f64>) -> Vec<f64> {
         let start = Instant::now();
         let at = |secs: f64| start + Duration::from_secs_f64(secs);

@@ -1,5 +1,4 @@
-//! A picture as a graphics library hands it back: rows that may be padded, upside down, and in another order of
-//! channels.
+//! A picture as read back from a graphics library: rows that may be padded, upside down, and in another channel order.
 
 use rcs_scene::{Encoding, PixelOrder};
 
@@ -17,61 +16,38 @@ pub struct Readback<'a> {
     is_bottom_up: bool,
 }
 
-/// Why bytes are no picture of a size.
+/// Mismatch of bytes and picture size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadbackProblem {
-    /// A row would end before its last pixel does.
-    #[error("{row_bytes} bytes from one row to the next, where {width_px} pixels need at least {needed}")]
-    ShortRows {
-        /// From the beginning of a row to that of the next one.
-        row_bytes: usize,
-        /// Pixels of a row.
-        width_px: u32,
-        /// Their bytes.
-        needed: usize,
-    },
-    /// There are fewer bytes than the picture has.
-    #[error("{length} bytes, where {width_px}x{height_px} pixels need at least {needed}")]
-    ShortPicture {
-        /// How many there are.
-        length: usize,
-        /// Pixels of a row.
-        width_px: u32,
-        /// Rows.
-        height_px: u32,
-        /// Bytes from the first row's first pixel to the last row's last one.
-        needed: usize,
-    },
-    /// So many bytes cannot be.
-    #[error("{width_px}x{height_px} pixels in rows of {row_bytes} bytes are more than a memory holds")]
-    TooLarge {
-        /// Pixels of a row.
-        width_px: u32,
-        /// Rows.
-        height_px: u32,
-        /// From the beginning of a row to that of the next one.
-        row_bytes: usize,
-    },
+    /// Bytes from one row to the next, the pixels of a row that do not fit, and their bytes.
+    #[error("{0} bytes from one row to the next, where {1} pixels need at least {2}")]
+    ShortRows(usize, u32, usize),
+    /// Number of bytes, the picture's size, and the bytes that it needs.
+    #[error("{0} bytes, where {w}x{h} pixels need at least {2}", w = .1[0], h = .1[1])]
+    ShortPicture(usize, [u32; 2], usize),
+    /// The bytes of a size and of its rows overflow.
+    #[error("{w}x{h} pixels in rows of {1} bytes are more than a memory holds", w = .0[0], h = .0[1])]
+    TooLarge([u32; 2], usize),
 }
 
 impl<'a> Readback<'a> {
-    /// How many bytes a picture of this size has, from its first row's first pixel to its last row's last one, if
-    /// `row_bytes` lie between the beginnings of two rows.
+    /// Bytes from the first row's first pixel to the last row's last one of a picture of this size with `row_bytes`
+    /// from one row to the next.
     ///
     /// # Errors
     /// Rows that are too short for their pixels; a size that overflows.
     pub fn needed_bytes([width_px, height_px]: [u32; 2], row_bytes: usize) -> Result<usize, ReadbackProblem> {
-        let too_large = || ReadbackProblem::TooLarge { width_px, height_px, row_bytes };
+        let too_large = || ReadbackProblem::TooLarge([width_px, height_px], row_bytes);
         let needed = (width_px as usize).checked_mul(CELL).ok_or_else(too_large)?;
         if row_bytes < needed {
-            return Err(ReadbackProblem::ShortRows { row_bytes, width_px, needed });
+            return Err(ReadbackProblem::ShortRows(row_bytes, width_px, needed));
         }
         let Some(rows_before) = (height_px as usize).checked_sub(1) else { return Ok(0) };
         let bytes = rows_before.checked_mul(row_bytes).and_then(|bytes| bytes.checked_add(needed));
         bytes.filter(|bytes| isize::try_from(*bytes).is_ok()).ok_or_else(too_large)
     }
 
-    /// The picture of this size in these bytes; those after its last pixel are not looked at.
+    /// The picture of this size in these bytes; surplus bytes are ignored.
     ///
     /// # Errors
     /// See [`ReadbackProblem`].
@@ -84,7 +60,7 @@ impl<'a> Readback<'a> {
     ) -> Result<Self, ReadbackProblem> {
         let needed = Self::needed_bytes([width_px, height_px], row_bytes)?;
         if bytes.len() < needed {
-            return Err(ReadbackProblem::ShortPicture { length: bytes.len(), width_px, height_px, needed });
+            return Err(ReadbackProblem::ShortPicture(bytes.len(), [width_px, height_px], needed));
         }
         Ok(Self { bytes, width: width_px as usize, height: height_px as usize, row_bytes, order, is_bottom_up })
     }

@@ -1,23 +1,23 @@
-//! A rolling window over the last measurements of a quantity, and its percentiles.
+//! Rolling window over the last measurements of a quantity, and its percentiles.
 //!
-//! Percentiles are nearest ranks: the smallest measured value that the given share of the values does not exceed. So a
-//! reported figure is always one that was measured, and of two values the median is the smaller one.
+//! Percentiles are nearest ranks: the smallest measured value that the given share of the values does not exceed. A
+//! figure is always one that was measured, and of two values the median is the smaller one.
 
 /// The last `N` values. Adding one takes constant time and allocates nothing.
 #[derive(Clone, Debug)]
 pub struct RollingWindow<const N: usize> {
     values: [f64; N],
     len: usize,
-    /// Where the next value goes.
+    /// Index of the next value.
     next: usize,
 }
 
 /// Percentiles of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Percentiles {
-    /// Half of the values do not exceed it.
+    /// 50th percentile.
     pub median: f64,
-    /// 95 % of the values do not exceed it.
+    /// 95th percentile.
     pub p95: f64,
 }
 
@@ -33,7 +33,7 @@ impl<const N: usize> RollingWindow<N> {
         Self { values: [0.0; N], len: 0, next: 0 }
     }
 
-    /// Adds a value; it replaces the oldest once there are `N`.
+    /// Adds a value, which replaces the oldest once there are `N`.
     pub fn push(&mut self, value: f64) {
         if let Some(place) = self.values.get_mut(self.next) {
             *place = value;
@@ -42,12 +42,12 @@ impl<const N: usize> RollingWindow<N> {
         }
     }
 
-    /// How many values there are, `N` at most.
+    /// Number of values, `N` at most.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// `true` without values.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

@@ -1,10 +1,10 @@
-//! When a camera's next picture is due.
+//! Schedule of a camera's pictures.
 
 use std::time::{Duration, Instant};
 
 use crate::RateLimit;
 
-/// When a camera's last picture was begun, and whether it differed from the one before.
+/// Start of a camera's last picture, and whether it differed from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LastBegun {
     at: Instant,
@@ -29,7 +29,7 @@ impl Default for Schedule {
 }
 
 impl Schedule {
-    /// From a display's "Frame Rate" and the config's global one, both in pictures a second.
+    /// Sets a display's "Frame Rate" and the config's global one, both in pictures a second.
     pub fn set_frame_rate(&mut self, frame_rate_hz: f32, global_frame_rate_hz: i32) {
         let pace = Pace::new(frame_rate_hz, global_frame_rate_hz);
         if let Pace::OnChange { repeat } = pace {
@@ -40,32 +40,32 @@ impl Schedule {
         self.pace = pace;
     }
 
-    /// Whether pictures are published only when triggered.
+    /// `true` if pictures are published only when triggered.
     pub fn is_on_trigger(&self) -> bool {
         self.pace == Pace::OnTrigger
     }
 
-    /// Whether a picture is due by each change.
+    /// `true` if each change makes a picture due.
     pub fn follows_changes(&self) -> bool {
         matches!(self.pace, Pace::OnChange { .. })
     }
 
-    /// A picture is due now, whatever the frame rate.
+    /// Makes a picture due now, whatever the frame rate.
     pub fn trigger(&mut self) {
         self.triggered = true;
     }
 
-    /// The trigger was served, or there is nobody to serve.
+    /// Withdraws the trigger: it was served, or there is nobody to serve.
     pub fn clear_trigger(&mut self) {
         self.triggered = false;
     }
 
-    /// Records that the next picture would differ from the last one, or in another way than before.
+    /// Records a change: the next picture would differ from the last one, or in another way than before.
     pub fn note_change(&mut self, now: Instant) {
         self.limit.note_change(now);
     }
 
-    /// Whether a picture is due; `changed`: it would differ from the last one.
+    /// `true` if a picture is due; `changed`: it would differ from the last one.
     pub fn is_due(&mut self, now: Instant, changed: bool) -> bool {
         if self.triggered {
             return true;
@@ -76,13 +76,12 @@ impl Schedule {
         }
     }
 
-    /// Whether the last picture is due again, or the next one at a fixed rate.
+    /// `true` if the last picture is due again, or the next one at a fixed rate.
     pub fn is_repetition_due(&self, now: Instant) -> bool {
         self.pace.until_due(self.last, now) == Some(Duration::ZERO)
     }
 
-    /// How long until a picture is due by itself: that of a change that waits, or a repetition. `None` when it never
-    /// is.
+    /// Time until a picture is due by itself: one of a waiting change, or a repetition. `None` if never.
     pub fn until_due(&self, now: Instant) -> Option<Duration> {
         let by_itself = self.pace.until_due(self.last, now)?;
         let change = matches!(self.pace, Pace::OnChange { .. }).then(|| self.limit.until_free(now)).flatten();
@@ -103,7 +102,7 @@ enum Pace {
     /// Below 0: whenever the scene changes, but in the long run no more often than once in this period; an unchanged
     /// picture is repeated at this period.
     OnChange {
-        /// That of rviz's main loop ("Global Options: Frame Rate").
+        /// Period of rviz's main loop ("Global Options: Frame Rate").
         repeat: Duration,
     },
     /// 0: only when triggered.

@@ -1,4 +1,4 @@
-//! The instruction sets of this processor, for tests that all of them do the same.
+//! The instruction sets of this processor, for tests that compare them.
 
 use fearless_simd::Level;
 

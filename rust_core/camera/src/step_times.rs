@@ -1,13 +1,13 @@
-//! How long each step of a picture takes, and all together, over the last hundred pictures.
+//! Durations of each step of a picture, and of all together, over the last hundred pictures.
 
 use std::time::Duration;
 
 use crate::RollingWindow;
 
-/// How many pictures the figures cover.
+/// Number of pictures in the statistics.
 pub const PICTURES: usize = 100;
 
-/// The times of `STEPS` steps that follow one another, in milliseconds.
+/// Durations of `STEPS` consecutive steps, in milliseconds.
 #[derive(Clone, Debug)]
 pub struct StepTimes<const STEPS: usize> {
     steps_ms: [RollingWindow<PICTURES>; STEPS],
@@ -21,7 +21,7 @@ impl<const STEPS: usize> Default for StepTimes<STEPS> {
 }
 
 impl<const STEPS: usize> StepTimes<STEPS> {
-    /// Adds a picture by how long each of its steps took, and all of them.
+    /// Adds a picture by the durations of its steps and of the whole.
     pub fn push(&mut self, steps: [Duration; STEPS], whole: Duration) {
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         for (window, step) in self.steps_ms.iter_mut().zip(steps) {
@@ -30,17 +30,17 @@ impl<const STEPS: usize> StepTimes<STEPS> {
         self.whole_ms.push(ms(whole));
     }
 
-    /// How many pictures the figures are of.
+    /// Number of pictures so far, [`PICTURES`] at most.
     pub fn pictures(&self) -> usize {
         self.whole_ms.len()
     }
 
-    /// The times of each step.
+    /// Durations of each step.
     pub fn steps_ms(&self) -> &[RollingWindow<PICTURES>; STEPS] {
         &self.steps_ms
     }
 
-    /// The times of all steps together.
+    /// Durations of all steps together.
     pub fn whole_ms(&self) -> &RollingWindow<PICTURES> {
         &self.whole_ms
     }

@@ -1,7 +1,7 @@
-//! The lens of a CameraInfo: between the picture that P projects and the one that the projector has to show.
+//! The lens of a CameraInfo: map from the rectified picture of P to the raw one that the projector shows.
 //!
-//! P, R, D and K together say where a point lands, as `image_geometry`'s `unrectifyPoint` does: P projects it to the
-//! rectified picture; from there R, D and K lead to the raw one, which is what a projector shows or a camera takes.
+//! A point is projected as by `image_geometry`'s `unrectifyPoint`: by P to the rectified picture, and from there by R,
+//! D and K to the raw one, which a projector shows or a camera takes.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -13,42 +13,38 @@ use rcs_scene::{CameraError, Flip, Intrinsics, PixelMap};
 
 use crate::{lens_of, CameraInfoFields, LensProblem};
 
-/// What a picture is drawn with when its lens is to be allowed for.
+/// Camera of a picture whose distortion is undone.
 #[derive(Clone, Debug)]
 pub struct DrawnThroughLens {
-    /// Draws the source of the map.
+    /// Intrinsics of the map's source.
     pub intrinsics: Intrinsics,
-    /// From what was drawn to the picture.
+    /// Map from the drawn image to the picture.
     pub map: Arc<PixelMap>,
     /// Flip of the picture after the map, where K has negative focal lengths.
     pub flip: Flip,
 }
 
-/// Why the lens of a CameraInfo cannot be allowed for.
+/// Reason why the distortion of a CameraInfo cannot be undone.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoLens {
-    /// K or D are not those of a lens.
+    /// K or D are invalid.
     #[error("{0}")]
     Unknown(#[from] LensProblem),
     /// R is no rotation.
     #[error("R is not a rotation")]
     NoRotation,
-    /// No pixel of the picture looks anywhere near what P projects.
+    /// No pixel of the picture is near the view of P.
     #[error("K and D lead outside of what P projects")]
     Outside,
 }
 
-/// Whether a CameraInfo has distortion.
+/// `true` if a CameraInfo has distortion.
 pub fn is_distorted(info: &CameraInfoFields<'_>) -> bool {
     Distortion::bends(info.distortion_model, info.d)
 }
 
-/// The drawing for a CameraInfo's lens, by what its P [means](Intrinsics::exactly), without a mirror.
-///
-/// A mirror of P is that of a picture which nobody sees; one of K is that of the picture that comes out.
-///
-/// # Errors
-/// See [`NoLens`].
+/// The camera for a CameraInfo's lens, by its P [exactly](Intrinsics::exactly), without a mirror: one of P concerns the
+/// rectified picture, which nobody sees; one of K the picture that comes out.
 fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
     let (lens, flip) = without_mirror(lens_of(info)?);
     let rectified_from_raw = rectification(info)?;
@@ -60,7 +56,7 @@ fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<Dra
     Ok(DrawnThroughLens { intrinsics, map: Arc::new(map), flip })
 }
 
-/// The lens whose flipped picture is this one's, with positive focal lengths.
+/// The lens with positive focal lengths whose flipped picture is this one's.
 fn without_mirror(lens: Lens) -> (Lens, Flip) {
     let flip = Flip { is_left_right: lens.focal_px.x < 0.0, is_up_down: lens.focal_px.y < 0.0 };
     let signs = lens.focal_px.map(f64::signum);
@@ -70,7 +66,7 @@ fn without_mirror(lens: Lens) -> (Lens, Flip) {
     (Lens { focal_px, skew_px, center_px, ..lens }, flip)
 }
 
-/// R, which turns what the lens sees into what P projects; the identity where it is not set.
+/// R, the rotation from the raw frame to that of P; the identity where it is not set.
 ///
 /// # Errors
 /// [`NoLens::NoRotation`].
@@ -88,7 +84,7 @@ pub fn rectification(info: &CameraInfoFields<'_>) -> Result<Matrix3<f64>, NoLens
     }
 }
 
-/// Where P projects what a raw pixel shows; none for what no light of that pixel goes to, or that is beside the view.
+/// Place in the rectified picture of a raw pixel; `None` outside of the view.
 fn rectified_pixel(
     lens: &Lens,
     rectified_from_raw: &Matrix3<f64>,
@@ -101,7 +97,7 @@ fn rectified_pixel(
         .then(|| p.place([direction.x / direction.z, direction.y / direction.z]).map(|place| place - 0.5))
 }
 
-/// A lens, or why there is none, and the fields that it was made of.
+/// A lens, or the reason why there is none, and the fields that it was made of.
 #[derive(Debug)]
 struct KnownLens {
     size_px: [u32; 2],
@@ -133,18 +129,17 @@ impl KnownLens {
     }
 }
 
-/// The lenses of the CameraInfos that were received last, by topic. A lens takes some hundredths of a second, so that
-/// it is made again only when its CameraInfo changes.
+/// Cache of the lenses of the last CameraInfos, by topic: making one takes some hundredths of a second.
 #[derive(Debug, Default)]
 pub struct Lenses {
     known: RefCell<HashMap<String, KnownLens>>,
 }
 
 impl Lenses {
-    /// The drawing for the lens of a topic's CameraInfo.
+    /// The camera for the lens of a topic's CameraInfo, or the reason why it has to be drawn without one.
     ///
     /// # Errors
-    /// What is wrong with P. What is wrong with the lens is in the result: then it is drawn without one.
+    /// P is invalid.
     pub fn of(
         &self,
         topic: &str,
@@ -161,12 +156,12 @@ impl Lenses {
         Ok(lens)
     }
 
-    /// What is wrong with a topic's lens, if it was asked for.
+    /// The problem of a topic's lens, if it was asked for.
     pub fn problem(&self, topic: &str) -> Option<NoLens> {
         self.known.borrow().get(topic).and_then(|known| known.lens.as_ref().err().cloned())
     }
 
-    /// Forgets the lenses of other topics than these.
+    /// Removes the lenses of other topics than these.
     pub fn keep(&self, is_kept: impl Fn(&str) -> bool) {
         self.known.borrow_mut().retain(|topic, _| is_kept(topic));
     }

@@ -1,67 +1,39 @@
 //! The virtual camera: a CameraInfo's projection matrix P at a pose in the fixed frame.
 //!
-//! A projector is a camera run backwards, so this is the projector too. Reproduces what rviz's CameraPub display does
-//! with a CameraInfo, and offers the projection that P actually means.
+//! A projector is a camera run backwards, so this is the projector too. Offers both the projection of rviz's CameraPub
+//! display and the exact one of P.
 
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
-use crate::{Flip, PixelMap};
+use crate::{Flip, PixelMap, MAX_SIDE_PX};
 
-/// The far clip distance of a CameraPub camera, in metres.
+/// Far clip distance of a CameraPub camera, in metres.
 pub const FAR_CLIP_M: f64 = 100.0;
 
-/// The longest side of a picture, in pixels.
-pub const MAX_SIDE_PX: u32 = 16384;
-
-/// The error in a CameraInfo; the field is named, the caller names the topic.
+/// Invalid field of a CameraInfo; the caller names the topic.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CameraError {
-    /// A field is NaN or infinite.
-    #[error("{field} is {value}, not a finite number")]
-    NotFinite {
-        /// For example `P[2]`.
-        field: String,
-        /// NaN or an infinity.
-        value: f64,
-    },
-    /// Width or height is zero.
-    #[error("{field} is 0")]
-    ZeroSize {
-        /// `width` or `height`.
-        field: &'static str,
-    },
-    /// Width or height is past [`MAX_SIDE_PX`].
-    #[error("{field} is {value}, larger than {MAX_SIDE_PX}")]
-    TooLarge {
-        /// `width` or `height`.
-        field: &'static str,
-        /// The size in pixels.
-        value: u32,
-    },
-    /// A focal length is zero.
-    #[error("{field} (a focal length) is 0")]
-    ZeroFocalLength {
-        /// `P[0]` or `P[5]`.
-        field: &'static str,
-    },
+    /// A field, such as `P[2]`, is NaN or infinite.
+    #[error("{0} is {1}, not a finite number")]
+    NotFinite(String, f64),
+    /// `width` or `height` is zero.
+    #[error("{0} is 0")]
+    ZeroSize(&'static str),
+    /// `width` or `height` is past [`MAX_SIDE_PX`], pixels.
+    #[error("{0} is {1}, larger than {MAX_SIDE_PX}")]
+    TooLarge(&'static str, u32),
+    /// A focal length, `P[0]` or `P[5]`, is zero.
+    #[error("{0} (a focal length) is 0")]
+    ZeroFocalLength(&'static str),
     /// The third row of P is not a positive multiple of (0, 0, 1, 0).
-    #[error("the third row of P, P[8] to P[11], is {row:?} where [0, 0, s, 0] with s > 0 is needed")]
-    ThirdRow {
-        /// The row.
-        row: [f64; 4],
-    },
-    /// The skews of P turn the picture inside out, or flatten it.
-    #[error(
-        "P[1] and P[4] (skews, {} and {}) are too large for the focal lengths P[0] and P[5]",
-        skew_px[0], skew_px[1]
-    )]
-    TooSkewed {
-        /// `P[1]` and `P[4]`.
-        skew_px: [f64; 2],
-    },
+    #[error("the third row of P, P[8] to P[11], is {0:?} where [0, 0, s, 0] with s > 0 is needed")]
+    ThirdRow([f64; 4]),
+    /// The skews of P, `P[1]` and `P[4]`, turn the picture inside out, or flatten it.
+    #[error("P[1] and P[4] (skews, {} and {}) are too large for the focal lengths P[0] and P[5]", .0[0], .0[1])]
+    TooSkewed([f64; 2]),
 }
 
 /// A pinhole camera, from a CameraInfo's size and its row-major 3×4 matrix
@@ -76,11 +48,11 @@ pub struct Intrinsics {
     pub fx_px: f64,
     /// Focal length along a column.
     pub fy_px: f64,
-    /// `P[1]` and `P[4]`, mostly 0: how far y moves what is seen along a row, and x along a column.
+    /// `P[1]` and `P[4]`, mostly 0: shift along a row per y, and along a column per x.
     pub skew_px: [f64; 2],
     /// Principal point from the left; may lie outside of the picture.
     pub cx_px: f64,
-    /// Principal point from the top; projectors throw upwards, so it may lie far below the picture.
+    /// Principal point from the top; with the lens shift of a projector it may lie far below the picture.
     pub cy_px: f64,
     /// `P[3]`: −fx times the camera's offset in metres along the optical frame's x.
     pub tx: f64,
@@ -89,7 +61,7 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// Checks a CameraInfo's size and reads its P as rviz does: the third row does not count. What P means is
+    /// Checks a CameraInfo's size and reads its P as rviz does, without the third row; see also
     /// [`exactly`](Self::exactly).
     ///
     /// # Errors
@@ -97,24 +69,24 @@ impl Intrinsics {
     pub fn from_p(width_px: u32, height_px: u32, p: &[f64; 12]) -> Result<Self, CameraError> {
         for (field, value) in [("width", width_px), ("height", height_px)] {
             if value == 0 {
-                return Err(CameraError::ZeroSize { field });
+                return Err(CameraError::ZeroSize(field));
             }
             if value > MAX_SIDE_PX {
-                return Err(CameraError::TooLarge { field, value });
+                return Err(CameraError::TooLarge(field, value));
             }
         }
         require_finite("P", p)?;
         for (field, value) in [("P[0]", p[0]), ("P[5]", p[5])] {
             if value == 0.0 {
-                return Err(CameraError::ZeroFocalLength { field });
+                return Err(CameraError::ZeroFocalLength(field));
             }
         }
         let [fx_px, s, cx_px, tx, t, fy_px, cy_px, ty, ..] = *p;
         Ok(Self { width_px, height_px, fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty })
     }
 
-    /// The intrinsics with which a point is drawn where P sends it, `P · [X Y Z 1]'`. P counts up to scale. Where it
-    /// has negative focal lengths, they are those of the picture without the mirror, which has to be flipped.
+    /// Intrinsics that draw a point at `P · [X Y Z 1]'`, P up to scale, and the flip that the finished picture needs: a
+    /// P with negative focal lengths is drawn without its mirror.
     ///
     /// ```
     /// use rcs_scene::{Flip, Intrinsics};
@@ -133,7 +105,7 @@ impl Intrinsics {
         let given = Self::from_p(width_px, height_px, p)?;
         let [.., below_x, below_y, scale, below_w] = *p;
         if !(scale > 0.0 && [below_x, below_y, below_w] == [0.0; 3]) {
-            return Err(CameraError::ThirdRow { row: [below_x, below_y, scale, below_w] });
+            return Err(CameraError::ThirdRow([below_x, below_y, scale, below_w]));
         }
         let drawn = match scale == 1.0 {
             true => given,
@@ -143,12 +115,12 @@ impl Intrinsics {
         let drawn = drawn.flipped(flip);
         let [s, t] = drawn.skew_px;
         if drawn.fx_px * drawn.fy_px <= s * t {
-            return Err(CameraError::TooSkewed { skew_px: given.skew_px });
+            return Err(CameraError::TooSkewed(given.skew_px));
         }
         Ok((drawn.as_p_means(), flip))
     }
 
-    /// The intrinsics of the flipped picture, where an integer is a pixel's centre.
+    /// Intrinsics of the flipped picture, where an integer is a pixel's centre.
     fn flipped(self, flip: Flip) -> Self {
         let [cx_px, cy_px] = flip.pixel([self.width_px, self.height_px], [self.cx_px, self.cy_px]);
         let Self { fx_px, fy_px, skew_px: [s, t], tx, ty, .. } = self;
@@ -157,37 +129,37 @@ impl Intrinsics {
         Self { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty, ..self }
     }
 
-    /// The direction (x, y, 1) in the optical frame that goes to a place in the picture.
+    /// Direction (x, y, 1) in the optical frame that is projected to a place in the picture.
     pub fn plane(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         self.solve([u - self.cx_px, v - self.cy_px])
     }
 
-    /// The place in the picture that the direction (x, y, 1) of the optical frame goes to: the inverse of
+    /// Place in the picture to which the direction (x, y, 1) of the optical frame is projected; inverse of
     /// [`Self::plane`].
     pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [s, t] = self.skew_px;
         [self.fx_px * x + s * y + self.cx_px, t * x + self.fy_px * y + self.cy_px]
     }
 
-    /// The eye in the CameraInfo's optical frame, x and y in metres: not 0 where P has Tx or Ty.
+    /// The eye's x and y in the CameraInfo's optical frame, metres; not 0 where P has Tx or Ty.
     pub fn eye_m(&self) -> [f64; 2] {
         self.solve([-self.tx, -self.ty])
     }
 
-    /// x and y whose multiples by the focal lengths and skews are these pixels.
+    /// Solves for the x and y whose products with focal lengths and skews are these pixels.
     fn solve(&self, [du, dv]: [f64; 2]) -> [f64; 2] {
         let [s, t] = self.skew_px;
         let y = (dv - t * du / self.fx_px) / (self.fy_px - t * s / self.fx_px);
         [(du - s * y) / self.fx_px, y]
     }
 
-    /// The intrinsics of the same picture with pixels counted from the first one's edge, as a renderer does, and not
-    /// from its centre, as ROS and OpenCV do. rviz leaves that half pixel out.
+    /// Counts pixels from the first one's edge, as a renderer does, instead of from its centre, as ROS and OpenCV do.
+    /// rviz leaves that half pixel out.
     pub fn as_p_means(&self) -> Self {
         Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
 
-    /// By what rviz's CameraPub shrinks the picture along each axis: it makes the picture's angles fit its shape. In 32
+    /// Factors by which rviz's CameraPub shrinks the picture along each axis, so that its angles fit its shape. In 32
     /// bits, as there, because pixels at the edges of lines depend on it.
     fn rviz_zoom(&self) -> (f64, f64) {
         if self.fx_px == self.fy_px {
@@ -209,9 +181,9 @@ impl Intrinsics {
         ((self.fy_px / self.fx_px).min(1.0), (self.fx_px / self.fy_px).min(1.0))
     }
 
-    /// The intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the
-    /// principal point's offset from the centre along that axis) to the shorter one, gives both the same sign, leaves
-    /// out skews, and moves the camera up where `P[7]` means down.
+    /// Intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the principal
+    /// point's offset from the centre along that axis) to the shorter one, gives both the same sign, leaves out skews,
+    /// and moves the camera up where `P[7]` means down.
     pub fn as_rviz_draws(&self) -> Self {
         let (zoom_x, zoom_y) = self.rviz_zoom();
         let (half_width, half_height) = (f64::from(self.width_px) / 2.0, f64::from(self.height_px) / 2.0);
@@ -234,7 +206,7 @@ impl Intrinsics {
 /// The first that is not, named `FIELD[INDEX]`.
 pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
     match values.iter().position(|value| !value.is_finite()) {
-        Some(i) => Err(CameraError::NotFinite { field: format!("{field}[{i}]"), value: values[i] }),
+        Some(i) => Err(CameraError::NotFinite(format!("{field}[{i}]"), values[i])),
         None => Ok(()),
     }
 }
@@ -260,9 +232,8 @@ pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     intrinsics: Intrinsics,
-    /// Between what is drawn and the picture.
+    /// Map from the drawn image to the picture.
     lens: Option<Arc<PixelMap>>,
-    /// How the picture is flipped when it is finished.
     flip: Flip,
     near_m: f64,
     fixed_from_view: Isometry3<f64>,
@@ -270,12 +241,11 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera whose optical frame (x right, y down, z forward) stands at a pose in the fixed frame and that draws
-    /// what lies between `near_m` and [`FAR_CLIP_M`] in front of it. Tx and Ty of the intrinsics move it. Pixels are
-    /// counted from the picture's edges: the first one's centre is at 0.5, as rviz reads P
-    /// ([`Intrinsics::as_p_means`]).
+    /// A camera whose optical frame (x right, y down, z forward) has this pose in the fixed frame, with the view
+    /// between `near_m` and [`FAR_CLIP_M`]. Tx and Ty of the intrinsics move it. Pixels are counted from the picture's
+    /// edges: the first one's centre is at 0.5, as rviz reads P ([`Intrinsics::as_p_means`]).
     ///
-    /// A near distance that is not above zero or not below the far one is moved just inside of that range.
+    /// A near distance outside of the range from zero to the far one is clamped.
     pub fn new(intrinsics: Intrinsics, fixed_from_optical: &Isometry3<f64>, near_m: f64) -> Self {
         let near_m = near_m.clamp(1e-6, FAR_CLIP_M * 0.999);
         let Intrinsics { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, .. } = intrinsics;
@@ -301,24 +271,24 @@ impl Camera {
         }
     }
 
-    /// The same camera behind a lens: what the intrinsics draw is the source of its picture, which has the map's size.
+    /// Puts a lens in front: the drawn image becomes the source of the picture, which has the map's size.
     #[must_use]
     pub fn with_lens(self, lens: Arc<PixelMap>) -> Self {
         Self { lens: Some(lens), ..self }
     }
 
-    /// Flips the picture when it is finished, after the lens.
+    /// Flips the finished picture, after the lens.
     #[must_use]
     pub fn with_flip(self, flip: Flip) -> Self {
         Self { flip, ..self }
     }
 
-    /// How the picture is flipped when it is finished, after the lens.
+    /// Flip of the finished picture, after the lens.
     pub fn flip(&self) -> Flip {
         self.flip
     }
 
-    /// The lens through which what is drawn becomes the picture, if there is one.
+    /// Map from the drawn image to the picture, if there is a lens.
     pub fn lens(&self) -> Option<&Arc<PixelMap>> {
         self.lens.as_ref()
     }
@@ -328,12 +298,12 @@ impl Camera {
         &self.intrinsics
     }
 
-    /// Width of what is drawn, in pixels; without a lens that is the picture.
+    /// Width of the drawn image, in pixels; without a lens that of the picture.
     pub fn width_px(&self) -> u32 {
         self.intrinsics.width_px
     }
 
-    /// Height of what is drawn, in pixels; without a lens that is the picture.
+    /// Height of the drawn image, in pixels; without a lens that of the picture.
     pub fn height_px(&self) -> u32 {
         self.intrinsics.height_px
     }
@@ -392,14 +362,14 @@ impl Camera {
 mod tests {
     use super::*;
 
-    /// Where a point is seen that is given from the eye.
+    /// Pixel of a point relative to the eye.
     fn pixel(camera: &Camera, optical: Point3<f64>) -> (f64, f64) {
         let fixed_from_optical =
             camera.fixed_from_view * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         pixel_of_fixed(camera, fixed_from_optical * optical)
     }
 
-    /// Where a point of the fixed frame is seen.
+    /// Pixel of a point in the fixed frame.
     fn pixel_of_fixed(camera: &Camera, fixed: Point3<f64>) -> (f64, f64) {
         let view = camera.fixed_from_view.inverse_transform_point(&fixed);
         let clip = camera.clip_from_view * view.to_homogeneous();

@@ -1,8 +1,8 @@
-//! Cells: a rectangle of many small equal cells, each with a value that a palette colours (an occupancy grid).
+//! A rectangle of small equal cells, each with a value that a palette colours (an occupancy grid).
 //!
 //! Reproduces what rviz's Map display draws with its `rviz/Indexed8BitImage` material: a flat rectangle whose texture
 //! holds one byte a cell, looked up in a palette of 256 colours, without any filtering. The cells are kept in tiles, so
-//! that changing some of them copies (and brings to a GPU) no more than the tiles that they lie in.
+//! that changing some of them copies (and uploads to a GPU) only their tiles.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,7 +11,7 @@ use crate::Blending;
 /// Cells on a side of a tile; the tiles of the last column and row may be smaller.
 pub const TILE_SIDE: u32 = 1024;
 
-/// The value of cells that were never set; in an occupancy grid, that of an unknown cell.
+/// Value of cells that were never set: unknown in an occupancy grid.
 pub const UNSET_CELL: u8 = 255;
 
 /// The values of a rectangle of cells.
@@ -129,8 +129,8 @@ impl Cells {
     }
 }
 
-/// Cells with the way they are drawn: over the square from (0, 0) to (1, 1) of the plane z = 0 of the object's frame,
-/// the first row along its x axis. Both sides are seen.
+/// Cells and their material: over the square from (0, 0) to (1, 1) of the plane z = 0 of the object's frame, the first
+/// row along its x axis. Both sides are visible.
 #[derive(Clone, Debug)]
 pub struct CellSheet {
     /// The values.
@@ -139,17 +139,17 @@ pub struct CellSheet {
     pub palette: Arc<[[u8; 4]; 256]>,
     /// Opacity of 0 to 1, multiplied with each colour's own.
     pub alpha: f32,
-    /// How it blends with the pixels behind it.
+    /// Combination with the pixels behind it.
     pub blending: Blending,
-    /// Whether it hides what is drawn later and farther away.
+    /// `true` if it occludes drawables that come later and are farther away.
     pub depth_write: bool,
 }
 
 impl CellSheet {
-    /// It lies this many smallest depth steps farther away than it is, so that drawables in the same plane are seen.
+    /// Smallest depth steps by which it is moved back, so that drawables in the same plane are visible.
     pub const DEPTH_STEPS_BACK: f32 = 16.0;
 
-    /// The corners of the two triangles that it is drawn with.
+    /// Corners of its two triangles.
     pub const TRIANGLES: [[[f32; 2]; 3]; 2] =
         [[[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]];
 }

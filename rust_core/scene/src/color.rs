@@ -32,7 +32,7 @@ impl Rgba {
         Self { r, g, b, a: alpha }
     }
 
-    /// The same colour with another opacity of 0 to 1.
+    /// Replaces the opacity, 0 to 1.
     pub const fn with_alpha(self, alpha: f32) -> Self {
         Self { a: alpha, ..self }
     }

@@ -1,4 +1,4 @@
-//! In which order a scene's drawables are drawn.
+//! Order in which a scene's drawables are drawn.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -11,34 +11,33 @@ use crate::{DisplayMask, Drawable, Geometry, RenderGroup, Scene, Solids};
 /// the scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to
 /// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
 ///
-/// Each of [`Solids`] has its own place in that order; those that follow one another come together.
-///
-/// A renderer keeps it from picture to picture for its memory.
+/// Each of [`Solids`] has its own place in that order; consecutive ones are joined. A renderer keeps it from picture to
+/// picture for its memory.
 #[derive(Clone, Debug, Default)]
 pub struct DrawOrder {
     keys: Vec<Key>,
 }
 
-/// A drawable whose turn it is.
+/// A drawable in the order of drawing.
 #[derive(Clone, Debug)]
 pub struct Ordered<'s> {
     /// The drawable.
     pub drawable: &'s Drawable,
-    /// Which of its [`Solids`] are to be drawn; of no meaning for others.
+    /// Range of its [`Solids`]; of no meaning for others.
     pub solids: Range<usize>,
 }
 
-/// There is always room for a few drawables.
-const SPARE_KEYS: usize = 4096;
+/// Keys for which memory is always kept.
+const RESERVED_KEYS: usize = 4096;
 
 #[derive(Clone, Copy, Debug)]
 struct Key {
     rank: f64,
-    /// Of the drawable in the scene.
+    /// Index of the drawable in the scene.
     index: u32,
     /// The first of its solids.
     first: u32,
-    /// How many of its solids.
+    /// Number of its solids.
     count: u32,
     group: RenderGroup,
     is_translucent: bool,
@@ -73,7 +72,7 @@ impl Key {
     }
 }
 
-/// Translucent things are drawn from far to near.
+/// Rank of a translucent drawable: from far to near.
 fn rank_of_distance(sort_point: &Point3<f64>, eye: &Point3<f64>) -> f64 {
     -(sort_point - eye).norm_squared()
 }
@@ -84,7 +83,7 @@ impl DrawOrder {
         // The memory of a much larger scene is given back.
         let used = self.keys.len();
         self.keys.clear();
-        if self.keys.capacity() > 4 * used + SPARE_KEYS {
+        if self.keys.capacity() > 4 * used + RESERVED_KEYS {
             self.keys.shrink_to(used);
         }
         let shown = (0..).zip(&scene.drawables).filter(|(_, drawable)| visible.shows(drawable.display));

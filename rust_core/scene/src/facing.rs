@@ -1,40 +1,18 @@
 //! Groups that turn to the camera as one: an interactive marker's controls that face the view.
 //!
-//! Unlike [`Text`](crate::Text), which is flat and turns by itself, such a group may hold anything, and its parts keep
-//! their places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn anew for each camera that is about
-//! to draw them: one axis of the group goes into the camera's viewing direction, another upwards on its picture.
+//! Unlike [`Text`](crate::Text), which turns by itself, such a group may hold any geometry, and its parts keep their
+//! places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn for each camera: one axis of the group
+//! goes into the camera's viewing direction, another upwards on its picture.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Unit, UnitQuaternion, Vector3};
 
-use crate::{Camera, DisplayId, Drawable, Geometry, RenderGroup, Scene};
+use crate::{Camera, DisplayId, Drawable, Facing, Geometry, RenderGroup, Scene};
 
-/// How near to a half turn two directions are taken for opposite; Ogre's value.
+/// Tolerance of the cosine within which two directions are opposite; Ogre's value.
 const OPPOSITE_TOLERANCE: f64 = 1e-6;
-
-/// A group that turns about its origin, which is that of its drawable; that drawable's rotation does not count.
-#[derive(Clone, Debug)]
-pub struct Facing {
-    /// The direction, in the group's frame, that comes to point away from the camera.
-    pub forward: Vector3<f64>,
-    /// The direction, in the group's frame and upright to `forward`, that comes to point up on the picture.
-    pub up: Vector3<f64>,
-    /// The group's parts.
-    pub parts: Vec<FacingPart>,
-}
-
-/// One thing in a group.
-#[derive(Clone, Debug)]
-pub struct FacingPart {
-    /// Takes the geometry to the group's frame.
-    pub group_from_part: Matrix4<f64>,
-    /// As [`Drawable::sort_point`], in the fixed frame; `None` for the part's origin, wherever that turns.
-    pub sort_point: Option<Point3<f64>>,
-    /// What is drawn. A group within a group is not drawn.
-    pub geometry: Geometry,
-}
 
 impl Facing {
     /// The group at a place in the fixed frame.
@@ -69,8 +47,7 @@ fn shortest_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> UnitQuaternion<f64> 
 }
 
 impl Scene {
-    /// The scene as a camera sees it: each [`Geometry::Facing`] is replaced by its parts, turned to the camera.
-    /// Renderers draw this.
+    /// The scene for one camera: each [`Geometry::Facing`] is replaced by its parts, turned to the camera.
     pub fn seen_from(&self, camera: &Camera) -> Cow<'_, Self> {
         if !self.drawables.iter().any(|drawable| matches!(drawable.geometry, Geometry::Facing(_))) {
             return Cow::Borrowed(self);
@@ -109,7 +86,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{HorizontalAlignment, Intrinsics, Rgba, Text, VerticalAlignment};
+    use crate::{FacingPart, HorizontalAlignment, Intrinsics, Rgba, Text, VerticalAlignment};
 
     fn camera(fixed_from_optical: &Isometry3<f64>) -> Camera {
         let p = [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -129,8 +106,7 @@ mod tests {
         Scene { drawables: vec![facing.into_drawable(7, Vector3::new(1.0, 2.0, 3.0))], light: None }
     }
 
-    /// How far the middle of the part above is from where the camera's up direction puts it, in metres, in a scene
-    /// whose camera is turned so.
+    /// Distance in metres of the middle of the upper part from the camera's up direction, for a camera at this pose.
     fn off_upright(fixed_from_optical: &Isometry3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> f64 {
         let seen = scene(forward, up).seen_from(&camera(fixed_from_optical)).into_owned();
         assert_eq!(seen.drawables[0].display, 7);

@@ -1,13 +1,13 @@
 //! A finished picture mirrored along its rows, its columns or both.
 //!
-//! A CameraInfo whose P has a negative focal length describes a mirrored picture. It is drawn as the camera without the
-//! mirror sees it, so that no renderer meets faces that go round the wrong way, and is flipped when it is finished.
+//! A CameraInfo whose P has a negative focal length describes a mirrored picture. It is drawn without the mirror, so
+//! that faces keep their winding, and is flipped when it is finished.
 
 use rayon::prelude::*;
 
 use crate::{DepthPicture, Picture};
 
-/// Along which sides a picture is mirrored.
+/// Sides along which a picture is mirrored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Flip {
     /// Left and right are swapped.
@@ -20,7 +20,7 @@ impl Flip {
     /// Leaves pictures as they are.
     pub const NONE: Self = Self { is_left_right: false, is_up_down: false };
 
-    /// Where a pixel of a picture of this size is in the flipped one; an integer is a pixel's centre.
+    /// Place of a pixel of a picture of this size in the flipped one; an integer is a pixel's centre.
     pub fn pixel(self, [width_px, height_px]: [u32; 2], [u, v]: [f64; 2]) -> [f64; 2] {
         [
             if self.is_left_right { f64::from(width_px) - 1.0 - u } else { u },
@@ -28,7 +28,7 @@ impl Flip {
         ]
     }
 
-    /// The row of a picture of this height that is found at a row of the flipped one.
+    /// Row of a picture of this height at a row of the flipped one.
     pub fn row(self, height: usize, row: usize) -> usize {
         match self.is_up_down {
             true => height.saturating_sub(row + 1),
@@ -37,16 +37,6 @@ impl Flip {
     }
 
     /// Flips a picture in place.
-    ///
-    /// ```
-    /// use rcs_scene::{Encoding, Flip, Picture};
-    ///
-    /// let mut picture = Picture::default();
-    /// picture.reset(3, 1, Encoding::Mono8);
-    /// picture.data = vec![1, 2, 3];
-    /// Flip { is_left_right: true, is_up_down: false }.picture(&mut picture);
-    /// assert_eq!(picture.data, [3, 2, 1]);
-    /// ```
     pub fn picture(self, picture: &mut Picture) {
         self.bytes(picture.width_px, picture.encoding.bytes_per_pixel(), &mut picture.data);
     }

@@ -18,16 +18,16 @@ use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use crate::{Filtering, Texture, Wrapping};
 
-/// The code points below this have a glyph.
-pub const GLYPH_COUNT: u32 = 1000;
+/// Code points below this have a glyph.
+const GLYPH_COUNT: u32 = 1000;
 
 const EM_PX: f32 = 24.0;
 const ATLAS_WIDTH_PX: u32 = 1024;
 const SPACING_PX: u32 = 1;
-/// The most bytes of a font's file that are read.
+/// Bytes read of a font's file at most.
 const MOST_FONT_BYTES: u64 = 64 << 20;
 
-/// Where rviz's font is: in ROS installations, and on Debian, whose rviz uses the system's.
+/// Paths of rviz's font: in ROS installations, and on Debian, whose rviz uses the system's.
 const RVIZ_FONTS: [&str; 4] = [
     "/opt/ros/noetic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
     "/opt/ros/melodic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
@@ -37,18 +37,18 @@ const RVIZ_FONTS: [&str; 4] = [
 
 /// Height of the cells and of the baseline below their top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Cell {
+struct GlyphCell {
     height_px: u32,
     baseline_px: i32,
 }
 
 /// The cells that rviz gets from release 1 of the typeface. The built-in release 2 has a few taller letters, which are
 /// cut, so that text has the same size.
-const BUILT_IN_CELL: Cell = Cell { height_px: 28, baseline_px: 24 };
+const BUILT_IN_CELL: GlyphCell = GlyphCell { height_px: 28, baseline_px: 24 };
 
 pub(crate) static FONT: &[u8] = include_bytes!("../assets/LiberationSans-Regular.ttf");
 
-/// Where a glyph's cell is in the atlas.
+/// Cell of a glyph in the atlas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlyphBox {
     /// Texture coordinates of the cell's left, top, right and bottom edge.
@@ -71,7 +71,7 @@ impl GlyphAtlas {
         &self.texture
     }
 
-    /// Where a character's glyph is; `None` for one that rviz has no glyph for either.
+    /// The cell of a character; `None` where rviz has no glyph for it either.
     pub fn glyph(&self, character: char) -> Option<GlyphBox> {
         self.boxes.get(character as usize).copied().flatten()
     }
@@ -108,8 +108,8 @@ struct Glyph {
     bitmap: Bitmap,
 }
 
-/// The atlas of a font file; `None` where it is none. Without a given cell, it follows from the glyphs as in Ogre.
-fn build(file: &[u8], cell: Option<Cell>) -> Option<GlyphAtlas> {
+/// The atlas of a font file; `None` for an invalid one. Without a given cell, it follows from the glyphs as in Ogre.
+fn build(file: &[u8], cell: Option<GlyphCell>) -> Option<GlyphAtlas> {
     let font = FontRef::new(file).ok()?;
     let outlines = font.outline_glyphs();
     let size = Size::new(EM_PX);
@@ -129,14 +129,14 @@ fn build(file: &[u8], cell: Option<Cell>) -> Option<GlyphAtlas> {
 }
 
 /// Ogre's rule: the cell is high enough for the glyph whose height and depth below the baseline are the most.
-fn cell_of(glyphs: &[Glyph]) -> Cell {
+fn cell_of(glyphs: &[Glyph]) -> GlyphCell {
     let height = glyphs.iter().map(|glyph| 2 * glyph.bitmap.height_px as i32 + glyph.bitmap.top_px).max();
     let baseline = glyphs.iter().map(|glyph| -glyph.bitmap.top_px).max();
-    Cell { height_px: height.unwrap_or(0).max(1) as u32, baseline_px: baseline.unwrap_or(0) }
+    GlyphCell { height_px: height.unwrap_or(0).max(1) as u32, baseline_px: baseline.unwrap_or(0) }
 }
 
 /// Ogre's layout: glyphs stand in rows in the order of their code.
-fn pack(glyphs: &[Glyph], cell: Cell) -> GlyphAtlas {
+fn pack(glyphs: &[Glyph], cell: GlyphCell) -> GlyphAtlas {
     let cell_height = cell.height_px;
     let mut places = Vec::with_capacity(glyphs.len());
     let (mut x, mut y) = (0, 0);

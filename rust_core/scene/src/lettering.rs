@@ -7,9 +7,9 @@ use skrifa::{FontRef, MetadataProvider};
 
 use crate::font::{rasterize, Bitmap, FONT};
 
-/// How far letters reach above the baseline, in em.
+/// Height of letters above the baseline, in em.
 pub const LETTER_ASCENT_EM: f32 = 0.905;
-/// How far letters reach below the baseline, in em.
+/// Depth of letters below the baseline, in em.
 pub const LETTER_DESCENT_EM: f32 = 0.212;
 
 /// A letter's pixels.
@@ -25,11 +25,11 @@ pub struct Letter {
     pub width_px: u32,
     /// Rows of the bitmap.
     pub height_px: u32,
-    /// How much of each pixel is covered, 0 to 255, row by row from the top.
+    /// Coverage of each pixel, 0 to 255, row by row from the top.
     pub coverage: Vec<u8>,
 }
 
-/// The letters of a text in this size; characters that the typeface lacks are the box that it has for them.
+/// The letters of a text in this size; characters that the typeface lacks become its box for them.
 pub fn letters(text: &str, em_px: f32) -> Vec<Letter> {
     let Ok(font) = FontRef::new(FONT) else { return Vec::new() };
     let (outlines, charmap, size) = (font.outline_glyphs(), font.charmap(), Size::new(em_px));

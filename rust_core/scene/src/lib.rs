@@ -1,9 +1,9 @@
 //! Scenes, cameras and pictures, as plain data.
 //!
 //! A [`Scene`] is a list of [`Drawable`]s in the fixed frame and the light that falls on them; a [`Camera`] sees it.
-//! Nothing here knows of messages, of topics or of a drawing backend: the displays fill a scene, a renderer reads it.
-//! Geometry is shared by [`std::sync::Arc`], so that a scene is cheap to rebuild for every picture and a renderer can
-//! keep what it derived from a geometry (such as a GPU buffer) for as long as that geometry lives.
+//! Nothing here knows of messages, topics or a drawing backend: displays fill a scene, a renderer reads it. Geometry is
+//! shared by [`std::sync::Arc`], so that a scene is cheap to rebuild for every picture and a renderer can keep derived
+//! data (such as a GPU buffer) for as long as the geometry lives.
 //!
 //! Conventions: metres and radians; colours are not gamma-corrected (rviz blends and lights the stored values);
 //! `f32` for geometry in an object's own frame, `f64` for where the object stands. The view frame is OpenGL's: x to
@@ -13,7 +13,6 @@
 mod camera;
 mod cells;
 mod color;
-mod depth_picture;
 mod draw_order;
 mod facing;
 mod flip;
@@ -30,28 +29,24 @@ mod ribbons;
 mod scene;
 mod solids;
 mod text;
-mod waits;
-mod workers;
+mod threads;
 
-pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M, MAX_SIDE_PX};
+pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M};
 pub use cells::{CellSheet, CellTile, Cells, TILE_SIDE, UNSET_CELL};
 pub use color::Rgba;
-pub use depth_picture::DepthPicture;
 pub use draw_order::{DrawOrder, Ordered};
-pub use facing::{Facing, FacingPart};
 pub use flip::Flip;
-pub use font::{glyph_atlas, GlyphAtlas, GlyphBox, GLYPH_COUNT};
+pub use font::{glyph_atlas, GlyphAtlas, GlyphBox};
 pub use lettering::{letters, Letter, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use memory::resize_block;
 pub use mesh::{Mesh, Vertex};
-pub use picture::{Encoding, Picture, PixelOrder};
+pub use picture::{DepthPicture, Encoding, Picture, PixelOrder, MAX_SIDE_PX};
 pub use pixel_map::{MapRun, PixelMap};
 pub use points::{PointBuffer, PointColors, PointStyle, Points, MAX_POINT_SIZE_PX};
 pub use ribbons::{RibbonElement, Ribbons};
-pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Geometry, RenderGroup, Scene};
+pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Facing, FacingPart, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
-pub use waits::{join_within, lock, wait_timeout, wait_while, IDLE_PERIOD};
-pub use workers::name_threads;
+pub use threads::{join_within, name_threads, wait_while, IDLE_PERIOD};

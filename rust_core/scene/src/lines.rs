@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::Blending;
 
-/// How the vertices of [`Lines`] are joined.
+/// Order in which the vertices of [`Lines`] are joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineTopology {
     /// Vertices 0–1, 2–3, 4–5 …
@@ -20,9 +20,9 @@ pub struct Lines {
     pub positions: Vec<[f32; 3]>,
     /// One colour a vertex, red first, interpolated along a line; or a single one for all.
     pub colors: Vec<[u8; 4]>,
-    /// How the vertices are joined.
+    /// Order in which the vertices are joined.
     pub topology: LineTopology,
-    /// How the lines blend with the pixels behind them.
+    /// Combination with the pixels behind them.
     pub blending: Blending,
 }
 
@@ -32,7 +32,7 @@ impl Lines {
         self.colors.get(index).or_else(|| self.colors.first()).copied().unwrap_or([255; 4])
     }
 
-    /// How many lines there are.
+    /// Number of lines.
     pub fn segment_count(&self) -> usize {
         match self.topology {
             LineTopology::List => self.positions.len() / 2,

@@ -1,4 +1,4 @@
-//! How a surface is coloured: light, textures, blending, culling.
+//! Materials of surfaces: light, textures, blending, culling.
 //!
 //! This is the part of Ogre's fixed-function material that rviz uses. Light is computed for each vertex and
 //! interpolated (Gouraud), and rviz's scene has no ambient light, so a material's ambient colour never shows.
@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::Rgba;
 
-/// How a fragment is combined with the pixel behind it.
+/// Combination of a fragment with the pixel behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Blending {
     /// The fragment replaces the pixel (Ogre's `SBT_REPLACE`), whatever its alpha.
@@ -17,7 +17,7 @@ pub enum Blending {
     Alpha,
 }
 
-/// Which side of a triangle is not drawn. The front is the side from which the vertices run counter-clockwise.
+/// Side of a triangle that is not drawn. The front is the side from which the vertices run counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum CullMode {
     /// Both sides are drawn.
@@ -29,7 +29,7 @@ pub enum CullMode {
     Front,
 }
 
-/// How a surface gets its colour before its texture.
+/// Source of a surface's colour before its texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lighting {
     /// The vertex colour where the mesh has one, else white.
@@ -44,7 +44,7 @@ pub enum Lighting {
     },
 }
 
-/// How a texture is read between its texels.
+/// Filter of a texture between its texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filtering {
     /// The nearest texel.
@@ -56,7 +56,7 @@ pub enum Filtering {
     BilinearMipmap,
 }
 
-/// How a texture is read outside of 0 to 1.
+/// Continuation of a texture outside of 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrapping {
     /// It repeats (Ogre's default).
@@ -74,31 +74,31 @@ pub struct Texture {
     pub height: u32,
     /// `width · height` texels, row by row, red first.
     pub rgba: Vec<[u8; 4]>,
-    /// How it is read between texels.
+    /// Filter between texels.
     pub filtering: Filtering,
-    /// How it is read outside of 0 to 1.
+    /// Continuation outside of 0 to 1.
     pub wrapping: Wrapping,
 }
 
-/// How a mesh is drawn.
+/// Material of a mesh.
 #[derive(Clone, Debug)]
 pub struct Material {
-    /// Where the colour comes from.
+    /// Source of the colour.
     pub lighting: Lighting,
     /// The mesh's vertex colours are used: as the colour when unlit, as the diffuse colour when lit.
     pub vertex_colors: bool,
     /// Multiplied with the colour, alpha included (fixed-function modulate).
     pub texture: Option<Arc<Texture>>,
-    /// How it blends with the pixels behind it.
+    /// Combination with the pixels behind it.
     pub blending: Blending,
-    /// Whether it hides what is drawn later and farther away.
+    /// `true` if it occludes drawables that come later and are farther away.
     pub depth_write: bool,
-    /// Whether nearer things that are drawn already hide it.
+    /// `true` if nearer drawables that came earlier occlude it.
     pub depth_test: bool,
     /// Draw in front of a surface of the same depth by this many smallest depth steps and slopes
     /// (`glPolygonOffset(-bias, -bias)`); 0 for most.
     pub depth_bias: f32,
-    /// Which side is not drawn.
+    /// Side that is not drawn.
     pub cull: CullMode,
 }
 
@@ -136,14 +136,14 @@ impl Material {
         Self { lighting: Lighting::Unlit, vertex_colors: true, ..Self::lit(Rgba::WHITE) }.translucent(translucent)
     }
 
-    /// The same, blended and without depth writes, or opaque.
+    /// Makes it blended and without depth writes, or opaque.
     pub fn translucent(mut self, translucent: bool) -> Self {
         self.blending = if translucent { Blending::Alpha } else { Blending::Replace };
         self.depth_write = !translucent;
         self
     }
 
-    /// rviz takes a colour for opaque from this alpha on.
+    /// Alpha from which on rviz takes a colour for opaque.
     pub const OPAQUE_FROM_ALPHA: f32 = 0.9998;
 }
 

@@ -1,14 +1,13 @@
-//! The memory of pictures: blocks that are written again and again, and that may be large.
+//! Memory of pictures: reused blocks that may be large.
 
-/// A block of this size goes back to the system as soon as it is freed, as glibc maps it by itself. Smaller ones lie
-/// among others once one of their size has been freed, and may stay (mallopt(3), M_MMAP_THRESHOLD, which rises to
-/// 32 MiB at most). What is not used of a block costs addresses only.
+/// Size from which glibc maps a block by itself, so that it goes back to the system as soon as it is freed. Smaller
+/// ones may stay once one of their size has been freed (mallopt(3), M_MMAP_THRESHOLD, which rises to 32 MiB at most).
+/// Unused parts of a block cost addresses only.
 const MAPPED_ALONE_BYTES: usize = 33 << 20;
 /// Blocks from this size on are made that large. It is over a quarter of that, so that [`give_back_block`] leaves them.
 const LARGE_BYTES: usize = 9 << 20;
 
-/// Gives `data` this length. Its elements are any that it had, or `blank`. Keeps its memory, unless that is several
-/// times what so many elements need.
+/// Resizes `data`, with any of its old elements or `blank`. Keeps its memory, unless that is several times too large.
 pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
     give_back_block(data, len);
     if data.capacity() < len {
@@ -20,7 +19,7 @@ pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
     data.resize(len, blank);
 }
 
-/// Gives the memory of `data` back, and what it holds with it, if that is several times what so many elements need.
+/// Frees the memory and elements of `data` if that is several times what `len` elements need.
 pub(crate) fn give_back_block<T>(data: &mut Vec<T>, len: usize) {
     const MOST_UNUSED_BYTES: usize = 1 << 20;
     let [owned, needed] = [data.capacity(), len].map(|count| count.saturating_mul(size_of::<T>()));

@@ -1,4 +1,4 @@
-//! Triangles.
+//! Triangle meshes.
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

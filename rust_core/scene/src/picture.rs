@@ -1,9 +1,12 @@
-//! A finished picture in one of the encodings of a `sensor_msgs/Image`.
+//! A finished picture in one of the encodings of a `sensor_msgs/Image`, and its depths.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, u8x16, Level};
 
 use crate::memory::{give_back_block, resize_block};
+
+/// The longest side of a picture, in pixels.
+pub const MAX_SIDE_PX: u32 = 16384;
 
 /// The encodings that a CameraPub display offers, by their names in `sensor_msgs/image_encodings`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -23,7 +26,7 @@ pub enum Encoding {
     Mono16,
 }
 
-/// In which order a drawn pixel's four bytes stand; the last one is alpha.
+/// Order of a drawn pixel's four bytes; the last one is alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum PixelOrder {
     /// Red first.
@@ -70,7 +73,7 @@ impl Encoding {
         self.write_row_from(PixelOrder::Rgba, pixels, row);
     }
 
-    /// [`Self::write_row`] of pixels whose bytes stand in another order.
+    /// Like [`Self::write_row`], for pixels in another byte order.
     pub fn write_row_from(self, order: PixelOrder, pixels: &[[u8; 4]], row: &mut [u8]) {
         // Compiled for each of the processor's instruction sets, of which some shuffle bytes much faster than others;
         // and for each order, so that channels are constants.
@@ -80,7 +83,7 @@ impl Encoding {
         });
     }
 
-    /// Writes a row of pixels whose red, green and blue are these bytes.
+    /// Writes a row of pixels; red, green and blue are at these indices.
     #[inline(always)]
     fn write_row_with<S: Simd>(self, simd: S, pixels: &[[u8; 4]], row: &mut [u8], [r, g, b]: [u8; 3]) {
         // Cells of a fixed size are copied without a call for each.
@@ -152,16 +155,15 @@ impl AsRef<[u8]> for Picture {
 }
 
 impl Picture {
-    /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory, unless that is
-    /// several times what the picture needs: a single huge picture must not occupy it for ever.
+    /// Gives it a size and encoding; the bytes may hold anything. Keeps its memory, unless that is several times too
+    /// large: a single huge picture must not occupy it for ever.
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
         let bytes = self.step() * height_px as usize;
         resize_block(&mut self.data, bytes, 0);
     }
 
-    /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes
-    /// needs.
+    /// Frees its memory and content if that is several times what a picture of `needed_bytes` needs.
     pub fn give_back_memory(&mut self, needed_bytes: usize) {
         give_back_block(&mut self.data, needed_bytes);
     }
@@ -169,6 +171,26 @@ impl Picture {
     /// Bytes of a row.
     pub fn step(&self) -> usize {
         self.width_px as usize * self.encoding.bytes_per_pixel()
+    }
+}
+
+/// Metres along the optical axis for each pixel, row by row from the top; NaN where nothing is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DepthPicture {
+    /// Pixels in a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// `width · height` depths.
+    pub depths_m: Vec<f32>,
+}
+
+impl DepthPicture {
+    /// Gives it a size, empty. Keeps its memory, unless that is several times too large.
+    pub fn reset(&mut self, width_px: u32, height_px: u32) {
+        (self.width_px, self.height_px) = (width_px, height_px);
+        resize_block(&mut self.depths_m, width_px as usize * height_px as usize, f32::NAN);
+        self.depths_m.fill(f32::NAN);
     }
 }
 

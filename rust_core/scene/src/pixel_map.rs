@@ -1,4 +1,4 @@
-//! Where each pixel of a picture is found in another one: a lens between what is drawn and what is seen.
+//! Map from each pixel of a picture to its place in a source picture, such as a lens makes it.
 
 use std::ops::Range;
 
@@ -6,22 +6,22 @@ use rayon::prelude::*;
 
 use crate::MAX_SIDE_PX;
 
-/// Along a row, places are kept for every so many pixels; between them they change evenly.
+/// Distance between stored places along a row; between them they are interpolated.
 const STRIDE_PX: u32 = MapRun::PIXELS as u32;
 
-/// Fractions of a place are multiples of one over this.
+/// Fixed-point one of places.
 const ONE: f64 = 65536.0;
 
-/// The source reaches beyond the picture's own area by half a side, or by this.
+/// Least reach of the source beyond the picture's own area, which is half a side otherwise.
 const LEAST_REACH_PX: f64 = 64.0;
 
-/// Pixels of the source around the places that are needed, so that each has its four neighbours.
+/// Margin of the source around the places, so that each has its four neighbours.
 const MARGIN_PX: f64 = 1.0;
 
-/// A picture's size, and for each of its pixels the place in a source picture whose colour it has, or that it has none.
+/// Map of a picture's pixels to places in a source picture; some pixels may have none.
 ///
 /// Places are pixels from the source's top left one; an integer is a pixel's centre. Between every eighth pixel of a
-/// row they are interpolated, which for a lens is off by some hundredths of a pixel at most.
+/// row they are interpolated, with an error of some hundredths of a pixel at most for a lens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PixelMap {
     size_px: [u32; 2],
@@ -33,33 +33,33 @@ pub struct PixelMap {
     nodes: Vec<[i32; 2]>,
 }
 
-/// The pixels of a row that have a place, and where their places begin.
+/// The pixels of a row that have a place, and their nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct MapRow {
     pixels: Range<u32>,
     nodes: Range<usize>,
 }
 
-/// Pixels of a row whose places follow one another evenly.
+/// Pixels of a row with equidistant places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapRun {
     /// The first pixel's place, in 1/65536 pixels of the source.
     pub place: [i32; 2],
-    /// From one pixel's place to the next one's.
+    /// Distance from one pixel's place to the next one's.
     pub step: [i32; 2],
 }
 
 impl MapRun {
-    /// How many pixels a run has; the last one of a row may have fewer.
+    /// Pixels of a run; the last one of a row may have fewer.
     pub const PIXELS: usize = 8;
 }
 
 impl PixelMap {
-    /// The map of a picture of `size_px`. `place` says where a pixel (column, row) is in a source picture without
-    /// bounds, in pixels; none where it shows nothing. The source is cut to what is needed, and to twice the
-    /// picture's size around its middle at most: [`Self::source_origin_px`] is the place of its first pixel.
+    /// The map of a picture of `size_px`. `place` gives the place of a pixel (column, row) in an unbounded source
+    /// picture, in pixels, if it has one. The source is cut to the places, and to twice the picture's size around its
+    /// middle at most: [`Self::source_origin_px`] is the place of its first pixel.
     ///
-    /// None where no pixel has a place.
+    /// `None` if no pixel has a place.
     ///
     /// ```
     /// use rcs_scene::PixelMap;
@@ -102,7 +102,7 @@ impl PixelMap {
         for (pixels, places) in rows {
             let begin = map.nodes.len();
             map.nodes.extend(places.into_iter().map(fixed));
-            map.go_on_evenly(begin, pixels.len());
+            map.extend_last_run(begin, pixels.len());
             map.rows.push(MapRow { pixels, nodes: begin..map.nodes.len() });
         }
         Some(map)
@@ -118,14 +118,13 @@ impl PixelMap {
         self.source_size_px
     }
 
-    /// Where the source's first pixel is among the places that the map was made of.
+    /// Place of the source's first pixel, in the coordinates that [`new`](Self::new) was given.
     pub fn source_origin_px(&self) -> [i32; 2] {
         self.source_origin_px
     }
 
-    /// The columns of a row's pixels that show something, and their runs: each is that of the next [`MapRun::PIXELS`]
-    /// pixels, the last one that of what is left. Places and the pixels to the right of and below them are in the
-    /// source.
+    /// Columns of a row's pixels that have a place, and their runs of [`MapRun::PIXELS`] pixels, the last one of the
+    /// rest. Places and the pixels to the right of and below them are in the source.
     pub fn runs(&self, row: u32) -> (Range<u32>, impl Iterator<Item = MapRun> + '_) {
         let MapRow { pixels, nodes } = self.rows.get(row as usize).cloned().unwrap_or_default();
         let nodes = self.nodes.get(nodes).unwrap_or(&[]);
@@ -136,9 +135,9 @@ impl PixelMap {
         (pixels, runs)
     }
 
-    /// Moves the last place of a row of so many pixels, which begins at a node and ends with its last pixel's place, to
-    /// where the last run's steps lead after a whole run.
-    fn go_on_evenly(&mut self, begin: usize, pixels: usize) {
+    /// Extends the last run of a row of `pixels` pixels, whose nodes begin at `begin` and end with its last pixel's
+    /// place, to a whole run.
+    fn extend_last_run(&mut self, begin: usize, pixels: usize) {
         let Some(last) = pixels.checked_sub(1) else { return };
         // The last run's only pixel may be the row's last one.
         let steps = last % MapRun::PIXELS;
@@ -155,7 +154,7 @@ impl PixelMap {
     }
 }
 
-/// The longest row of pixels that have a place, and the places of every [`STRIDE_PX`]th of them and of the last one.
+/// Longest run of pixels that have a place, and the places of every [`STRIDE_PX`]th of them and of the last one.
 fn places_of_row(width: u32, place: impl Fn(u32) -> Option<[f64; 2]>) -> (Range<u32>, Vec<[f64; 2]>) {
     let pixels = longest_run(width, |column| place(column).is_some());
     let Some(last) = pixels.clone().next_back() else { return (pixels, Vec::new()) };
@@ -164,8 +163,7 @@ fn places_of_row(width: u32, place: impl Fn(u32) -> Option<[f64; 2]>) -> (Range<
     (pixels, places)
 }
 
-/// The longest range of columns for which something holds: looked at every [`STRIDE_PX`]th, and at each where it
-/// begins or ends.
+/// Longest range of columns for which `holds`: sampled at every [`STRIDE_PX`]th, and at each where it begins or ends.
 fn longest_run(width: u32, holds: impl Fn(u32) -> bool) -> Range<u32> {
     let (mut longest, mut current) = (0..0, 0..0);
     let mut column = 0;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// this size.
 pub const MAX_POINT_SIZE_PX: f32 = 255.0;
 
-/// How one point is drawn.
+/// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointStyle {
     /// A round spot of a fixed size on the picture, `Style: Points`. It has the depth of its centre.
@@ -23,7 +23,7 @@ pub enum PointStyle {
         /// Width and height in metres; clouds have squares, markers may have oblongs.
         size_m: [f32; 2],
     },
-    /// The same square in one colour, `Style: Flat Squares`.
+    /// A square facing the eye in one colour, `Style: Flat Squares`.
     FlatSquares {
         /// Side length in metres.
         side_m: f32,
@@ -51,7 +51,7 @@ pub enum PointStyle {
 }
 
 impl PointStyle {
-    /// The same style with this side, diameter or edge in metres. A size in pixels stays as it is.
+    /// Sets the side, diameter or edge in metres. A size in pixels stays as it is.
     #[must_use]
     pub fn with_side(self, side_m: f32) -> Self {
         match self {
@@ -95,36 +95,17 @@ pub struct PointBuffer {
 }
 
 /// A cloud with the way it is drawn.
-///
-/// ```
-/// use std::sync::Arc;
-///
-/// use rcs_scene::{Geometry, PointBuffer, PointColors, PointStyle, Points};
-///
-/// let positions = vec![[0.0, 0.0, 1.0], [0.1, 0.0, 1.0]];
-/// let colors = PointColors::PerPoint(vec![[255, 0, 0, 255], [0, 0, 255, 255]]);
-/// let cloud = Points {
-///     buffer: Arc::new(PointBuffer { positions, colors }),
-///     style: PointStyle::FlatSquares { side_m: 0.01 },
-///     alpha: 1.0,
-///     blended: false,
-///     auto_size: false,
-/// };
-/// // Another style shares the points.
-/// let as_spheres = Points { style: PointStyle::Spheres { size_m: [0.01; 2] }, ..cloud.clone() };
-/// assert!(Arc::ptr_eq(&cloud.buffer, &as_spheres.buffer));
-/// assert!(!Geometry::Points(cloud).is_translucent());
-/// ```
 #[derive(Clone, Debug)]
 pub struct Points {
-    /// What is drawn.
+    /// Positions and colours.
     pub buffer: Arc<PointBuffer>,
-    /// How each point is drawn.
+    /// Shape of each point.
     pub style: PointStyle,
     /// Opacity of 0 to 1, multiplied with each colour's own.
     pub alpha: f32,
-    /// Whether points blend with what is behind them and do not write depth. rviz does so below an opacity of 0.9998
-    /// and where each point has an opacity of its own; otherwise points replace what is behind, whatever their alpha.
+    /// `true` if points blend with the pixels behind them and do not write depth. rviz does so below an opacity of
+    /// 0.9998 and where each point has an opacity of its own; otherwise points replace the pixels, whatever their
+    /// alpha.
     pub blended: bool,
     /// Sizes are multiplied by each point's z in the object's frame (DepthCloud's "Auto Size").
     pub auto_size: bool,

@@ -25,7 +25,7 @@ pub struct Ribbons {
     pub chains: Vec<Vec<RibbonElement>>,
     /// Width in metres.
     pub width_m: f32,
-    /// How they blend with the pixels behind them.
+    /// Combination with the pixels behind them.
     pub blending: Blending,
 }
 
@@ -37,7 +37,7 @@ impl Ribbons {
         mesh
     }
 
-    /// As [`Self::to_mesh`], in the place of a mesh's content and in its memory.
+    /// Like [`Self::to_mesh`], into the memory of a mesh, whose content is replaced.
     pub fn write_to(&self, mesh: &mut Mesh, eye: Point3<f32>) {
         let elements: usize = self.chains.iter().map(Vec::len).sum();
         mesh.vertices.clear();

@@ -1,23 +1,15 @@
-//! A scene: what is drawn, in the fixed frame, and the light on it.
+//! A scene: drawables in the fixed frame, and the light on them.
 
 use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use crate::{Blending, CellSheet, Facing, Lines, Material, Mesh, Points, Ribbons, Solids, Text};
+use crate::{Blending, CellSheet, Lines, Material, Mesh, Points, Ribbons, Solids, Text};
 
-/// Which display a drawable came from: its index in the config's tree order.
+/// Number of a display: its index in the config's tree order.
 pub type DisplayId = u32;
 
-/// Which displays a camera shows (its "Visibility" property).
-///
-/// ```
-/// use rcs_scene::DisplayMask;
-///
-/// let mut visible = DisplayMask::all();
-/// visible.set(3, false);
-/// assert!(visible.shows(0) && !visible.shows(3));
-/// ```
+/// Displays that a camera shows (its "Visibility" property).
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct DisplayMask {
     hidden: Vec<bool>,
@@ -38,13 +30,13 @@ impl DisplayMask {
         self.hidden[index] = !shown;
     }
 
-    /// Whether a display is shown; one that was never set is.
+    /// `true` if a display is shown; one that was never set is.
     pub fn shows(&self, display: DisplayId) -> bool {
         !self.hidden.get(display as usize).copied().unwrap_or(false)
     }
 }
 
-/// The order of drawing: groups are drawn one after another, whatever the depths in them.
+/// Groups that are drawn one after another, whatever the depths in them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum RenderGroup {
     /// Before everything else (a Map's "Draw Behind").
@@ -84,9 +76,9 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// Whether it goes with the translucent drawables: those come after the opaque ones of their group, sorted from
-    /// far to near. Ogre's rule: it blends, and does not write depth or does not test it. Each of several solids has a
-    /// place of its own; [`Solid::is_translucent`](crate::Solid::is_translucent) says which.
+    /// `true` if it is drawn with the translucent drawables: after the opaque ones of its group, sorted from far to
+    /// near. Ogre's rule: it blends, and does not write depth or does not test it. Solids are sorted one by one, see
+    /// [`Solid::is_translucent`](crate::Solid::is_translucent).
     pub fn is_translucent(&self) -> bool {
         match self {
             Self::Points(points) => points.blended,
@@ -102,19 +94,41 @@ impl Geometry {
     }
 }
 
-/// One thing to draw.
+/// A group that turns about its origin, which is that of its drawable; that drawable's rotation does not count.
+#[derive(Clone, Debug)]
+pub struct Facing {
+    /// Direction in the group's frame that is turned away from the camera.
+    pub forward: Vector3<f64>,
+    /// Direction in the group's frame, perpendicular to `forward`, that is turned up on the picture.
+    pub up: Vector3<f64>,
+    /// Drawables of the group.
+    pub parts: Vec<FacingPart>,
+}
+
+/// One drawable of a group.
+#[derive(Clone, Debug)]
+pub struct FacingPart {
+    /// Takes the geometry to the group's frame.
+    pub group_from_part: Matrix4<f64>,
+    /// Like [`Drawable::sort_point`], in the fixed frame; `None` for the part's origin, wherever that turns.
+    pub sort_point: Option<Point3<f64>>,
+    /// Geometry; a group within a group is not drawn.
+    pub geometry: Geometry,
+}
+
+/// A geometry at its place in the scene.
 #[derive(Clone, Debug)]
 pub struct Drawable {
-    /// Whose it is.
+    /// The display that made it.
     pub display: DisplayId,
     /// From the geometry's own frame to the fixed frame; affine, and may scale.
     pub fixed_from_object: Matrix4<f64>,
-    /// By whose distance to the eye translucent drawables are sorted, in the fixed frame. Mostly the object's origin;
-    /// Ogre takes other points for clouds and chains.
+    /// Point in the fixed frame by whose distance to the eye translucent drawables are sorted. Mostly the object's
+    /// origin; Ogre takes other points for clouds and chains.
     pub sort_point: Point3<f64>,
-    /// When it is drawn.
+    /// Its place in the order of drawing.
     pub group: RenderGroup,
-    /// What is drawn.
+    /// Its shape and material.
     pub geometry: Geometry,
 }
 
@@ -125,28 +139,7 @@ pub struct DirectionalLight {
     pub direction: Vector3<f64>,
 }
 
-/// What is drawn and the light on it. Drawables of equal depth are drawn in this order, the later one wins.
-///
-/// ```
-/// use std::sync::Arc;
-///
-/// use nalgebra::{Matrix4, Point3, Vector3};
-/// use rcs_scene::{Drawable, Geometry, Material, Mesh, RenderGroup, Rgba, Scene, Vertex};
-///
-/// let corner = |x, y| Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]);
-/// let mesh = Mesh { vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)], indices: vec![0, 1, 2] };
-/// let place = Vector3::new(0.0, 0.0, 2.0);
-/// let triangle = Drawable {
-///     display: 0,
-///     fixed_from_object: Matrix4::new_translation(&place),
-///     sort_point: Point3::from(place),
-///     group: RenderGroup::Main,
-///     geometry: Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(Material::lit(Rgba::WHITE)) },
-/// };
-/// assert!(!triangle.geometry.is_translucent());
-/// let scene = Scene { drawables: vec![triangle], light: None };
-/// # assert_eq!(scene.drawables.len(), 1);
-/// ```
+/// Drawables and the light on them. Those of equal depth are drawn in this order, the later one wins.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// In the order of the displays, and within one in the order in which it made them.

@@ -1,9 +1,8 @@
-//! One shape at many places: the solids that markers, axes and arrows are made of.
+//! Instances of shapes: the solids that markers, axes and arrows are made of.
 //!
-//! A scene may have hundreds of thousands of them, and a [`Drawable`](crate::Drawable) for each would take more time
-//! and memory than what is drawn. So one drawable holds all that follow one another in the scene: a few shapes, and for
-//! each solid which of these it is, where it stands, and its colour. Everything else is the same for all: they are lit
-//! as [`Material::lit`] says, and drawn as if each were a drawable of its own, sorted by its origin.
+//! A scene may have hundreds of thousands of them, too many for a [`Drawable`](crate::Drawable) each. One drawable
+//! holds all that follow one another in the scene: a few shapes, and the shape, matrix and colour of each solid. They
+//! are lit as by [`Material::lit`], and drawn as if each were a drawable of its own, sorted by its origin.
 
 use std::sync::Arc;
 
@@ -25,7 +24,7 @@ pub struct Solid {
     pub fixed_from_shape: Matrix3x4<f64>,
     /// Diffuse colour and opacity.
     pub color: Rgba,
-    /// Which of the shapes it is.
+    /// Index of its shape.
     shape: u32,
 }
 
@@ -45,7 +44,7 @@ impl Solids {
         true
     }
 
-    /// Gives back the memory for solids that are not there.
+    /// Frees unused memory.
     pub fn shrink_to_fit(&mut self) {
         self.solids.shrink_to_fit();
     }
@@ -55,12 +54,12 @@ impl Solids {
         &self.solids
     }
 
-    /// How many solids there are.
+    /// Number of solids.
     pub fn len(&self) -> usize {
         self.solids.len()
     }
 
-    /// Whether there are none.
+    /// `true` without solids.
     pub fn is_empty(&self) -> bool {
         self.solids.is_empty()
     }
@@ -72,13 +71,13 @@ impl Solids {
 }
 
 impl Solid {
-    /// Its shape: the index in [`Solids::shapes`].
+    /// Index of its shape in [`Solids::shapes`].
     #[inline]
     pub fn shape(&self) -> usize {
         self.shape as usize
     }
 
-    /// Whether it goes with the translucent drawables, as [`Material::lit`] decides it.
+    /// `true` if it is drawn with the translucent drawables, by the rule of [`Material::lit`].
     #[inline]
     pub fn is_translucent(&self) -> bool {
         self.color.a < Material::OPAQUE_FROM_ALPHA
@@ -90,12 +89,12 @@ impl Solid {
         Matrix4::from_columns(&[a.push(0.0), b.push(0.0), c.push(0.0), d.push(1.0)])
     }
 
-    /// By whose distance to the eye it is sorted, in the fixed frame: its origin.
+    /// Its origin in the fixed frame, by whose distance to the eye it is sorted.
     pub fn sort_point(&self) -> Point3<f64> {
         Point3::from(self.fixed_from_shape.column(3).into_owned())
     }
 
-    /// Whether it is turned inside out.
+    /// `true` if it is turned inside out.
     pub fn is_mirrored(&self) -> bool {
         self.fixed_from_shape.fixed_view::<3, 3>(0, 0).determinant() < 0.0
     }

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use crate::{glyph_atlas, Blending, CullMode, GlyphAtlas, Lighting, Material, Rgba, Vertex};
 
-/// Where the text stands to its origin, sideways.
+/// Horizontal place of a text relative to its origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HorizontalAlignment {
     /// It begins at the origin.
@@ -16,7 +16,7 @@ pub enum HorizontalAlignment {
     Center,
 }
 
-/// Where the text stands to its origin, upwards.
+/// Vertical place of a text relative to its origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VerticalAlignment {
     /// Its first line hangs below the origin.
@@ -30,8 +30,7 @@ pub enum VerticalAlignment {
 /// Text laid out in the plane z = 0 of its own frame, x along the line, y up, metres. Only the position and the scale
 /// of its drawable count: it is turned to the camera.
 ///
-/// A text may have millions of characters. It keeps what differs from glyph to glyph, 16 bytes each; a renderer makes
-/// quads of those that are seen.
+/// A text may have millions of characters, of 16 bytes each; a renderer makes quads of those that are visible.
 #[derive(Clone, Debug)]
 pub struct Text {
     glyphs: Box<[Glyph]>,
@@ -40,7 +39,7 @@ pub struct Text {
     is_on_top: bool,
 }
 
-/// A character that leaves ink, and where it stands in its text.
+/// A character that leaves ink, and its place in the text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glyph {
     /// Left edge of its quad.
@@ -49,7 +48,7 @@ pub struct Glyph {
     pub right_m: f32,
     /// Upper edge; the lower one is a line's height below.
     pub top_m: f32,
-    /// The character, below [`GLYPH_COUNT`](crate::GLYPH_COUNT).
+    /// The character, below 1000.
     code: u16,
 }
 
@@ -61,7 +60,7 @@ fn advance(atlas: &GlyphAtlas, character: char) -> f32 {
 }
 
 impl Text {
-    /// Which corners of [`Text::quad`] make a glyph's two triangles.
+    /// Corners of [`Text::quad`] of a glyph's two triangles.
     pub const QUAD_INDICES: [usize; 6] = [0, 1, 2, 2, 1, 3];
 
     /// Lays text out. `height_m` is that of a line; newlines begin another.
@@ -99,7 +98,7 @@ impl Text {
         Self { glyphs: glyphs.into(), height_m, color: color.to_rgba8(), is_on_top: false }
     }
 
-    /// The same text, drawn over everything that was drawn before it.
+    /// Draws it over everything that was drawn before it.
     pub fn on_top(mut self) -> Self {
         self.is_on_top = true;
         self
@@ -133,7 +132,7 @@ impl Text {
         .map(|(x, y, uv)| Vertex { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], uv, color: self.color })
     }
 
-    /// How the quads are drawn.
+    /// Material of the quads.
     pub fn material(&self) -> &'static Material {
         static MATERIALS: OnceLock<[Material; 2]> = OnceLock::new();
         let [plain, on_top] = MATERIALS.get_or_init(|| {
@@ -158,7 +157,7 @@ impl Text {
 }
 
 impl Glyph {
-    /// The character, below [`GLYPH_COUNT`](crate::GLYPH_COUNT).
+    /// The character, below 1000.
     pub fn code(&self) -> u16 {
         self.code
     }
@@ -168,7 +167,7 @@ impl Glyph {
         Self::uv_of(self.code)
     }
 
-    /// As [`Self::uv`], given the [code](Self::code).
+    /// Like [`Self::uv`], given the [code](Self::code).
     pub fn uv_of(code: u16) -> [f32; 4] {
         let glyph = char::from_u32(code.into()).and_then(|character| glyph_atlas().glyph(character));
         glyph.map_or([0.0; 4], |glyph| glyph.uv)

@@ -1,12 +1,12 @@
-//! Eight pixels of a lens's picture at once.
+//! Warp of eight pixels at once.
 //!
-//! The source pixels around a run's places mostly follow one another as the run's pixels do: then those to the left
-//! above are eight in a row, and so are the three other neighbours. A lens that stretches or turns its picture leaves
-//! that order now and then, by passing over a source pixel, showing it twice or going on in another row. Each order is
-//! then read as if it were that of the whole run, and each pixel takes its own.
+//! The source pixels around a run's places are mostly consecutive: then the eight upper left neighbours are in a row,
+//! and so are the three other ones. A lens that stretches or turns its picture breaks that order now and then, by
+//! skipping or repeating a source pixel or changing the row. Each order is then loaded as if it were that of the whole
+//! run, and each pixel selects its own.
 //!
-//! Each channel has 16 bits while it is mixed; two channels of all eight pixels are one number of the processor.
-//! Compiled for each instruction set: functions are `#[inline(always)]`.
+//! Each channel has 16 bits while it is interpolated; two channels of all eight pixels are one vector. Compiled for
+//! each instruction set: functions are `#[inline(always)]`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x8, mask32x8, u16x16, u32x8, u8x32};
@@ -14,13 +14,13 @@ use rcs_scene::MapRun;
 
 use super::Source;
 
-/// How many pixels are done at once: a whole run.
+/// Pixels at once: a whole run.
 const LANES: usize = MapRun::PIXELS;
 
 /// Bytes of a pixel.
 const CELL: usize = 4;
 
-/// Writes the pixels of a whole run. None, and nothing is written, where that would read beyond the source.
+/// Writes the pixels of a whole run. `None`, and nothing is written, where that would read beyond the source.
 #[inline(always)]
 pub(super) fn write<S: Simd>(
     simd: S,
@@ -35,7 +35,7 @@ pub(super) fn write<S: Simd>(
     Some(())
 }
 
-/// The pixels around each of eight places: the left and the right one of each row.
+/// Neighbours of eight places: the left and the right one of each row.
 #[derive(Clone, Copy, Debug)]
 struct Neighbors<S: Simd> {
     above: [u32x8<S>; 2],
@@ -57,14 +57,14 @@ impl<S: Simd> Neighbors<S> {
         side_by_side.and_other_orders(simd, source, run)
     }
 
-    /// These where they are right, and the right ones elsewhere.
+    /// Replaces the neighbours of places that are in another order.
     #[inline(always)]
     fn and_other_orders(mut self, simd: S, source: &Source<'_>, run: MapRun) -> Option<Self> {
         let MapRun { place, step } = run;
         let lanes = i32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]);
         let x = (lanes * step[0] + place[0]) >> 16;
         let y = (lanes * step[1] + place[1]) >> 16;
-        // Where the first pixel's neighbour would be if all were in the order of this one.
+        // Index of the first pixel's neighbour if all were in the order of this one.
         let first = y * source.width + (x - lanes);
         let all = first.to_array();
         // Mostly there are two, that of the first pixel and that of the last one.
@@ -80,8 +80,8 @@ impl<S: Simd> Neighbors<S> {
         Some(self)
     }
 
-    /// Those of places that follow one another as pixels do, by the index of the first one's upper left neighbour. None
-    /// beside the source.
+    /// Neighbours of consecutive places, by the index of the first one's upper left neighbour. `None` beside the
+    /// source.
     #[inline(always)]
     fn side_by_side(simd: S, source: &Source<'_>, first: i32) -> Option<Self> {
         let begin = usize::try_from(first).ok()? * CELL;
@@ -98,7 +98,7 @@ impl<S: Simd> Neighbors<S> {
         Self { above: [mask.select(a, e), mask.select(b, f)], below: [mask.select(c, g), mask.select(d, h)] }
     }
 
-    /// Whether no pixel has neighbours of two colours, so that nothing lies between them.
+    /// `true` if no pixel has neighbours of two colours, so that nothing is to be interpolated.
     #[inline(always)]
     fn are_alike(&self) -> bool {
         let ([a, b], [c, d]) = (self.above, self.below);
@@ -144,7 +144,7 @@ fn odd<S: Simd>(pixels: u32x8<S>) -> u16x16<S> {
     pixels.bitcast::<u16x16<S>>() >> 8
 }
 
-/// As [`super::between`]; the sum fits into 16 bits, whatever the difference borrows before.
+/// Like [`super::between`]; the sum fits into 16 bits, whatever the difference borrows before.
 #[inline(always)]
 fn between<S: Simd>(first: u16x16<S>, second: u16x16<S>, share: u16x16<S>) -> u16x16<S> {
     ((first << 8) + (second - first) * share + 128) >> 8

@@ -1,8 +1,8 @@
-//! Through a lens: the picture of a [`PixelMap`], taken from what was drawn without one.
+//! Warp of a drawn image through the [`PixelMap`] of a lens.
 //!
 //! Colours between pixels are interpolated, first downwards and then to the right, in 256 steps and to the nearest
 //! level. Whole runs of the map are done eight pixels at once ([`eight`]); the rest, and places at the source's first
-//! and last pixels, one by one. Both give the same colours.
+//! and last pixels, one by one, with the same colours.
 
 mod eight;
 #[cfg(test)]
@@ -16,16 +16,15 @@ use rcs_scene::{DepthPicture, Encoding, MapRun, Picture, PixelMap};
 /// Rows that a thread takes at once.
 const ROWS: usize = 16;
 
-/// Writes the picture that a lens makes of `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between
-/// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does
-/// not show has the background's colour.
+/// Warps `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between pixels are interpolated; pixels
+/// without a place have the background's colour.
 pub fn see_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, picture: &mut Picture) {
     let [width, height] = map.size_px();
     picture.reset(width, height, encoding);
     write_through(map, drawn, background, encoding, &mut picture.data);
 }
 
-/// [`see_through`] into bytes that lie elsewhere: rows from the top, without padding. What does not fit is left out.
+/// [`see_through`] into borrowed bytes: rows from the top, without padding. Surplus rows are left out.
 pub fn write_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, to: &mut [u8]) {
     let width = map.size_px()[0] as usize;
     let step = (width * encoding.bytes_per_pixel()).max(1);
@@ -43,15 +42,14 @@ pub fn write_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encod
     });
 }
 
-/// Writes the depths that a lens makes of `drawn`: each pixel has that of the nearest one, for a depth between two is
-/// nowhere.
+/// Warps depths: each pixel has that of the nearest one, because a depth between two is on no surface.
 pub fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
     let [width, height] = map.size_px();
     depth.reset(width, height);
     write_depth_through(map, drawn, &mut depth.depths_m);
 }
 
-/// [`see_depth_through`] into depths that lie elsewhere. What does not fit is left out.
+/// [`see_depth_through`] into borrowed depths. Surplus rows are left out.
 pub fn write_depth_through(map: &PixelMap, drawn: &DepthPicture, to: &mut [f32]) {
     let rows = to.par_chunks_mut((map.size_px()[0] as usize).max(1)).enumerate();
     rows.for_each(|(row, pixels)| {
@@ -68,11 +66,11 @@ pub fn write_depth_through(map: &PixelMap, drawn: &DepthPicture, to: &mut [f32])
     });
 }
 
-/// What was drawn, four bytes for each pixel, row by row.
+/// The drawn image, four bytes for each pixel, row by row.
 #[derive(Clone, Copy)]
 struct Source<'a> {
     bytes: &'a [u8],
-    /// The same from the second row on.
+    /// `bytes` from the second row on.
     below: &'a [u8],
     /// Pixels of a row.
     width: i32,
@@ -111,7 +109,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The colour at a place in 1/65536 pixels; black beside the source, where no map leads.
+    /// Colour at a place in 1/65536 pixels; black beside the source.
     fn color(&self, [x, y]: [i32; 2]) -> [u8; 4] {
         let at = self.index([x, y]) as u32 as usize * 4;
         let pair = |bytes: &[u8]| bytes.get(at..).and_then(|bytes| bytes.first_chunk::<8>().copied());
@@ -123,14 +121,14 @@ impl<'a> Source<'a> {
         [0, 1, 2, 3].map(mixed)
     }
 
-    /// Which pixel the one to the left of and above a place is.
+    /// Index of the pixel to the left of and above a place.
     #[inline(always)]
     fn index(&self, [x, y]: [i32; 2]) -> i32 {
         (y >> 16) * self.width + (x >> 16)
     }
 }
 
-/// Between a level and another one, by a place's fraction, to the nearest level.
+/// Interpolates two levels by a place's fraction, to the nearest level.
 fn between(first: u8, second: u8, place: i32) -> u8 {
     let (first, second, share) = (i32::from(first), i32::from(second), place >> 8 & 0xff);
     ((first * 256 + (second - first) * share + 128) >> 8) as u8

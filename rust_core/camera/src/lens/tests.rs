@@ -1,4 +1,4 @@
-//! What a lens makes of a picture, and that all ways of computing it agree.
+//! Warped pictures, and equality of all ways of computing them.
 
 use proptest::prelude::*;
 

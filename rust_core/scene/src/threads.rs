@@ -1,38 +1,27 @@
-//! Locks and bounded waits, of threads that have nothing to do and for threads that were asked to end.
+//! Bounded waits of idle threads and for threads that were asked to end, and the names of the worker threads.
 //!
-//! Whoever has something for a thread wakes it. Should that ever be missed, the thread finds it after [`IDLE_PERIOD`]
-//! all the same: a minute late, and not never.
+//! Should a wake-up ever be missed, the thread finds its work after [`IDLE_PERIOD`]: a minute late, and not never.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// For how long a thread that has nothing to do waits before it looks again by itself.
+/// Longest wait of an idle thread before it polls by itself.
 pub const IDLE_PERIOD: Duration = Duration::from_secs(60);
 
-/// How often the end of a thread is looked for.
+/// Polling period while a thread is to end.
 const END_PERIOD: Duration = Duration::from_millis(2);
 
-/// Locks a mutex whose value is valid even after another thread panicked.
-pub fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Waits until `changed` is notified, at most for `timeout`; also after another thread panicked.
-pub fn wait_timeout<'a, T>(changed: &Condvar, guard: MutexGuard<'a, T>, timeout: Duration) -> MutexGuard<'a, T> {
-    changed.wait_timeout(guard, timeout).unwrap_or_else(PoisonError::into_inner).0
-}
-
-/// Waits while what the lock guards is idle; it is woken through `changed`, and looks by itself after [`IDLE_PERIOD`].
+/// Waits while the guarded value is idle: until a wake-up through `changed`, or for [`IDLE_PERIOD`], and again.
 pub fn wait_while<'a, T>(
     changed: &Condvar,
     guard: MutexGuard<'a, T>,
     is_idle: impl FnMut(&mut T) -> bool,
 ) -> MutexGuard<'a, T> {
-    look_every(IDLE_PERIOD, changed, guard, is_idle)
+    poll_every(IDLE_PERIOD, changed, guard, is_idle)
 }
 
-fn look_every<'a, T>(
+fn poll_every<'a, T>(
     period: Duration,
     changed: &Condvar,
     mut guard: MutexGuard<'a, T>,
@@ -44,7 +33,7 @@ fn look_every<'a, T>(
     guard
 }
 
-/// What a thread that was asked to end returns, if it ends within `patience`. One that does not is left behind.
+/// Joins a thread that was asked to end, if it ends within `patience`; else it is left behind.
 pub fn join_within<T>(thread: JoinHandle<T>, patience: Duration) -> Option<thread::Result<T>> {
     let asked = Instant::now();
     while !thread.is_finished() {
@@ -56,6 +45,13 @@ pub fn join_within<T>(thread: JoinHandle<T>, patience: Duration) -> Option<threa
     Some(thread.join())
 }
 
+/// Starts rayon's worker threads with the names `draw-0`, `draw-1`, …, for `top -H` and debuggers. To be called before
+/// there is parallel work, later it changes nothing.
+pub fn name_threads() {
+    // Fails if they run already.
+    let _ = rayon::ThreadPoolBuilder::new().thread_name(|index| format!("draw-{index}")).build_global();
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::{mpsc, Arc, Mutex};
@@ -63,12 +59,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_nobody_was_woken_for_is_seen_after_a_while() {
+    fn a_missed_wake_up_is_found_after_the_period() {
         let shared = Arc::new((Mutex::new(false), Condvar::new()));
         let waiting = Arc::clone(&shared);
         let thread = thread::spawn(move || {
             let (is_there, changed) = &*waiting;
-            let seen = *look_every(Duration::from_millis(5), changed, is_there.lock().unwrap(), |is_there| !*is_there);
+            let seen = *poll_every(Duration::from_millis(5), changed, is_there.lock().unwrap(), |is_there| !*is_there);
             seen
         });
         thread::sleep(Duration::from_millis(20));
