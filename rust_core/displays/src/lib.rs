@@ -9,14 +9,13 @@ mod classes;
 mod framework;
 mod parts;
 
-pub use framework::ages::DisplayAge;
 pub use framework::arrivals::ShownMessage;
 pub use framework::display::TopicRequest;
 pub use framework::in_view::InView;
 pub use framework::lookups::FollowedFrames;
-pub use framework::report::DisplayReport;
-pub use framework::set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};
+pub use framework::report::{DisplayAge, DisplayReport, ListedDisplay};
+pub use framework::set::{CameraView, DisplaySet, Reconfigured};
 pub use framework::status::{Level, Status, StatusCause, StatusText, Statuses};
 pub use framework::world::{raw_transforms, time_from_stamp, World};
 pub use parts::compressed_image::unpack_image;
-pub use parts::shapes::Shape;
+pub(crate) use parts::shapes::SolidShape;

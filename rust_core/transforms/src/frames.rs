@@ -2,9 +2,9 @@
 //!
 //! Names are interned: a lookup hashes its two names once and then follows indices. tf2 keeps every name for ever; a
 //! publisher that makes up names, such as one per detection, would fill memory and slow down everything that goes over
-//! all frames. So above [`FRAMES_ALWAYS_KEPT`] frames the later ones that were silent for [`SILENCE`] are forgotten, and
-//! above [`MOST_FRAMES`] those that were silent for longest, static ones last. The first [`FRAMES_ALWAYS_KEPT`] frames
-//! stay, and so does every frame between one that stays and its root, unless that would be too many.
+//! all frames. So above [`FRAMES_ALWAYS_KEPT`] frames the later ones that were silent for [`SILENCE`] are forgotten,
+//! and above [`MOST_FRAMES`] those that were silent for longest, static ones last. The first [`FRAMES_ALWAYS_KEPT`]
+//! frames stay, and so does every frame between one that stays and its root, unless that would be too many.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -186,7 +186,7 @@ mod tests {
         tree.insert(&transform, is_static, "/a").unwrap();
     }
 
-    /// Whether a frame is placed, up to the root that all have in common.
+    /// `true` if a frame is placed, up to the common root.
     fn is_placed(tree: &TransformTree, frame: &str) -> bool {
         let up = |frame: &&str| tree.parent_of(frame, Time::ZERO);
         std::iter::successors(Some(frame), up).last() == Some("map")

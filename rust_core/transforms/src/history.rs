@@ -144,7 +144,8 @@ impl History {
         one.into_iter().chain(many.into_iter().flatten())
     }
 
-    /// Renumbers the parents; samples whose parent has no new id are dropped. `None` if a static frame's parent is gone.
+    /// Renumbers the parents; samples whose parent has no new id are dropped. `None` if a static frame's parent is
+    /// gone.
     pub(crate) fn with_parents(self, new_id: impl Fn(FrameId) -> Option<FrameId>) -> Option<Self> {
         let renamed = |sample: PoseSample| Some(PoseSample { parent: new_id(sample.parent)?, ..sample });
         match self {

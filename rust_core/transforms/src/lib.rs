@@ -3,7 +3,8 @@
 //! Robots publish the pose of a child frame in its parent frame, again and again (`/tf`) or once and for all
 //! (`/tf_static`). [`TransformTree`] remembers ten seconds of each moving frame and looks up the pose of one frame in
 //! another at a time, interpolating between the samples and never extrapolating unless a [`Prediction`] is asked for.
-//! [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros' message filter does for rviz's displays.
+//! [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros' message filter does for rviz's
+//! displays.
 //!
 //! Nothing here has a clock, a thread or a connection: the caller brings transforms, messages and times.
 //!
@@ -45,4 +46,4 @@ pub use sample::interpolate;
 pub use time::Time;
 pub use transform::{InsertError, InsertProblem, RawTransform};
 pub use tree::{Inserted, TransformTree};
-pub use waiting::{DropCounts, Dropped, WaitingQueue};
+pub use waiting::{DropCounts, DropReason, Dropped, WaitingQueue};

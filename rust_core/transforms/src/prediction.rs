@@ -1,8 +1,8 @@
 //! Prediction of frames beyond their newest transforms, which makes up for the latency of an image.
 //!
-//! tf2 never extrapolates, so as not to mix up measurements and guesses; here a prediction is asked for explicitly. Each
-//! link between two frames is extrapolated from its own newest sample by its own velocity (see the module `motion`), so
-//! links of different rates and delays all end up at the same time.
+//! tf2 never extrapolates, so as not to mix up measurements and guesses; here a prediction is asked for explicitly.
+//! Each link between two frames is extrapolated from its own newest sample by its own velocity (see the module
+//! `motion`), so links of different rates and delays all end up at the same time.
 
 use std::time::Duration;
 

@@ -25,24 +25,6 @@ pub enum Inserted {
 }
 
 /// The frame tree over time.
-///
-/// ```
-/// use rcs_transforms::{LookupError, RawTransform, Time, TransformTree};
-///
-/// let mut tree = TransformTree::new();
-/// let mount = RawTransform {
-///     parent: "base_link",
-///     child: "camera",
-///     stamp: Time::ZERO,
-///     translation: [0.1, 0.0, 0.5],
-///     rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-/// };
-/// tree.insert(&mount, true, "/robot_state_publisher")?;
-/// let base_from_camera = tree.lookup("base_link", "camera", Time::ZERO)?;
-/// assert_eq!(base_from_camera.translation.z, 0.5);
-/// assert!(matches!(tree.lookup("map", "camera", Time::ZERO), Err(LookupError::Lookup { .. })));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug)]
 pub struct TransformTree {
     cache_length: Duration,

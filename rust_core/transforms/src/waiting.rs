@@ -1,13 +1,14 @@
 //! Queue of messages that wait for their frame, like tf2_ros' message filter for rviz's displays.
 //!
 //! A display can draw a message only where its frame is known at the message's stamp, and transforms often arrive a
-//! little after the data. A message that cannot be placed yet waits until it can, or is dropped when newer ones need its
-//! place in the queue or when it is older than the tree's cache. The owner calls [`WaitingQueue::take_ready`] after each
-//! message and whenever [`TransformTree::generation`] has grown.
+//! little after the data. A message that cannot be placed yet waits until it can, or is dropped when newer ones need
+//! its place in the queue or when it is older than the tree's cache. The owner calls [`WaitingQueue::take_ready`] after
+//! each message and whenever [`TransformTree::generation`] has grown.
 //!
 //! Two things differ from tf2_ros. Messages come out in the order of their arrival, where the filter's order after a
 //! transform is arbitrary. And a message with stamp zero, which stands for the latest transform, is never too old: the
-//! filter compares even that stamp with the newest transforms and so loses a message that came before the first of them.
+//! filter compares even that stamp with the newest transforms and so loses a message that came before the first of
+//! them.
 
 use std::collections::VecDeque;
 
@@ -75,37 +76,36 @@ impl DropCounts {
     }
 }
 
+/// A dropped message.
+#[derive(Clone, PartialEq, Debug, Error)]
+#[error("a message in frame [{frame}] at {stamp} was dropped because {reason}")]
+pub struct Dropped {
+    /// The message's frame.
+    pub frame: String,
+    /// The message's stamp.
+    pub stamp: Time,
+    /// Reason.
+    pub reason: DropReason,
+}
+
 /// Reason why a message was dropped.
 #[derive(Clone, PartialEq, Debug, Error)]
-pub enum Dropped {
-    /// More messages waited than the queue holds, and this one was the oldest.
-    #[error("a message in frame [{frame}] at {stamp} was dropped because the queue was full{}", waited_for(.reason.as_ref()))]
-    QueueFull {
-        /// The message's frame.
-        frame: String,
-        /// The message's stamp.
-        stamp: Time,
-        /// Last failed lookup; `None` if it was not tried yet.
-        reason: Option<LookupError>,
-    },
+pub enum DropReason {
+    /// More messages waited than the queue holds, and this one was the oldest. With its last failed lookup; `None` if
+    /// it was not tried yet.
+    #[error("the queue was full{}", waited_for(.0.as_ref()))]
+    QueueFull(Option<LookupError>),
     /// The tree's cache does not reach back to its stamp, so that the message can never be placed.
-    #[error("a message in frame [{frame}] at {stamp} was dropped because it is too old to be placed in frame [{target}], whose transforms have reached {latest}")]
+    #[error("it is too old to be placed in frame [{target}], whose transforms have reached {latest}")]
     TooOld {
-        /// The message's frame.
-        frame: String,
         /// The target frame.
         target: String,
-        /// The message's stamp.
-        stamp: Time,
         /// The latest common time of the two frames.
         latest: Time,
     },
     /// The message has no frame.
-    #[error("a message at {stamp} was dropped because its frame name is empty")]
-    EmptyFrame {
-        /// The message's stamp.
-        stamp: Time,
-    },
+    #[error("its frame name is empty")]
+    EmptyFrame,
 }
 
 fn waited_for(reason: Option<&LookupError>) -> String {
@@ -140,9 +140,15 @@ impl<T> WaitingQueue<T> {
         self.dropped.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    fn note_dropped(&mut self, content: T, dropped: Dropped) {
+    fn note_dropped(&mut self, message: QueuedMessage<T>, reason: DropReason) {
+        *match reason {
+            DropReason::QueueFull(_) => &mut self.counts.queue_full,
+            DropReason::TooOld { .. } => &mut self.counts.too_old,
+            DropReason::EmptyFrame => &mut self.counts.empty_frame,
+        } += 1;
+        let dropped = Dropped { frame: message.frame, stamp: message.stamp, reason };
         if let Some(all) = &mut self.dropped {
-            all.push((content, dropped.clone()));
+            all.push((message.content, dropped.clone()));
         }
         self.last_dropped = Some(dropped);
     }
@@ -156,27 +162,23 @@ impl<T> WaitingQueue<T> {
         self.push_until(frame_id, stamp, stamp, message);
     }
 
-    /// Like [`WaitingQueue::push`], for a message recorded from `stamp` until `end`: its frame must be known at both, and
-    /// it is too old when the older of them is.
+    /// Like [`WaitingQueue::push`], for a message recorded from `stamp` until `end`: its frame must be known at both,
+    /// and it is too old when the older of them is.
     pub fn push_until(&mut self, frame_id: &str, stamp: Time, end: Time, message: T) {
-        let frame = strip_slash(frame_id);
-        if frame.is_empty() {
-            self.counts.empty_frame += 1;
-            self.note_dropped(message, Dropped::EmptyFrame { stamp });
-            return;
+        self.added += 1;
+        let frame = strip_slash(frame_id).to_owned();
+        let message = QueuedMessage { frame, stamp, end, content: message, number: self.added };
+        if message.frame.is_empty() {
+            return self.note_dropped(message, DropReason::EmptyFrame);
         }
         if self.queue_size != 0 && self.new >= self.queue_size {
             let oldest_new = self.messages.len().saturating_sub(self.new);
             self.new -= 1;
             if let Some(oldest) = self.messages.remove(oldest_new) {
-                self.counts.queue_full += 1;
-                let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason: None };
-                self.note_dropped(oldest.content, dropped);
+                self.note_dropped(oldest, DropReason::QueueFull(None));
             }
         }
-        self.added += 1;
-        let number = self.added;
-        self.messages.push_back(QueuedMessage { frame: frame.to_owned(), stamp, end, content: message, number });
+        self.messages.push_back(message);
         self.new += 1;
     }
 
@@ -190,10 +192,8 @@ impl<T> WaitingQueue<T> {
                 self.last_ready = self.last_ready.max(message.number);
                 ready.push(message.content);
             } else if let Some(latest) = forgotten_since(tree, target, &message) {
-                self.counts.too_old += 1;
                 let target = strip_slash(target).to_owned();
-                let dropped = Dropped::TooOld { frame: message.frame, target, stamp: message.stamp, latest };
-                self.note_dropped(message.content, dropped);
+                self.note_dropped(message, DropReason::TooOld { target, latest });
             } else {
                 self.messages.push_back(message);
             }
@@ -202,9 +202,7 @@ impl<T> WaitingQueue<T> {
         while self.queue_size != 0 && self.messages.len() > self.queue_size {
             let Some(oldest) = self.messages.pop_front() else { break };
             let reason = oldest.waits_for(tree, target);
-            self.counts.queue_full += 1;
-            let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason };
-            self.note_dropped(oldest.content, dropped);
+            self.note_dropped(oldest, DropReason::QueueFull(reason));
         }
         ready
     }
@@ -364,7 +362,7 @@ mod tests {
         let dropped = queue.take_dropped();
         let names: Vec<&str> = dropped.iter().map(|(name, _)| *name).collect();
         assert_eq!(names, ["nowhere", "first", "second"]);
-        assert!(matches!(dropped[2].1, Dropped::TooOld { .. }));
+        assert!(matches!(dropped[2].1.reason, DropReason::TooOld { .. }));
         assert!(queue.take_dropped().is_empty());
     }
 

@@ -4,8 +4,8 @@ use rcs_messages::geometry_msgs::{AccelStamped, Vector3};
 use rcs_rviz_config::ScrewSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
-use crate::parts::screw::{ScrewDisplay, ScrewMessage};
+use crate::framework::message_display::MessageDisplay;
+use crate::parts::screw::{self, ScrewMessage, ScrewVisual};
 
 impl ScrewMessage for AccelStamped {
     fn parts(&self) -> (&Vector3, &Vector3) {
@@ -13,7 +13,6 @@ impl ScrewMessage for AccelStamped {
     }
 }
 
-/// Makes an AccelStamped display.
-pub(crate) fn create(display: DisplayId, settings: &ScrewSettings) -> Box<dyn Display> {
-    Box::new(ScrewDisplay::<AccelStamped>::of(display, settings))
+pub(crate) fn create(display: DisplayId, settings: &ScrewSettings) -> MessageDisplay<ScrewVisual<AccelStamped>> {
+    screw::create(display, settings)
 }

@@ -14,7 +14,6 @@ use crate::{Statuses, World};
 
 const TRAIL_COLOR: [u8; 4] = [0, 255, 0, 0];
 
-/// An Axes display.
 #[derive(Debug)]
 pub(crate) struct AxesDisplay {
     display: DisplayId,
@@ -26,9 +25,8 @@ pub(crate) struct AxesDisplay {
     statuses: Statuses,
 }
 
-/// Makes an Axes display.
-pub(crate) fn create(display: DisplayId, settings: &AxesSettings) -> Box<dyn Display> {
-    Box::new(AxesDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &AxesSettings) -> AxesDisplay {
+    AxesDisplay::new(display, settings.clone())
 }
 
 impl AxesDisplay {

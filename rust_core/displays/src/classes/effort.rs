@@ -25,41 +25,38 @@ use rcs_robot::JointKind;
 
 const STATUS_TEXTS: StatusTexts =
     StatusTexts { good: "Robot model parsed Ok", bad: "Unable to parse robot model description!" };
-/// A circle has so many of 32 points, so that a gap shows where it begins.
+/// Points of a circle, of 32: a gap shows where it begins.
 const CIRCLE_POINTS: u32 = 30;
-/// What a circle's radius and its value begin with.
+/// Minimum of a circle's radius (metres) and value.
 const SMALLEST: f64 = 0.05;
 
-/// A joint that is shown.
 #[derive(Debug)]
 struct ShownJoint {
     frame: String,
-    /// Turns the circle's z to the joint's axis, as rviz does.
+    /// Rotation of the circle's z to the joint's axis, as in rviz.
     link_from_circle: UnitQuaternion<f64>,
     /// 0 where the description has none.
     max_effort: f64,
     enabled: bool,
 }
 
-/// An Effort display.
 #[derive(Debug)]
 pub(crate) struct EffortDisplay {
     display: DisplayId,
     settings: EffortSettings,
     description: RobotDescription,
-    /// By their names; `None` before the description is known.
+    /// Joints by name; `None` before the description is known.
     joints: Option<BTreeMap<String, ShownJoint>>,
     received: u64,
-    /// What each joint is drawn with, of the latest messages, the oldest first.
+    /// Drawables of each joint, of the latest messages, the oldest first.
     shown: VecDeque<BTreeMap<String, Vec<Drawable>>>,
     drawables: Vec<Drawable>,
     changed: bool,
     statuses: Statuses,
 }
 
-/// Makes an Effort display.
-pub(crate) fn create(display: DisplayId, settings: &EffortSettings) -> Box<dyn Display> {
-    Box::new(EffortDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &EffortSettings) -> EffortDisplay {
+    EffortDisplay::new(display, settings.clone())
 }
 
 impl EffortDisplay {
@@ -111,7 +108,6 @@ impl EffortDisplay {
     }
 }
 
-/// The circle with its arrow's head.
 fn circle(
     display: DisplayId,
     settings: &EffortSettings,
@@ -151,7 +147,7 @@ fn circle(
     drawables
 }
 
-/// The turn of the axis to z by the shortest way; none where that is not known, for an axis along z or of no length.
+/// Shortest rotation of the axis to z; the identity for an axis along z or of no length.
 fn axis_turn(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
     let z = Vector3::z();
     Unit::try_new(axis.cross(&z), 0.0)

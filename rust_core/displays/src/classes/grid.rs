@@ -11,24 +11,22 @@ use crate::framework::frame;
 use crate::parts::solids::drawable;
 use crate::{Level, Statuses, World};
 
-/// The most lines that are drawn, in up to 50 MB. rviz makes any number of them, until its memory is used up.
+/// Largest number of lines, in up to 50 MB. rviz draws any number, until its memory is used up.
 const MAX_LINES: u64 = 500_000;
 
-/// A Grid display.
 #[derive(Debug)]
 pub(crate) struct GridDisplay {
     display: DisplayId,
     settings: GridSettings,
-    /// None for too many lines.
+    /// `None` for too many lines.
     geometry: Option<Geometry>,
     place: Option<Isometry3<f64>>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
-/// Makes a Grid display.
-pub(crate) fn create(display: DisplayId, settings: &GridSettings) -> Box<dyn Display> {
-    Box::new(GridDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &GridSettings) -> GridDisplay {
+    GridDisplay::new(display, settings.clone())
 }
 
 impl GridDisplay {
@@ -113,7 +111,6 @@ fn geometry(settings: &GridSettings) -> Geometry {
     }
 }
 
-/// How many lines [`segments`] makes.
 fn line_count(settings: &GridSettings) -> u64 {
     let (sides, layers) = (u64::from(settings.plane_cell_count.max(1)) + 1, u64::from(settings.normal_cell_count));
     let posts = if layers > 0 { sides.saturating_mul(sides) } else { 0 };

@@ -22,7 +22,6 @@ use crate::parts::bounds::middle;
 use crate::parts::cloud::max_points;
 use crate::{Level, Statuses, World};
 
-/// A GridCells display.
 #[derive(Debug)]
 pub(crate) struct GridCellsDisplay {
     display: DisplayId,
@@ -32,9 +31,8 @@ pub(crate) struct GridCellsDisplay {
     statuses: Statuses,
 }
 
-/// Makes a GridCells display.
-pub(crate) fn create(display: DisplayId, settings: &PlainColorSettings) -> Box<dyn Display> {
-    Box::new(GridCellsDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &PlainColorSettings) -> GridCellsDisplay {
+    GridCellsDisplay::new(display, settings.clone())
 }
 
 impl GridCellsDisplay {
@@ -48,7 +46,7 @@ impl GridCellsDisplay {
         }
     }
 
-    /// What the cells are drawn with; nothing, with a status that gives the reason, if a number is NaN or infinite.
+    /// Drawables of the cells; none, with a status, if a number is NaN or infinite.
     fn tiles(&mut self, cells: &GridCells, fixed_from_cells: &Isometry3<f64>) -> Vec<Drawable> {
         let is_finite = |cell: &Point| [cell.x, cell.y, cell.z].iter().all(|value| value.is_finite());
         let size_m = [cells.cell_width, cells.cell_height];

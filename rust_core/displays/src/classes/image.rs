@@ -3,10 +3,8 @@
 use rcs_rviz_config::ImageSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
 use crate::framework::not_drawn::NotDrawnDisplay;
 
-/// Makes an Image display.
-pub(crate) fn create(_display: DisplayId, _settings: &ImageSettings) -> Box<dyn Display> {
-    Box::new(NotDrawnDisplay::window_only())
+pub(crate) fn create(_display: DisplayId, _settings: &ImageSettings) -> NotDrawnDisplay {
+    NotDrawnDisplay::window_only()
 }

@@ -5,8 +5,8 @@
 //! The points are then in the fixed frame, and so are the sides of squares and boxes and the positions that colour
 //! them. Rays count when `range_min ≤ range < range_max`.
 //!
-//! rviz lets the first scan of a longer duration pass as soon as its first ray can be placed, and loses it where the
-//! last one cannot be yet; here a scan waits until both can.
+//! rviz accepts a scan as soon as its first ray can be placed, and loses it where the last one cannot be yet; here a
+//! scan waits for both.
 
 use std::sync::Arc;
 
@@ -17,31 +17,28 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 use rcs_transforms::{interpolate, Time};
 
-use crate::framework::display::Display;
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::{Level, StatusText, Statuses, World};
 
-/// The status of scans that take long.
 const SCAN_TIME: &str = "Scan Time";
-/// Shorter scans have none.
+/// Duration from which a scan has that status.
 const LONG_SCAN_SECS: f64 = 2.0;
 
 /// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
 #[derive(Debug)]
-struct LaserScanSource;
+pub(crate) struct LaserScanSource;
 
-/// Makes a LaserScan display.
-pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
-    Box::new(CloudDisplay::<LaserScanSource>::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> CloudDisplay<LaserScanSource> {
+    CloudDisplay::new(display, settings.clone())
 }
 
 impl CloudSource for LaserScanSource {
     type Message = LaserScan;
     const NON_FINITE: NonFinite = NonFinite::FarAway;
 
-    /// The time of the last ray. A scan whose rays have no time does not wait: it is refused when it is placed.
+    /// Time of the last ray. A scan with an invalid time does not wait: it is refused when it is placed.
     fn end(scan: &LaserScan) -> Time {
         last_ray(scan).unwrap_or(stamp(&scan.header))
     }
@@ -75,7 +72,7 @@ impl CloudSource for LaserScanSource {
     }
 }
 
-/// When the last ray was measured; `None` when that is no time.
+/// Time of the last ray; `None` if it is invalid.
 fn last_ray(scan: &LaserScan) -> Option<Time> {
     let start = stamp(&scan.header);
     let duration_secs = scan.ranges.len().saturating_sub(1) as f64 * f64::from(scan.time_increment);
@@ -85,7 +82,7 @@ fn last_ray(scan: &LaserScan) -> Option<Time> {
     Some(if duration_secs < 0.0 { start.saturating_sub(duration) } else { start.saturating_add(duration) })
 }
 
-/// The points in the fixed frame, with their intensities where the scan has any (0 for those that are missing).
+/// Points in the fixed frame, with their intensities where the scan has any (0 for missing ones).
 fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last: &Isometry3<f64>) -> PointCloud2 {
     let has_intensity = !scan.intensities.is_empty();
     let fields = [("x", 0), ("y", 4), ("z", 8), ("intensity", 12)].map(|(name, at)| (name, at, PointField::FLOAT32));
@@ -100,7 +97,7 @@ fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last:
         let (sin, cos) = angle.sin_cos();
         // rviz rounds to single precision in the scanner's frame, and again in the fixed one.
         let in_scanner = Point3::new(f64::from(range) * cos, f64::from(range) * sin, 0.0).cast::<f32>().cast::<f64>();
-        // Of a scan of one ray this is not a number, and rviz does not show it.
+        // NaN for a scan of one ray, which rviz does not show.
         let share = i as f64 * (scan.ranges.len() as f64 - 1.0).recip();
         let in_fixed = if is_moving || share.is_nan() {
             interpolate(fixed_from_first, fixed_from_last, share) * in_scanner
@@ -125,6 +122,7 @@ mod tests {
     use rcs_messages::AnyMessage;
 
     use super::*;
+    use crate::framework::display::Display;
     use crate::framework::test_world::TestWorld;
 
     /// A display of scans, and a scanner that drives in `map` and turns.

@@ -18,7 +18,7 @@ macro_rules! create_by_settings {
         /// Makes a display. `None` for what is no display in the scene: groups and cameras.
         pub(crate) fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
             match settings {
-                $($(DisplaySettings::$variant(settings) => Some($display::create(id, settings)),)?)*
+                $($(DisplaySettings::$variant(settings) => Some(Box::new($display::create(id, settings))),)?)*
                 DisplaySettings::Unknown { .. } => Some(Box::new(NotDrawnDisplay::unknown_class())),
                 _ => None,
             }

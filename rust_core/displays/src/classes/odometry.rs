@@ -1,6 +1,6 @@
 //! `rviz/Odometry`: the poses that a robot went through, each where its frame was when it was there.
 //!
-//! A pose is added when it is far enough from the last one that was added, as the messages have them, whatever their
+//! A pose is added when it is far enough from the last added one, compared as the messages have them, whatever their
 //! frames.
 
 use nalgebra::{Isometry3, Quaternion, Vector3};
@@ -8,53 +8,37 @@ use rcs_messages::geometry_msgs::Twist;
 use rcs_messages::nav_msgs::Odometry;
 use rcs_messages::PlainTransform;
 use rcs_rviz_config::OdometrySettings;
-use rcs_scene::{DisplayId, Drawable};
+use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
-use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
-use crate::parts::history::History;
 use crate::parts::pose_symbol::PoseSymbol;
 
-/// An Odometry display.
-pub(crate) type OdometryDisplay = MessageDisplay<OdometryVisual>;
-
-/// What an Odometry display draws.
 #[derive(Debug)]
 pub(crate) struct OdometryVisual {
     display: DisplayId,
     settings: OdometrySettings,
     symbol: PoseSymbol,
     covariance: CovarianceSymbol,
-    /// The last pose that was added, as the message had it.
+    /// Last added pose, as in the message.
     last: Option<PlainTransform>,
-    /// What the poses are drawn with.
-    history: History,
 }
 
-/// Makes an Odometry display.
-pub(crate) fn create(display: DisplayId, settings: &OdometrySettings) -> Box<dyn Display> {
-    Box::new(OdometryDisplay::of(display, settings))
-}
-
-impl OdometryDisplay {
-    /// A display that has no message yet.
-    pub(crate) fn of(display: DisplayId, settings: &OdometrySettings) -> Self {
-        let visual = OdometryVisual {
-            display,
-            symbol: (&settings.symbol).into(),
-            covariance: CovarianceSymbol::new(display, &settings.covariance),
-            settings: settings.clone(),
-            last: None,
-            // "Keep: 0" keeps all.
-            history: History::new(Some(settings.keep).filter(|&keep| keep > 0)),
-        };
-        Self::new(&settings.topic, settings.queue_size, visual)
-    }
+pub(crate) fn create(display: DisplayId, settings: &OdometrySettings) -> MessageDisplay<OdometryVisual> {
+    let visual = OdometryVisual {
+        display,
+        symbol: (&settings.symbol).into(),
+        covariance: CovarianceSymbol::new(display, &settings.covariance),
+        settings: settings.clone(),
+        last: None,
+    };
+    // "Keep: 0" keeps all.
+    let history_length = Some(settings.keep).filter(|&keep| keep > 0);
+    MessageDisplay::new(&settings.topic, settings.queue_size, history_length, visual)
 }
 
 impl OdometryVisual {
-    /// Whether a pose is no farther from another one than the tolerances allow.
+    /// `true` if two poses differ by less than the tolerances.
     fn is_near(&self, a: &PlainTransform, b: &PlainTransform) -> bool {
         let single = |pose: &PlainTransform| Vector3::from(pose.translation).cast::<f32>();
         (single(a) - single(b)).norm() < self.settings.position_tolerance_m
@@ -65,34 +49,28 @@ impl OdometryVisual {
 impl MessageVisual for OdometryVisual {
     type Message = Odometry;
 
-    fn show(&mut self, message: &Odometry, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
+    fn draw(&mut self, message: &Odometry, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
         let (frame_from_pose, covariance) = uncertain_pose(&message.pose).ok_or(InvalidFloats)?;
         if !is_finite(&message.twist.twist) {
             return Err(InvalidFloats);
         }
         let pose = PlainTransform::from(&message.pose.pose);
         if self.last.as_ref().is_some_and(|last| self.is_near(last, &pose)) {
-            return Ok(false);
+            return Ok(None);
         }
         let symbol = self.symbol.drawables(self.display, &(fixed_from_frame * frame_from_pose));
         let mut scales = CovarianceScales::default();
         let covariance = self.covariance.drawables(fixed_from_frame, &frame_from_pose, &covariance, &mut scales);
-        self.history.push(symbol.into_iter().chain(covariance));
         self.last = Some(pose);
-        Ok(true)
+        Ok(Some(symbol.into_iter().chain(covariance).collect()))
     }
 
-    fn drawables(&self) -> &[Drawable] {
-        self.history.drawables()
-    }
-
-    fn clear(&mut self) {
-        self.history.clear();
+    fn reset(&mut self) {
         self.last = None;
     }
 }
 
-/// The angle between two orientations, 0 to π; quaternions need not be of unit length.
+/// Angle between two orientations, 0 to π; quaternions need not be of unit length.
 fn angle_rad(a: &PlainTransform, b: &PlainTransform) -> f32 {
     let [a, b] = [a, b].map(|pose| {
         let [x, y, z, w] = pose.rotation_xyzw.map(|value| value as f32);
@@ -109,6 +87,7 @@ fn is_finite(twist: &Twist) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::framework::display::Display;
     use crate::parts::gathering::singly;
     use rcs_rviz_config::CovarianceSettings;
 
@@ -119,7 +98,7 @@ mod tests {
         message
     }
 
-    fn visual(keep: u32) -> OdometryVisual {
+    fn display(keep: u32) -> MessageDisplay<OdometryVisual> {
         let settings = OdometrySettings {
             keep,
             position_tolerance_m: 0.5,
@@ -127,32 +106,31 @@ mod tests {
             covariance: CovarianceSettings { position: None, orientation: None },
             ..OdometrySettings::default()
         };
-        let display = OdometryDisplay::of(0, &settings);
-        display.into_visual()
+        create(0, &settings)
     }
 
-    fn shown(visual: &mut OdometryVisual, message: &Odometry) -> Result<bool, InvalidFloats> {
-        visual.show(message, &Isometry3::identity())
+    fn shown(display: &mut MessageDisplay<OdometryVisual>, message: &Odometry) -> Result<bool, InvalidFloats> {
+        display.show(message, &Isometry3::identity())
     }
 
     #[test]
     fn a_pose_within_both_tolerances_of_the_last_that_was_added_is_left_out() {
-        let mut visual = visual(0);
+        let mut display = display(0);
         // The creeping 0.4 m steps count from the last pose that was added, not from the last message.
         let added = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (0.9, 0.2), (0.9, 0.35), (0.9, 0.35)]
-            .map(|(x, yaw_rad)| shown(&mut visual, &odometry(x, yaw_rad)));
+            .map(|(x, yaw_rad)| shown(&mut display, &odometry(x, yaw_rad)));
         assert_eq!(added, [Ok(true), Ok(false), Ok(true), Ok(false), Ok(true), Ok(false)]);
-        assert_eq!(singly(visual.drawables()).len(), 3 * 2);
+        assert_eq!(singly(display.drawables()).len(), 3 * 2);
     }
 
     #[test]
     fn the_oldest_pose_is_dropped_unless_all_are_kept() {
         for (keep, expected) in [(0, 9), (1, 1), (4, 4)] {
-            let mut visual = visual(keep);
+            let mut display = display(keep);
             for i in 0..9 {
-                assert_eq!(shown(&mut visual, &odometry(f64::from(i), 0.0)), Ok(true));
+                assert_eq!(shown(&mut display, &odometry(f64::from(i), 0.0)), Ok(true));
             }
-            let drawn = singly(visual.drawables());
+            let drawn = singly(display.drawables());
             assert_eq!(drawn.len(), expected * 2, "keep {keep}");
             let last = drawn.last().map(|head| head.fixed_from_object[(0, 3)]);
             assert!(last.is_some_and(|x| (x - 9.15).abs() < 1e-6), "{last:?}");
@@ -161,7 +139,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_change_nothing() {
-        let mut visual = visual(0);
+        let mut display = display(0);
         let spoil: [fn(&mut Odometry); 4] = [
             |m| m.pose.pose.position.y = f64::NAN,
             |m| m.pose.pose.orientation.x = f64::INFINITY,
@@ -171,12 +149,12 @@ mod tests {
         for spoil in spoil {
             let mut message = odometry(0.0, 0.0);
             spoil(&mut message);
-            assert_eq!(shown(&mut visual, &message), Err(InvalidFloats));
+            assert_eq!(shown(&mut display, &message), Err(InvalidFloats));
         }
-        assert_eq!(visual.drawables().len(), 0);
+        assert_eq!(display.drawables().len(), 0);
         // The twist's covariance is of no interest.
         let mut message = odometry(0.0, 0.0);
         message.twist.covariance[0] = f64::NAN;
-        assert_eq!(shown(&mut visual, &message), Ok(true));
+        assert_eq!(shown(&mut display, &message), Ok(true));
     }
 }

@@ -1,7 +1,7 @@
 //! `rviz/Path`: a line through poses, with axes or arrows at them.
 //!
-//! A path stands where its frame was at its stamp, whatever the frame does later. Its opacity has no effect: rviz sets
-//! the colour's alpha, and its line's material replaces what is behind.
+//! A path stays where its frame was at its stamp. Its opacity has no effect: rviz sets the colour's alpha, but its
+//! line's material replaces the background.
 
 use std::sync::Arc;
 
@@ -17,24 +17,22 @@ use crate::framework::display::{Display, TopicRequest};
 use crate::framework::message_display::InvalidFloats;
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::isometry;
-use crate::parts::history::History;
+use crate::parts::history::MessageHistory;
 use crate::parts::pose_symbol::{all_axes, arrows};
 use crate::parts::solids::{arrow_pose, drawable, ArrowSize};
 use crate::{Level, Statuses, World};
 
-/// A Path display.
 #[derive(Debug)]
 pub(crate) struct PathDisplay {
     display: DisplayId,
     settings: PathSettings,
     incoming: WaitingMessages<Path>,
-    history: History,
+    history: MessageHistory,
     statuses: Statuses,
 }
 
-/// Makes a Path display.
-pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> Box<dyn Display> {
-    Box::new(PathDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> PathDisplay {
+    PathDisplay::new(display, settings.clone())
 }
 
 impl PathDisplay {
@@ -42,13 +40,13 @@ impl PathDisplay {
         Self {
             display,
             incoming: WaitingMessages::new(settings.queue_size),
-            history: History::new(Some(settings.buffer_length)),
+            history: MessageHistory::new(Some(settings.buffer_length)),
             settings,
             statuses: Statuses::default(),
         }
     }
 
-    /// The poses in the fixed frame with the display's offset; `None` where a number is NaN or infinite.
+    /// Poses in the fixed frame with the display's offset; `None` where a number is NaN or infinite.
     fn poses(&self, path: &Path, fixed_from_path: &Isometry3<f64>) -> Option<Vec<Isometry3<f64>>> {
         let offset = Translation3::from(Vector3::from(self.settings.offset_m).cast::<f64>());
         let poses = path.poses.iter().map(|stamped| {
@@ -105,8 +103,8 @@ impl PathDisplay {
     }
 }
 
-/// Where an arrow points: along the pose's x, except that rviz turns by the quaternion as it is. One that is too long
-/// turns too far, one that is too short not far enough.
+/// Direction of an arrow: the pose's x, except that rviz rotates by the quaternion as it is. One that is too long turns
+/// too far, one that is too short not far enough.
 fn direction(fixed_from_pose: &Isometry3<f64>, path_from_pose: &PlainTransform) -> Vector3<f64> {
     let squared: f64 = path_from_pose.rotation_xyzw.iter().map(|part| part * part).sum();
     let turned = fixed_from_pose.rotation * Vector3::x();

@@ -10,17 +10,15 @@ use rcs_messages::{pooled_bytes, PointCloud2};
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::{StatusText, World};
 
 /// `sensor_msgs/PointCloud` as `sensor_msgs/PointCloud2`.
 #[derive(Debug)]
-struct PointCloudSource;
+pub(crate) struct PointCloudSource;
 
-/// Makes a PointCloud display.
-pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
-    Box::new(CloudDisplay::<PointCloudSource>::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> CloudDisplay<PointCloudSource> {
+    CloudDisplay::new(display, settings.clone())
 }
 
 impl CloudSource for PointCloudSource {
@@ -32,8 +30,8 @@ impl CloudSource for PointCloudSource {
     }
 }
 
-/// The points with those channels that fit them; the others share one column of zeros, so that many empty channels do
-/// not make a large cloud.
+/// Converts the points with those channels that fit them; the others share one column of zeros, so that many empty
+/// channels do not make a large cloud.
 fn converted(cloud: &PointCloud) -> PointCloud2 {
     let field = |name, column: usize| (name, column as u32 * 4, PointField::FLOAT32);
     let mut fields = vec![field("x", 0), field("y", 1), field("z", 2)];

@@ -6,17 +6,15 @@ use rcs_messages::PointCloud2;
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
 use crate::parts::cloud::{CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::{StatusText, World};
 
 /// `sensor_msgs/PointCloud2` as it is.
 #[derive(Debug)]
-struct PointCloud2Source;
+pub(crate) struct PointCloud2Source;
 
-/// Makes a PointCloud2 display.
-pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
-    Box::new(CloudDisplay::<PointCloud2Source>::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> CloudDisplay<PointCloud2Source> {
+    CloudDisplay::new(display, settings.clone())
 }
 
 impl CloudSource for PointCloud2Source {

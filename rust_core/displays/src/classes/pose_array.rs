@@ -8,71 +8,56 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use rcs_messages::geometry_msgs::PoseArray;
 use rcs_messages::PlainTransform;
 use rcs_rviz_config::{PoseArraySettings, PoseArrayShape};
-use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba};
+use rcs_scene::{Blending, DisplayId, Geometry, LineTopology, Lines, Rgba};
 
-use crate::framework::display::Display;
-use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
 use crate::framework::world::isometry;
 use crate::parts::pose_symbol::PoseSymbol;
 use crate::parts::solids::{drawable, ArrowSize};
 
-/// A PoseArray display.
-pub(crate) type PoseArrayDisplay = MessageDisplay<PoseArrayVisual>;
-
-/// What stands at each pose.
 #[derive(Debug)]
-enum Symbol {
+enum ArraySymbol {
     FlatArrow { length_m: f64, color: [u8; 4] },
     Solid(PoseSymbol),
 }
 
-/// What a PoseArray display draws.
 #[derive(Debug)]
 pub(crate) struct PoseArrayVisual {
     display: DisplayId,
-    symbol: Symbol,
-    drawables: Vec<Drawable>,
+    symbol: ArraySymbol,
 }
 
-/// Makes a PoseArray display.
-pub(crate) fn create(display: DisplayId, settings: &PoseArraySettings) -> Box<dyn Display> {
-    Box::new(PoseArrayDisplay::of(display, settings))
-}
-
-impl PoseArrayDisplay {
-    /// A display that has no message yet.
-    pub(crate) fn of(display: DisplayId, settings: &PoseArraySettings) -> Self {
-        let symbol = match settings.shape {
-            PoseArrayShape::ArrowFlat => Symbol::FlatArrow {
-                length_m: settings.flat_arrow_length_m.into(),
-                color: Rgba::from_rgb8(settings.color, settings.alpha).to_rgba8(),
-            },
-            PoseArrayShape::Arrow3d => {
-                // rviz hands its "radii" to something that takes diameters.
-                let size = ArrowSize {
-                    shaft_length_m: settings.shaft_length_m.into(),
-                    shaft_diameter_m: settings.shaft_radius_m.into(),
-                    head_length_m: settings.head_length_m.into(),
-                    head_diameter_m: settings.head_radius_m.into(),
-                };
-                Symbol::Solid(PoseSymbol::arrow(size, settings.color, settings.alpha))
-            }
-            PoseArrayShape::Axes => Symbol::Solid(PoseSymbol::axes(settings.axes_length_m, settings.axes_radius_m)),
-        };
-        let visual = PoseArrayVisual { display, symbol, drawables: Vec::new() };
-        Self::new(&settings.topic, settings.queue_size, visual)
-    }
+pub(crate) fn create(display: DisplayId, settings: &PoseArraySettings) -> MessageDisplay<PoseArrayVisual> {
+    let symbol = match settings.shape {
+        PoseArrayShape::ArrowFlat => ArraySymbol::FlatArrow {
+            length_m: settings.flat_arrow_length_m.into(),
+            color: Rgba::from_rgb8(settings.color, settings.alpha).to_rgba8(),
+        },
+        PoseArrayShape::Arrow3d => {
+            // rviz hands its "radii" to something that takes diameters.
+            let size = ArrowSize {
+                shaft_length_m: settings.shaft_length_m.into(),
+                shaft_diameter_m: settings.shaft_radius_m.into(),
+                head_length_m: settings.head_length_m.into(),
+                head_diameter_m: settings.head_radius_m.into(),
+            };
+            ArraySymbol::Solid(PoseSymbol::arrow(size, settings.color, settings.alpha))
+        }
+        PoseArrayShape::Axes => ArraySymbol::Solid(PoseSymbol::axes(settings.axes_length_m, settings.axes_radius_m)),
+    };
+    let visual = PoseArrayVisual { display, symbol };
+    MessageDisplay::new(&settings.topic, settings.queue_size, Some(1), visual)
 }
 
 impl MessageVisual for PoseArrayVisual {
     type Message = PoseArray;
 
-    fn show(&mut self, message: &PoseArray, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
+    fn draw(&mut self, message: &PoseArray, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
         let poses: Option<Vec<Isometry3<f64>>> =
             message.poses.iter().map(|pose| isometry(&PlainTransform::from(pose))).collect();
         let poses = poses.ok_or(InvalidFloats)?;
-        self.drawables = match &self.symbol {
-            Symbol::FlatArrow { length_m, color } => {
+        Ok(Some(match &self.symbol {
+            ArraySymbol::FlatArrow { length_m, color } => {
                 let lines = Lines {
                     positions: poses.iter().flat_map(|pose| flat_arrow(pose, *length_m)).collect(),
                     colors: vec![*color],
@@ -82,17 +67,8 @@ impl MessageVisual for PoseArrayVisual {
                 let fixed_from_frame = fixed_from_frame.to_homogeneous();
                 vec![drawable(self.display, fixed_from_frame, Geometry::Lines(Arc::new(lines)))]
             }
-            Symbol::Solid(symbol) => symbol.at_all(self.display, poses.iter().map(|pose| fixed_from_frame * pose)),
-        };
-        Ok(true)
-    }
-
-    fn drawables(&self) -> &[Drawable] {
-        &self.drawables
-    }
-
-    fn clear(&mut self) {
-        self.drawables.clear();
+            ArraySymbol::Solid(symbol) => symbol.at_all(self.display, poses.iter().map(|pose| fixed_from_frame * pose)),
+        }))
     }
 }
 

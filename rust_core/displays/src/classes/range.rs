@@ -1,4 +1,4 @@
-//! `rviz/Range`: a cone from the sensor to what it measured, as wide as its field of view.
+//! `rviz/Range`: a cone from the sensor to its measurement, as wide as its field of view.
 //!
 //! A cone stands where its frame was at the message's stamp. A measurement out of the sensor's range shows nothing,
 //! except that a sensor of one fixed distance shows that distance for minus infinity ("something is there").
@@ -10,43 +10,26 @@ use rcs_messages::sensor_msgs::Range;
 use rcs_rviz_config::RangeSettings;
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 
-use crate::framework::display::Display;
-use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
-use crate::parts::history::History;
+use crate::framework::message_display::{DrawResult, MessageDisplay, MessageVisual};
 use crate::parts::solids::solid;
-use crate::Shape;
+use crate::SolidShape;
 
-/// By what share of its length rviz draws a cone nearer to the sensor than its middle.
+/// Share of its length by which rviz draws a cone nearer to the sensor than its middle.
 const FUDGE: f64 = 0.008824;
 
-/// A Range display.
-pub(crate) type RangeDisplay = MessageDisplay<RangeVisual>;
-
-/// What a Range display draws.
 #[derive(Debug)]
 pub(crate) struct RangeVisual {
     display: DisplayId,
     material: Arc<Material>,
-    /// The cones of the last measurements; none for those that show nothing.
-    history: History,
 }
 
-/// Makes a Range display.
-pub(crate) fn create(display: DisplayId, settings: &RangeSettings) -> Box<dyn Display> {
-    Box::new(RangeDisplay::of(display, settings))
-}
-
-impl RangeDisplay {
-    /// A display that has no message yet.
-    pub(crate) fn of(display: DisplayId, settings: &RangeSettings) -> Self {
-        let material = Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha)));
-        let visual = RangeVisual { display, material, history: History::new(Some(settings.buffer_length)) };
-        Self::new(&settings.topic, settings.queue_size, visual)
-    }
+pub(crate) fn create(display: DisplayId, settings: &RangeSettings) -> MessageDisplay<RangeVisual> {
+    let material = Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha)));
+    let visual = RangeVisual { display, material };
+    MessageDisplay::new(&settings.topic, settings.queue_size, Some(settings.buffer_length), visual)
 }
 
 impl RangeVisual {
-    /// The cone of a measurement; `None` where it has no size.
     fn cone(&self, range: &Range, fixed_from_sensor: &Isometry3<f64>) -> Option<Drawable> {
         let length_m = f64::from(shown_range_m(range)?);
         let diameter_m = 2.0 * length_m * (f64::from(range.field_of_view) / 2.0).tan();
@@ -60,11 +43,11 @@ impl RangeVisual {
         );
         let fixed_from_cone = (fixed_from_sensor * sensor_from_upright).to_homogeneous()
             * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));
-        Some(solid(self.display, Shape::Cone, fixed_from_cone, &self.material))
+        Some(solid(self.display, SolidShape::Cone, fixed_from_cone, &self.material))
     }
 }
 
-/// The distance that is shown, in metres; `None` for nothing.
+/// Displayed distance in metres, if any.
 fn shown_range_m(range: &Range) -> Option<f32> {
     if (range.min_range..=range.max_range).contains(&range.range) {
         Some(range.range)
@@ -77,17 +60,8 @@ fn shown_range_m(range: &Range) -> Option<f32> {
 impl MessageVisual for RangeVisual {
     type Message = Range;
 
-    fn show(&mut self, message: &Range, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
-        self.history.push(self.cone(message, fixed_from_frame));
-        Ok(true)
-    }
-
-    fn drawables(&self) -> &[Drawable] {
-        self.history.drawables()
-    }
-
-    fn clear(&mut self) {
-        self.history.clear();
+    fn draw(&mut self, message: &Range, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
+        Ok(Some(self.cone(message, fixed_from_frame).into_iter().collect()))
     }
 }
 

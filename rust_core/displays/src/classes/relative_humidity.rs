@@ -4,7 +4,6 @@ use rcs_messages::sensor_msgs::RelativeHumidity;
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
 use crate::parts::single_value::{SingleValue, SingleValueDisplay};
 
 impl SingleValue for RelativeHumidity {
@@ -15,7 +14,6 @@ impl SingleValue for RelativeHumidity {
     }
 }
 
-/// Makes a RelativeHumidity display.
-pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
-    Box::new(SingleValueDisplay::<RelativeHumidity>::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> SingleValueDisplay<RelativeHumidity> {
+    SingleValueDisplay::new(display, settings.clone())
 }

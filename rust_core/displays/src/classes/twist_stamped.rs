@@ -4,8 +4,8 @@ use rcs_messages::geometry_msgs::{TwistStamped, Vector3};
 use rcs_rviz_config::ScrewSettings;
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
-use crate::parts::screw::{ScrewDisplay, ScrewMessage};
+use crate::framework::message_display::MessageDisplay;
+use crate::parts::screw::{self, ScrewMessage, ScrewVisual};
 
 impl ScrewMessage for TwistStamped {
     fn parts(&self) -> (&Vector3, &Vector3) {
@@ -13,7 +13,6 @@ impl ScrewMessage for TwistStamped {
     }
 }
 
-/// Makes a TwistStamped display.
-pub(crate) fn create(display: DisplayId, settings: &ScrewSettings) -> Box<dyn Display> {
-    Box::new(ScrewDisplay::<TwistStamped>::of(display, settings))
+pub(crate) fn create(display: DisplayId, settings: &ScrewSettings) -> MessageDisplay<ScrewVisual<TwistStamped>> {
+    screw::create(display, settings)
 }

@@ -1,9 +1,8 @@
-//! Which of the messages that a display took it shows by now.
+//! Tracking of the newest message that a display shows.
 //!
-//! A message may wait for its frame, be dropped or be replaced by the next one before it is ever seen. So it counts as
-//! shown in that update in which what the display shows changed and the message did not wait any more; the newest of
-//! those is the one that the display shows. The moment of reception comes from the caller and is passed on unread: no
-//! clock decides what is shown.
+//! A message may wait for its frame, be dropped or be replaced by the next one before it is ever visible. It counts as
+//! shown in the update in which the drawables changed and the message did not wait any more; the newest of those is the
+//! one that the display shows. The time of reception comes from the caller and is passed on.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -13,7 +12,7 @@ use rcs_transforms::Time;
 
 use crate::framework::world::stamp;
 
-/// Beyond so many that wait, the oldest are not counted any more.
+/// Largest number of tracked messages; the oldest are dropped.
 const MOST_WAITING: usize = 100;
 
 /// A message that a display shows.
@@ -25,30 +24,29 @@ pub struct ShownMessage {
     pub received: Option<Instant>,
 }
 
-/// The messages of a display on their way, and the last that is shown.
+/// Messages of a display that wait, and the last one that is shown.
 #[derive(Debug, Default)]
 pub(crate) struct Arrivals {
-    /// Those that were taken since the last update, and those that wait for their frames; oldest first.
-    on_the_way: VecDeque<ShownMessage>,
+    /// Messages taken since the last update or waiting for their frames; oldest first.
+    pending: VecDeque<ShownMessage>,
     shown: Option<ShownMessage>,
     current: Option<ShownMessage>,
 }
 
 impl Arrivals {
-    /// Records a message that the display takes. A CameraInfo shows nothing itself.
+    /// Records a message that the display takes. A CameraInfo has no drawables itself.
     pub(crate) fn note(&mut self, message: &AnyMessage, received: Option<Instant>) {
         if message.kind() == MessageKind::CameraInfo {
             return;
         }
-        if self.on_the_way.len() >= MOST_WAITING {
-            self.on_the_way.pop_front();
+        if self.pending.len() >= MOST_WAITING {
+            self.pending.pop_front();
         }
-        self.on_the_way.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
+        self.pending.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
     }
 
-    /// Records an update. Returns the newest message that is shown since then, if one is. `placed_at`: the time of the
-    /// latest transforms that placed messages, if such did. `is_accepted`: what does not wait any more was not refused
-    /// or dropped.
+    /// Records an update. Returns the newest message that is shown since then, if any. `placed_at`: time of the latest
+    /// transforms that placed messages. `is_accepted`: messages that do not wait any more were not refused or dropped.
     pub(crate) fn settle(
         &mut self,
         changed: bool,
@@ -57,7 +55,7 @@ impl Arrivals {
         is_waiting: impl Fn(Time) -> bool,
     ) -> Option<ShownMessage> {
         let mut newest = None;
-        self.on_the_way.retain(|message| {
+        self.pending.retain(|message| {
             let stays = is_waiting(message.stamp);
             if !stays {
                 newest = Some(*message);
@@ -77,24 +75,23 @@ impl Arrivals {
         Some(newest)
     }
 
-    /// The newest message that what is shown stands for: also one that changed nothing, as it says the same again. It
-    /// is no newer than the transforms that placed it.
+    /// Newest message that the drawables stand for: also one that changed nothing, as it repeats its predecessor. Its
+    /// stamp is no newer than the transforms that placed it.
     pub(crate) fn current(&self) -> Option<ShownMessage> {
         self.current
     }
 
-    /// The newest message that is shown.
+    /// Newest message that changed the drawables.
     pub(crate) fn shown(&self) -> Option<ShownMessage> {
         self.shown
     }
 
-    /// Forgets the messages that wait: the display does, and goes on to show what it showed.
+    /// Removes the waiting messages; the display keeps its drawables.
     pub(crate) fn forget_waiting(&mut self) {
-        self.on_the_way.clear();
+        self.pending.clear();
         self.shown = None;
     }
 
-    /// Forgets all messages, as the display does.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
@@ -171,7 +168,7 @@ mod tests {
     fn messages_that_never_become_ready_are_limited() {
         let mut arrivals = Arrivals::default();
         (0..10_000).for_each(|secs| note(&mut arrivals, secs));
-        assert_eq!(arrivals.on_the_way.len(), MOST_WAITING);
+        assert_eq!(arrivals.pending.len(), MOST_WAITING);
         assert_eq!(settle(&mut arrivals, true, 10_000), Some(9_999));
     }
 }

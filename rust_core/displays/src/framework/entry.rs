@@ -1,9 +1,8 @@
-//! A display of the set, with what the framework knows about it: which messages it shows, which frames it follows, and
-//! what made it panic.
+//! A display of the set, with its shown messages, its followed frames and its recovery from panics.
 //!
-//! A display that panicked has lost all that it had. So it is given its parameters and the last messages of its topics
-//! again, except what makes it panic. Messages that came since its last good update are tried one by one, for one of
-//! them is the likely cause. This is done once: only after something new came from outside it is done again.
+//! A display that panicked has lost its state. So it is given its parameters and the last messages of its topics again,
+//! except those that make it panic. Messages that came since its last good update are tried one by one, because one of
+//! them is the likely cause. This is done once, and again only after new input.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -12,21 +11,18 @@ use rcs_rviz_config::DisplaySettings;
 use rcs_scene::DisplayId;
 use rcs_transforms::Time;
 
-use crate::framework::ages::DisplayAge;
 use crate::framework::arrivals::{Arrivals, ShownMessage};
 use crate::framework::display::Display;
 use crate::framework::guarded::GuardedDisplay;
 use crate::framework::lookups::{FollowedFrames, Lookups};
 use crate::framework::message_cache::{CachedMessage, MessageCache};
-use crate::framework::report::DisplayReport;
-use crate::framework::set::ListedDisplay;
+use crate::framework::report::{DisplayAge, DisplayReport, ListedDisplay};
 use crate::{Level, World};
 
-/// How many causes of panics are left out, one after the other, before a display is left empty.
+/// Causes of panics that are left out, one after the other, before a display is left empty.
 const MOST_CAUSES: usize = 5;
 
-/// A display of a set.
-pub(crate) struct Entry {
+pub(crate) struct DisplayEntry {
     /// Stays as long as the display does, whatever is listed around it.
     pub(super) id: DisplayId,
     pub(super) listed: ListedDisplay,
@@ -34,39 +30,36 @@ pub(crate) struct Entry {
     pub(super) display: GuardedDisplay,
     /// The set's version at its last change.
     pub(super) changed_at: u64,
-    /// What its messages and updates took since that was last asked.
+    /// Time spent on its messages and updates since it was last taken.
     pub(super) cost: Duration,
-    /// How many messages it was given since the start or the last reset.
+    /// Messages given since the start or the last reset.
     received: u64,
-    /// Which of them it shows.
     arrivals: Arrivals,
-    /// The oldest latest transforms that placed messages since the last update.
+    /// Time of the oldest latest transforms that placed messages since the last update.
     placed_at: Option<Time>,
     followed: FollowedFrames,
-    refused: Refused,
-    /// How many of its panics were answered.
+    recovery: Recovery,
+}
+
+/// State of the recovery of a display from panics.
+#[derive(Debug, Default)]
+struct Recovery {
+    refused_parameters: bool,
+    /// Numbers of the messages that made it panic.
+    refused_messages: Vec<u64>,
     answered_panics: u64,
-    /// Something came from outside since it was last given all again.
+    /// Something came from outside since the last restore.
     has_news: bool,
-    /// Messages with smaller numbers were there in an update that went well, or are refused.
+    /// Messages with smaller numbers were there in a good update, or are refused.
     updated_to: u64,
 }
 
-/// What made a display panic.
-#[derive(Debug, Default)]
-struct Refused {
-    parameters: bool,
-    /// The numbers of messages.
-    messages: Vec<u64>,
-}
-
-/// One thing that made a display panic.
-enum Cause {
+enum PanicCause {
     Parameters,
     Message(u64),
 }
 
-impl Entry {
+impl DisplayEntry {
     pub(super) fn new(
         id: DisplayId,
         listed: ListedDisplay,
@@ -84,51 +77,44 @@ impl Entry {
             arrivals: Arrivals::default(),
             placed_at: None,
             followed: FollowedFrames::default(),
-            refused: Refused::default(),
-            answered_panics: 0,
-            has_news: true,
-            updated_to: 0,
+            recovery: Recovery { has_news: true, ..Recovery::default() },
         }
     }
 
-    /// Takes a message, which is kept under its number.
     pub(super) fn take(&mut self, kept: &CachedMessage<'_>, received: Option<Instant>, world: &World<'_>) {
         let begun = Instant::now();
         let panics = self.display.panics();
         self.received += 1;
-        self.has_news = true;
+        self.recovery.has_news = true;
         self.give(kept, received, world);
         if self.display.panics() != panics {
-            self.refused.messages.push(kept.number);
+            self.recovery.refused_messages.push(kept.number);
         }
         self.cost += begun.elapsed();
     }
 
-    /// Takes the text of a parameter.
     pub(super) fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
         let panics = self.display.panics();
-        self.has_news = true;
+        self.recovery.has_news = true;
         self.display.take_parameter(name, text, world);
-        self.refused.parameters = self.display.panics() != panics;
+        self.recovery.refused_parameters = self.display.panics() != panics;
     }
 
-    /// Handles that a publisher of a topic left.
     pub(super) fn publisher_left(&mut self, topic: &str) {
-        self.has_news = true;
+        self.recovery.has_news = true;
         self.display.publisher_left(topic);
     }
 
-    /// Shows nothing until the next message.
     pub(super) fn forget_shown(&mut self) {
-        self.has_news = true;
+        self.recovery.has_news = true;
         self.display.forget_shown();
         self.arrivals.clear();
     }
 
-    /// Forgets all messages but those that it goes on to show.
+    /// Removes all messages but those that it goes on to show.
     pub(super) fn reset(&mut self) {
-        (self.received, self.has_news) = (0, true);
-        self.refused.messages.clear();
+        (self.received, self.recovery.has_news) = (0, true);
+        self.recovery.refused_messages.clear();
         self.display.reset();
         match self.display.drawables() {
             [] => self.arrivals.clear(),
@@ -136,35 +122,35 @@ impl Entry {
         }
     }
 
-    /// Places all that it shows again, in another fixed frame.
+    /// Places its messages again, in another fixed frame.
     pub(super) fn place_again(&mut self, cache: &MessageCache, world: &World<'_>) {
-        (self.received, self.has_news) = (0, true);
+        (self.received, self.recovery.has_news) = (0, true);
         self.followed = FollowedFrames::default();
         self.display.reset();
         self.arrivals.clear();
         self.give_messages(cache, world);
     }
 
-    /// Gives a new display the parameters and the last messages that there are.
+    /// Gives a new display the cached parameters and messages.
     pub(super) fn give_all(&mut self, cache: &MessageCache, world: &World<'_>) {
         self.give_parameters(cache, world);
         self.give_messages(cache, world);
     }
 
-    /// Brings it up to date. Returns whether what it shows changed, and the newest message that is shown since then.
+    /// Updates it. Returns whether its drawables changed, and the newest message that is shown since then.
     pub(super) fn update(&mut self, cache: &MessageCache, world: &World<'_>) -> (bool, Option<ShownMessage>) {
         let begun = Instant::now();
         let (mut has_changed, mut shown) = self.update_once(world);
-        if self.display.panics() != self.answered_panics && std::mem::take(&mut self.has_news) {
+        if self.display.panics() != self.recovery.answered_panics && std::mem::take(&mut self.recovery.has_news) {
             self.restore(cache, world);
             (has_changed, shown) = (true, None);
         }
-        (self.answered_panics, self.updated_to) = (self.display.panics(), cache.next_number());
+        self.recovery.answered_panics = self.display.panics();
+        self.recovery.updated_to = cache.next_number();
         self.cost += begun.elapsed();
         (has_changed, shown)
     }
 
-    /// What its age is measured by.
     pub(super) fn age(&self) -> DisplayAge<'_> {
         DisplayAge {
             id: self.id,
@@ -176,7 +162,6 @@ impl Entry {
         }
     }
 
-    /// Its statuses.
     pub(super) fn report(&self) -> DisplayReport<'_> {
         DisplayReport::new(self.id, &self.listed, &self.display, self.received, self.arrivals.shown())
     }
@@ -215,14 +200,14 @@ impl Entry {
         (has_changed, shown)
     }
 
-    /// Gives a display that panicked all that it had, without what it panics with.
+    /// Restores a display that panicked, without the causes of panics.
     fn restore(&mut self, cache: &MessageCache, world: &World<'_>) {
         for _ in 0..MOST_CAUSES {
             self.begin_anew();
             match self.try_all(cache, world) {
                 Ok(()) => return,
-                Err(Some(Cause::Parameters)) => self.refused.parameters = true,
-                Err(Some(Cause::Message(number))) => self.refused.messages.push(number),
+                Err(Some(PanicCause::Parameters)) => self.recovery.refused_parameters = true,
+                Err(Some(PanicCause::Message(number))) => self.recovery.refused_messages.push(number),
                 Err(None) => break,
             }
         }
@@ -234,27 +219,26 @@ impl Entry {
         self.arrivals.clear();
     }
 
-    /// Gives it all that is not refused.
-    ///
-    /// # Errors
-    /// With what it panicked, as far as that is known.
-    fn try_all(&mut self, cache: &MessageCache, world: &World<'_>) -> Result<(), Option<Cause>> {
+    /// Gives it all cached input that is not refused.
+    fn try_all(&mut self, cache: &MessageCache, world: &World<'_>) -> Result<(), Option<PanicCause>> {
         let (panics, mut last) = (self.display.panics(), None);
-        if !self.refused.parameters && !self.display.parameters().is_empty() {
-            last = Some(Cause::Parameters);
+        if !self.recovery.refused_parameters && !self.display.parameters().is_empty() {
+            last = Some(PanicCause::Parameters);
             self.give_parameters(cache, world);
             self.update_once(world);
         }
         let topics = self.display.topics();
         let messages = cache.messages(&topics, world.now);
-        self.refused.messages.retain(|number| messages.iter().any(|kept| kept.number == *number));
-        let is_new = |number: u64| number >= self.updated_to;
-        let suspects = if messages.iter().any(|kept| is_new(kept.number)) { self.updated_to } else { 0 };
-        for kept in messages.iter().filter(|kept| !self.refused.messages.contains(&kept.number)).collect::<Vec<_>>() {
+        self.recovery.refused_messages.retain(|number| messages.iter().any(|kept| kept.number == *number));
+        let is_new = |number: u64| number >= self.recovery.updated_to;
+        let suspects = if messages.iter().any(|kept| is_new(kept.number)) { self.recovery.updated_to } else { 0 };
+        for kept in
+            messages.iter().filter(|kept| !self.recovery.refused_messages.contains(&kept.number)).collect::<Vec<_>>()
+        {
             if self.display.panics() != panics {
                 return Err(last);
             }
-            last = Some(Cause::Message(kept.number));
+            last = Some(PanicCause::Message(kept.number));
             self.give(kept, None, world);
             if kept.number >= suspects {
                 self.update_once(world);

@@ -2,13 +2,13 @@
 //! found.
 
 use nalgebra::Isometry3;
-use rcs_transforms::{Dropped, LookupError, LookupProblem, WaitingQueue};
+use rcs_transforms::{DropReason, Dropped, LookupError, LookupProblem, WaitingQueue};
 
 use crate::framework::status::StatusText;
 use crate::{Level, Statuses, World};
 
-/// Where a reference frame (`None` is the fixed frame) is now. While it cannot be found, the place where it was last
-/// stays: rviz leaves such a display where it is. Before it was ever found, that is the fixed frame's origin.
+/// Pose of a reference frame (`None` is the fixed frame). While it cannot be found, its last pose stays, as in rviz;
+/// before it was ever found, that is the fixed frame's origin.
 pub(crate) fn follow(
     reference_frame: Option<&str>,
     world: &World<'_>,
@@ -28,8 +28,7 @@ pub(crate) fn follow(
     }
 }
 
-/// Why something cannot be placed in the fixed frame, in the words of rviz's statuses: a frame that does not exist at
-/// all comes first.
+/// rviz's status text for a failed lookup; a frame that does not exist at all comes first.
 pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
     let LookupError { source: frame, problem, .. } = error;
     let reason = match problem {
@@ -43,7 +42,7 @@ pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
     StatusText::about_frame(format!("For frame [{frame}]: {reason}"))
 }
 
-/// Reports why the newest message in a queue waits, or takes the report back when none does.
+/// Sets the status of the newest waiting message of a queue, or removes it.
 pub(crate) fn report_waiting<M>(queue: &WaitingQueue<M>, world: &World<'_>, statuses: &mut Statuses) {
     match queue.waiting_reason(world.transforms, world.fixed_frame) {
         Some(reason) => statuses.set(Level::Warn, Statuses::TRANSFORM, problem(&reason, world.fixed_frame)),
@@ -51,20 +50,21 @@ pub(crate) fn report_waiting<M>(queue: &WaitingQueue<M>, world: &World<'_>, stat
     }
 }
 
-/// rviz's status for a cloud whose frame cannot be found at its time.
+/// rviz's status text for a cloud whose frame cannot be found at its stamp.
 pub(crate) fn transform_failed(frame: &str, world: &World<'_>) -> StatusText {
     StatusText::about_frame(format!("Failed to transform from frame [{frame}] to frame [{}]", world.fixed_frame))
 }
 
-/// Why a message was dropped, in the words of rviz's statuses.
+/// rviz's status text for a dropped message.
 pub(crate) fn drop_reason(dropped: &Dropped, fixed_frame: &str) -> StatusText {
-    match dropped {
-        Dropped::TooOld { frame, stamp, .. } => {
+    let Dropped { frame, stamp, reason } = dropped;
+    match reason {
+        DropReason::TooOld { .. } => {
             format!("Message removed because it is too old (frame=[{frame}], stamp=[{stamp}])").into()
         }
-        Dropped::QueueFull { reason: Some(reason), .. } => problem(reason, fixed_frame),
-        Dropped::EmptyFrame { .. } => StatusText::about_frame("For frame []: Frame [] does not exist".to_owned()),
+        DropReason::QueueFull(Some(reason)) => problem(reason, fixed_frame),
+        DropReason::EmptyFrame => StatusText::about_frame("For frame []: Frame [] does not exist".to_owned()),
         // Its frame was never looked up, as newer messages came too fast.
-        Dropped::QueueFull { reason: None, .. } => "Unknown reason for transform failure".into(),
+        DropReason::QueueFull(None) => "Unknown reason for transform failure".into(),
     }
 }

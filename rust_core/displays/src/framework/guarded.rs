@@ -1,7 +1,8 @@
 //! A display whose panics end neither the other displays nor the program.
 //!
-//! What a display keeps after a panic cannot be relied on. So all of it is dropped and it begins anew;
-//! [`Entry`](super::entry::Entry) then gives it what it had. Until it shows something, its status is an error.
+//! The state of a display after a panic is unreliable. So it is replaced by a new one;
+//! [`DisplayEntry`](super::entry::DisplayEntry) then restores its input. Until it shows something, its status is an
+//! error.
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Arc;
@@ -13,50 +14,46 @@ use rcs_transforms::Time;
 use crate::framework::display::Display;
 use crate::{Level, Statuses, TopicRequest, World};
 
-/// What its status reports after a panic.
 const FAILED: &str = "This display panicked, see the log. It shows nothing until its next message.";
 
-/// Makes a display with its settings; each time or never.
+/// Makes a display with its settings; always or never.
 type Make = Box<dyn Fn() -> Option<Box<dyn Display>> + Send>;
 
-/// A display that is guarded.
 pub(crate) struct GuardedDisplay {
     make: Make,
     display: Box<dyn Display>,
     panics: u64,
-    /// Its statuses since it panicked, until it shows something.
+    /// Statuses since a panic, until it shows something.
     failed: Option<Statuses>,
-    /// What it showed is gone, which its next update reports.
+    /// The drawables are gone, which the next update reports.
     is_emptied: bool,
 }
 
 impl GuardedDisplay {
-    /// The display that `make` makes, if it does.
     pub(crate) fn new(make: Make) -> Option<Self> {
         Some(Self { display: make()?, make, panics: 0, failed: None, is_emptied: false })
     }
 
-    /// Whether it panicked and has shown nothing since then.
+    /// `true` if it panicked and has shown nothing since then.
     pub(crate) fn has_failed(&self) -> bool {
         self.failed.is_some()
     }
 
-    /// How often it panicked, and so lost what it had.
+    /// Number of panics, each of which lost its state.
     pub(crate) fn panics(&self) -> u64 {
         self.panics
     }
 
-    /// Drops all that it has.
     pub(crate) fn begin_anew(&mut self) {
         if let Some(new) = (self.make)() {
             let old = std::mem::replace(&mut self.display, new);
-            // To drop what is broken may panic, too.
+            // Dropping a broken display may panic, too.
             let _ = catch_unwind(AssertUnwindSafe(|| drop(old)));
         }
         self.is_emptied = false;
     }
 
-    /// Does something with the display; `None` if it panics.
+    /// Runs `work` on the display; `None` if it panics.
     fn guard<T>(&mut self, work: impl FnOnce(&mut dyn Display) -> T) -> Option<T> {
         let display = self.display.as_mut();
         if let Ok(result) = catch_unwind(AssertUnwindSafe(|| work(display))) {

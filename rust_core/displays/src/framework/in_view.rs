@@ -1,26 +1,26 @@
-//! Whether anything of a display lies in a camera's view.
+//! Culling of a display against a camera's view, for reports.
 //!
 //! Each drawable is enclosed in a box in its own frame (a cube about its origin where it turns to the eye). It is
-//! outside when all eight corners lie beyond the same plane of the view's frustum, so `Outside` is certain, while a box
-//! beyond an edge of the frustum may still count as inside. Clouds are enclosed without the size of their points, as
-//! Ogre culls them.
+//! outside when all eight corners lie beyond the same plane of the view frustum, so `Outside` is certain, while a box
+//! beyond an edge of the frustum may count as inside. Clouds are enclosed without the size of their points, as Ogre
+//! culls them.
 
 use nalgebra::{Matrix4, Point3, Vector4};
 use rcs_scene::{Camera, Drawable, Geometry, Mesh};
 
-/// What a camera could see of a display. Neither its Visibility counts nor what hides what.
+/// Visibility of a display in a camera's view, without its Visibility property and occlusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InView {
-    /// The display shows nothing at present.
+    /// The display has no drawables.
     Empty,
-    /// All that it shows lies wholly outside the camera's view.
+    /// All drawables are outside the camera's view.
     Outside,
-    /// At least one of its drawables may lie in the view.
+    /// At least one drawable may be in the view.
     Inside,
 }
 
 impl InView {
-    /// Of drawables in the view of a camera. Goes through all their positions unless something is soon found inside.
+    /// Tests drawables against the view of a camera. Visits all positions unless something is soon found inside.
     pub(crate) fn of(drawables: &[Drawable], camera: &Camera) -> Self {
         let clip_from_fixed = camera.clip_from_view() * camera.fixed_from_view().inverse().to_homogeneous();
         let mut result = Self::Empty;
@@ -61,7 +61,7 @@ impl InView {
     }
 }
 
-/// The place and the largest scale of something that turns to the eye.
+/// Place and largest scale of a drawable that turns to the eye.
 fn without_rotation(fixed_from_object: &Matrix4<f64>) -> Matrix4<f64> {
     let scale = (0..3).map(|axis| fixed_from_object.fixed_view::<3, 1>(0, axis).norm()).fold(0.0, f64::max);
     let mut matrix = Matrix4::new_scaling(scale);
@@ -82,7 +82,6 @@ impl Enclosure {
         Self { low: point, high: point }
     }
 
-    /// The box around finite positions; `None` without any.
     fn around(positions: impl Iterator<Item = [f32; 3]>) -> Option<Self> {
         let finite = positions.filter(|position| position.iter().all(|value| value.is_finite()));
         let (low, high) = finite.fold((None, None), |(low, high), position| {
@@ -95,13 +94,13 @@ impl Enclosure {
         Some(Self { low: Point3::from(low?).cast(), high: Point3::from(high?).cast() })
     }
 
-    /// The cube about the origin that holds corners however they turn.
+    /// Cube about the origin that holds the corners in any rotation.
     fn of_turning(corners: impl Iterator<Item = Point3<f64>>) -> Option<Self> {
         let reach_m = corners.map(|corner| corner.coords.norm()).reduce(f64::max)?;
         Some(Self { low: Point3::from([-reach_m; 3]), high: Point3::from([reach_m; 3]) })
     }
 
-    /// Around a geometry in its own frame; `None` when there is nothing in it.
+    /// Box around a geometry in its own frame; `None` when it is empty.
     fn of(geometry: &Geometry) -> Option<Self> {
         match geometry {
             Geometry::Points(points) => Self::around(points.buffer.positions.iter().copied()),
@@ -141,7 +140,7 @@ impl Enclosure {
         })
     }
 
-    /// Whether no plane of the frustum has all corners beyond it.
+    /// `true` if no plane of the frustum has all corners beyond it.
     fn reaches_into_view(&self, clip_from_object: &Matrix4<f64>) -> bool {
         let corners: [Vector4<f64>; 8] = self.corners().map(|corner| clip_from_object * corner.to_homogeneous());
         let is_beyond = |side: f64, axis: usize| corners.iter().all(|corner| corner.w + side * corner[axis] < 0.0);
@@ -160,7 +159,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::Shape;
+    use crate::SolidShape;
 
     /// Looks along z; at 10 m its view reaches 10 m to each side.
     fn camera() -> Camera {
@@ -224,7 +223,7 @@ mod tests {
             let mut solids = Solids::default();
             for &x in places {
                 let place = Matrix4::new_translation(&Vector3::new(x, 0.0, 10.0));
-                assert!(solids.push(&Shape::Cube.mesh(), &place, Rgba::WHITE));
+                assert!(solids.push(&SolidShape::Cube.mesh(), &place, Rgba::WHITE));
             }
             at(Geometry::Solids(Arc::new(solids)), 0.0, 0.0, 0.0)
         };

@@ -1,8 +1,8 @@
-//! Which transforms place what a display shows, recorded as the display looks them up.
+//! Record of the transforms that place a display's drawables.
 //!
-//! What follows a frame is looked up again in each update, and is as old as the frame's transforms then. What a message
-//! places once, at its stamp, ages as that message does; without a stamp it is placed by the latest transforms, and is
-//! no newer than those were. Each display looks frames up through a [`World`](crate::World) that records this, so no
+//! Drawables that follow a frame are looked up in each update, and are as old as the frame's transforms. Those that a
+//! message places once, at its stamp, age with the message; without a stamp they are placed by the latest transforms,
+//! and are no newer than those. Each display looks frames up through a [`World`](crate::World) that records this, so no
 //! class has to report it.
 
 use std::cell::{Cell, RefCell};
@@ -10,22 +10,22 @@ use std::collections::BTreeMap;
 
 use rcs_transforms::Time;
 
-/// The frames that what a display shows follows.
+/// Frames that a display's drawables follow.
 #[derive(Clone, Debug, Default)]
 pub struct FollowedFrames {
-    /// Each with whether it was looked up in the update at hand.
+    /// Frames with whether they were looked up in the current update.
     frames: BTreeMap<String, bool>,
     all: bool,
     all_in_update: bool,
 }
 
 impl FollowedFrames {
-    /// The frames by their names, sorted: what is shown is as old as the oldest of them.
+    /// Sorted names of the frames: the drawables are as old as the oldest of them.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.frames.keys().map(String::as_str)
     }
 
-    /// Whether it follows all frames that there are, each of which comes and goes by itself: what is shown is as old as
+    /// `true` if it follows all existing frames, each of which comes and goes by itself: the drawables are as old as
     /// the newest of them.
     pub fn is_all(&self) -> bool {
         self.all
@@ -42,8 +42,8 @@ impl FollowedFrames {
         (self.all, self.all_in_update) = (true, true);
     }
 
-    /// Ends an update. One that changed what is shown has looked up all that this follows. Otherwise the display may
-    /// have had nothing to look up, as between two updates of its own rate.
+    /// Ends an update. One that changed the drawables has looked up all their frames. Otherwise the display may have
+    /// skipped the lookups, as between two updates of its own rate.
     fn end_update(&mut self, has_changed: bool) {
         if has_changed {
             self.frames.retain(|_, is_in_update| *is_in_update);
@@ -54,16 +54,16 @@ impl FollowedFrames {
     }
 }
 
-/// Records what one display looks up while it takes a message or is updated.
+/// Lookups of one display while it takes a message or is updated.
 #[derive(Debug, Default)]
 pub(crate) struct Lookups {
-    /// `None` while it takes a message, which it places once.
+    /// `None` while it takes a message, which is placed once.
     followed: Option<RefCell<FollowedFrames>>,
     placed_at: Cell<Option<Time>>,
 }
 
 impl Lookups {
-    /// Of a display that is updated, and has followed these frames so far.
+    /// Lookups of an update of a display that has followed these frames so far.
     pub(crate) fn of_update(followed: FollowedFrames) -> Self {
         Self { followed: Some(RefCell::new(followed)), placed_at: Cell::default() }
     }
@@ -80,20 +80,19 @@ impl Lookups {
         }
     }
 
-    /// Records that something was placed by the latest transforms, which are of that time; zero for static ones.
+    /// Records that a message was placed by the latest transforms, of this time; zero for static ones.
     pub(crate) fn place_at(&self, latest: Time) {
         if !latest.is_zero() {
             self.placed_at.set(Some(self.placed_at.get().map_or(latest, |known| known.min(latest))));
         }
     }
 
-    /// The oldest time of latest transforms by which something was placed; none if only messages' stamps and static
-    /// transforms did that.
+    /// Oldest time of latest transforms that placed a message; `None` if only stamps and static transforms did.
     pub(crate) fn placed_at(&self) -> Option<Time> {
         self.placed_at.get()
     }
 
-    /// The frames that the display follows after the update, which has changed what it shows or not.
+    /// Frames that the display follows after the update.
     pub(crate) fn into_followed(self, has_changed: bool) -> FollowedFrames {
         let mut followed = self.followed.map(RefCell::into_inner).unwrap_or_default();
         followed.end_update(has_changed);

@@ -1,4 +1,4 @@
-//! The last messages of each topic, for displays that are recreated.
+//! Cache of the last messages of each topic, for displays that are recreated.
 //!
 //! A display is recreated when its settings change and when it panics, while its topics stay subscribed, so that no
 //! publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map updates
@@ -15,15 +15,13 @@ use rcs_transforms::Time;
 
 use crate::TopicRequest;
 
-/// The messages and parameters that are kept.
 #[derive(Debug, Default)]
 pub(crate) struct MessageCache {
-    topics: HashMap<(String, MessageKind), VecDeque<Kept>>,
+    topics: HashMap<(String, MessageKind), VecDeque<CacheEntry>>,
     parameters: HashMap<String, Option<Arc<str>>>,
     next: u64,
 }
 
-/// A message to be given to a display again.
 #[derive(Debug)]
 pub(crate) struct CachedMessage<'a> {
     /// The number that [`MessageCache::next_number`] returned when it was taken.
@@ -33,42 +31,42 @@ pub(crate) struct CachedMessage<'a> {
 }
 
 #[derive(Clone, Debug)]
-struct Kept {
+struct CacheEntry {
     /// Counts all messages, so that those of several topics keep their order.
     number: u64,
     message: AnyMessage,
     received: Time,
 }
 
-/// How many messages of a topic are kept, those that a later one replaces not counted.
+/// Largest number of cached messages of a topic, those that a later one replaces not counted.
 fn most_kept(kind: MessageKind) -> usize {
     match kind {
         MessageKind::Marker | MessageKind::OccupancyGridUpdate => 1000,
         MessageKind::MarkerArray => 100,
-        // One that is missing makes the others useless.
+        // A missing one makes the others useless.
         MessageKind::InteractiveMarkerUpdate => 10_000,
         _ => 1,
     }
 }
 
 impl MessageCache {
-    /// The number of the message that is kept next; those before it have smaller ones.
+    /// Number of the next message; earlier ones have smaller numbers.
     pub(crate) fn next_number(&self) -> u64 {
         self.next
     }
 
-    /// Keeps a message of a topic, by its name in the config.
+    /// Adds a message of a topic, by its name in the config.
     pub(crate) fn keep(&mut self, topic: &str, message: &AnyMessage, received: Time) {
         self.forget_replaced(topic, message);
         let kept = self.topics.entry((topic.to_owned(), message.kind())).or_default();
         if kept.len() >= most_kept(message.kind()) {
             kept.pop_front();
         }
-        kept.push_back(Kept { number: self.next, message: message.clone(), received });
+        kept.push_back(CacheEntry { number: self.next, message: message.clone(), received });
         self.next += 1;
     }
 
-    /// Drops what this message replaces.
+    /// Removes the messages that this one replaces.
     fn forget_replaced(&mut self, topic: &str, message: &AnyMessage) {
         match message {
             AnyMessage::Marker(new) => self.retain(topic, message.kind(), |old| match old {
@@ -109,37 +107,36 @@ impl MessageCache {
         }
     }
 
-    /// The messages of these topics in the order of arrival, without markers whose lifetime is over.
+    /// Messages of these topics in the order of arrival, without expired markers.
     pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<CachedMessage<'a>> {
         let of = |request: &'a TopicRequest| {
             let kept = self.topics.get(&(request.topic.clone(), request.kind));
             kept.into_iter().flatten().map(|kept| (request.topic.as_str(), kept))
         };
-        let mut kept: Vec<(&str, &Kept)> = requests.iter().flat_map(of).collect();
+        let mut kept: Vec<(&str, &CacheEntry)> = requests.iter().flat_map(of).collect();
         kept.sort_by_key(|(_, kept)| kept.number);
-        let alive = |(topic, kept): (&'a str, &Kept)| {
+        let alive = |(topic, kept): (&'a str, &CacheEntry)| {
             let message = still_alive(&kept.message, now.secs_since(kept.received))?;
             Some(CachedMessage { number: kept.number, topic, message })
         };
         kept.into_iter().filter_map(alive).collect()
     }
 
-    /// Forgets the messages of a topic.
     pub(crate) fn forget(&mut self, topic: &str, kind: MessageKind) {
         self.topics.remove(&(topic.to_owned(), kind));
     }
 
-    /// Keeps the text of a parameter; `None` while nobody has set it.
+    /// Stores the text of a parameter; `None` while it is unset.
     pub(crate) fn keep_parameter(&mut self, name: &str, text: Option<&Arc<str>>) {
         self.parameters.insert(name.to_owned(), text.cloned());
     }
 
-    /// The text of a parameter. The outer `None` is for one that no display reads.
+    /// Text of a parameter. The outer `None` is for one that no display reads.
     pub(crate) fn parameter(&self, name: &str) -> Option<Option<&Arc<str>>> {
         self.parameters.get(name).map(Option::as_ref)
     }
 
-    /// Keeps nothing but what these displays' topics and parameters are about.
+    /// Removes all other topics and parameters.
     pub(crate) fn limit_to(&mut self, requests: &[TopicRequest], parameters: &[String]) {
         let wanted = |(topic, kind): &(String, MessageKind)| {
             requests.iter().any(|request| &request.topic == topic && request.kind == *kind)
@@ -148,13 +145,13 @@ impl MessageCache {
         self.parameters.retain(|name, _| parameters.contains(name));
     }
 
-    /// Forgets all messages; parameters stay.
+    /// Removes all messages; parameters stay.
     pub(crate) fn forget_messages(&mut self) {
         self.topics.clear();
     }
 }
 
-/// Whether the first markers of an array have the ids of another array's, one by one: mostly the same ones are sent
+/// `true` if the first markers of an array have the ids of another array's, in order: mostly the same ones are sent
 /// again.
 fn begins_with(array: &MarkerArray, other: &MarkerArray) -> bool {
     let mut pairs = array.markers.iter().zip(&other.markers);
@@ -169,7 +166,7 @@ fn deletes_all(marker: &Marker) -> bool {
     marker.action == i32::from(Marker::DELETEALL)
 }
 
-/// The message without the markers whose lifetime is over after `age_secs`; `None` if that is all of them.
+/// The message without the markers that are expired at `age_secs`; `None` if that is all of them.
 fn still_alive(message: &AnyMessage, age_secs: f64) -> Option<AnyMessage> {
     let lives = |marker: &Marker| {
         let lifetime_secs = f64::from(marker.lifetime.sec) + f64::from(marker.lifetime.nsec) * 1e-9;
@@ -207,7 +204,7 @@ mod tests {
         TopicRequest { topic: topic.to_owned(), kind, queue_size: 1 }
     }
 
-    /// How many messages of a topic come back.
+    /// Number of cached messages of a topic.
     fn count(cache: &MessageCache, topic: &str, kind: MessageKind, now: Time) -> usize {
         cache.messages(&[request(topic, kind)], now).len()
     }

@@ -1,8 +1,7 @@
 //! Displays that draw each message where its frame was at its stamp.
 //!
-//! Reproduces what `rviz::MessageFilterDisplay` does for the small displays: a message waits for its frame, is checked,
-//! and is drawn at the place that its frame had at its stamp, wherever the frame goes afterwards. A message with a
-//! number that is NaN or infinite becomes an error, and what was shown before it stays.
+//! Reproduces `rviz::MessageFilterDisplay` for the small displays: a message waits for its frame, is checked, and is
+//! drawn at the place of its frame at its stamp. A message with NaN or infinity is an error, and the drawables stay.
 
 use nalgebra::Isometry3;
 use rcs_messages::{AnyMessage, TypedMessage};
@@ -11,6 +10,7 @@ use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::waiting_messages::WaitingMessages;
+use crate::parts::history::MessageHistory;
 use crate::{Level, Statuses, World};
 
 /// A message has a number that is NaN or infinite.
@@ -18,48 +18,53 @@ use crate::{Level, Statuses, World};
 #[error("Message contained invalid floating point values (nans or infs)")]
 pub(crate) struct InvalidFloats;
 
-/// What a display makes of its messages.
+/// Drawables of a message; `None` leaves what is shown.
+pub(crate) type DrawResult = Result<Option<Vec<Drawable>>, InvalidFloats>;
+
+/// Drawing of a type of message.
 pub(crate) trait MessageVisual: Send {
-    /// The messages that it subscribes to.
     type Message: TypedMessage;
 
-    /// Shows a message whose frame stood there in the fixed frame at its stamp. Returns whether its drawables changed.
+    /// Draws a message whose frame had this pose in the fixed frame at its stamp.
     ///
     /// # Errors
     /// [`InvalidFloats`]; then everything is as it was.
-    fn show(&mut self, message: &Self::Message, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats>;
+    fn draw(&mut self, message: &Self::Message, fixed_from_frame: &Isometry3<f64>) -> DrawResult;
 
-    /// What it shows.
-    fn drawables(&self) -> &[Drawable];
-
-    /// Shows nothing any more.
-    fn clear(&mut self);
+    fn reset(&mut self) {}
 }
 
-/// A display of a [`MessageVisual`].
 pub(crate) struct MessageDisplay<V: MessageVisual> {
     visual: V,
     topics: Vec<TopicRequest>,
     incoming: WaitingMessages<V::Message>,
+    history: MessageHistory,
     statuses: Statuses,
 }
 
 impl<V: MessageVisual> MessageDisplay<V> {
-    /// A display that subscribes to a topic (none when it is empty); at most `queue_size` messages wait for their
-    /// frames, 0 sets no limit.
-    pub(crate) fn new(topic: &str, queue_size: u32, visual: V) -> Self {
+    /// A display that subscribes to a topic (none when it is empty) and shows the last `history_length` messages, all
+    /// of them for `None`. At most `queue_size` messages wait for their frames, 0 sets no limit.
+    pub(crate) fn new(topic: &str, queue_size: u32, history_length: Option<u32>, visual: V) -> Self {
         Self {
             visual,
             topics: TopicRequest::new(topic, V::Message::KIND, queue_size).into_iter().collect(),
             incoming: WaitingMessages::new(queue_size),
+            history: MessageHistory::new(history_length),
             statuses: Statuses::default(),
         }
     }
 
-    /// What it draws with.
-    #[cfg(test)]
-    pub(crate) fn into_visual(self) -> V {
-        self.visual
+    /// Shows a message. Returns whether the drawables changed.
+    pub(crate) fn show(
+        &mut self,
+        message: &V::Message,
+        fixed_from_frame: &Isometry3<f64>,
+    ) -> Result<bool, InvalidFloats> {
+        let drawables = self.visual.draw(message, fixed_from_frame)?;
+        let changed = drawables.is_some();
+        drawables.into_iter().for_each(|drawables| self.history.push(drawables));
+        Ok(changed)
     }
 }
 
@@ -86,7 +91,7 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
         for message in self.incoming.take_ready(world, &mut self.statuses) {
             let fixed_from_frame = message.header().and_then(|header| world.fixed_from_header(header).ok());
             let Some(fixed_from_frame) = fixed_from_frame else { continue };
-            let shown = self.visual.show(&message, &fixed_from_frame);
+            let shown = self.show(&message, &fixed_from_frame);
             changed |= shown == Ok(true);
             last = shown.map(|_| ());
         }
@@ -97,12 +102,13 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
     }
 
     fn drawables(&self) -> &[Drawable] {
-        self.visual.drawables()
+        self.history.drawables()
     }
 
     fn reset(&mut self) {
         self.incoming.clear();
-        self.visual.clear();
+        self.visual.reset();
+        self.history.clear();
         self.statuses.clear();
     }
 
@@ -116,7 +122,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::classes::pose::PoseDisplay;
+    use crate::classes::pose::{self, PoseVisual};
     use crate::framework::test_world::TestWorld;
     use crate::parts::gathering::singly;
     use rcs_messages::geometry_msgs::PoseStamped;
@@ -124,7 +130,7 @@ mod tests {
 
     /// A Pose display of axes with the world around it. The frame `map` is fixed.
     struct Bench {
-        display: PoseDisplay,
+        display: MessageDisplay<PoseVisual>,
         world: TestWorld,
     }
 
@@ -133,7 +139,7 @@ mod tests {
             let symbol = PoseSymbolSettings { shape: PoseShape::Axes, ..PoseSymbolSettings::default() };
             let settings = PoseSettings { topic: "/p".to_owned(), symbol, ..PoseSettings::default() };
             let world = TestWorld::at(Time::from_secs_nanos(10, 0));
-            Self { display: PoseDisplay::of(0, &settings), world }
+            Self { display: pose::create(0, &settings), world }
         }
 
         /// Sends a pose at x in the frame `robot`, without an update.
@@ -153,7 +159,7 @@ mod tests {
             self.world.place("robot", Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
         }
 
-        /// Where the y axis' foot stands along x.
+        /// Place of the y axis' foot along x.
         fn x(&self) -> Option<f64> {
             singly(self.display.drawables()).get(1).map(|axis| axis.sort_point.x)
         }

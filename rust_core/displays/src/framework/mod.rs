@@ -1,6 +1,5 @@
-//! What all displays share: their set, the contract of one, the world around them, and what they report.
+//! Common parts of all displays: their set, the trait of one, the world around them, and their statuses.
 
-pub(crate) mod ages;
 pub(crate) mod arrivals;
 pub(crate) mod display;
 pub(crate) mod entry;

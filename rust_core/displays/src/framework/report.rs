@@ -1,30 +1,59 @@
-//! The statuses of a display for those who cannot see rviz's tree.
+//! Statuses and age of a display, for consumers outside of this crate.
 //!
-//! A display has statuses about the messages that it has taken. What rviz reports of every display with a topic before
-//! the first message is added here for all of them.
+//! rviz's status of every display with a topic before the first message is added here for all of them.
 
 use std::borrow::Cow;
 
 use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
-use crate::framework::set::ListedDisplay;
+use crate::framework::lookups::FollowedFrames;
 use crate::{Level, ShownMessage, Statuses, TopicRequest};
+
+/// A display of a config, drawn or not.
+#[derive(Clone, Debug)]
+pub struct ListedDisplay {
+    /// The names of the groups around it and its own.
+    pub path: Vec<String>,
+    /// Such as `rviz/Grid`.
+    pub class: String,
+    /// Topic in the config, which may be empty; `None` for a class without topic.
+    pub topic: Option<String>,
+}
+
+/// Age of a display: its newest message and the frames that it follows. The caller decides which age is too old.
+#[derive(Clone, Debug)]
+pub struct DisplayAge<'a> {
+    /// Number of the display.
+    pub id: DisplayId,
+    /// The names of the groups around it and its own.
+    pub path: &'a [String],
+    /// Topics that it subscribes to, by the names in the config.
+    pub topics: Vec<TopicRequest>,
+    /// Newest message that the drawables stand for; `None` before the first, and for a display without topics. Refused,
+    /// dropped and waiting messages do not count; one that repeats its predecessor does. Its stamp is no newer than the
+    /// transforms that placed it.
+    pub current: Option<ShownMessage>,
+    /// Frames that the drawables follow.
+    pub follows: &'a FollowedFrames,
+    /// `true` if it has no drawables.
+    pub is_empty: bool,
+}
 
 /// A display and its statuses.
 #[derive(Clone, Debug)]
 pub struct DisplayReport<'a> {
-    /// Its number, by which [`rcs_scene::DisplayMask`] and [`crate::DisplaySet::in_view`] know it.
+    /// Number in [`rcs_scene::DisplayMask`] and [`crate::DisplaySet::in_view`].
     pub id: DisplayId,
-    /// Which display it is.
+    /// The display.
     pub listed: &'a ListedDisplay,
-    /// What it subscribes to.
+    /// Topics that it subscribes to.
     pub topics: Vec<TopicRequest>,
-    /// How many messages it has taken since the start or the last jump in time.
+    /// Messages taken since the start or the last jump in time.
     pub received: u64,
-    /// The newest message that it shows.
+    /// Newest message that it shows.
     pub shown: Option<ShownMessage>,
-    /// Its statuses, that of its topic included.
+    /// Statuses, including its topic's.
     pub statuses: Cow<'a, Statuses>,
 }
 
@@ -45,7 +74,7 @@ impl<'a> DisplayReport<'a> {
     }
 }
 
-/// The status of a display's topic, unless the display itself has one.
+/// Status of a display's topic, unless the display itself has one.
 fn topic_status(
     listed: &ListedDisplay,
     topics: &[TopicRequest],

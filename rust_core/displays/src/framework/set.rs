@@ -1,4 +1,4 @@
-//! All displays of a config, and the scene that they make together.
+//! All displays of a config, and their scene.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -13,14 +13,13 @@ use rcs_scene::{Camera, DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
 use crate::classes::create;
-use crate::framework::ages::DisplayAge;
 use crate::framework::arrivals::ShownMessage;
 use crate::framework::display::Display;
-use crate::framework::entry::Entry;
+use crate::framework::entry::DisplayEntry;
 use crate::framework::guarded::GuardedDisplay;
 use crate::framework::in_view::InView;
 use crate::framework::message_cache::{CachedMessage, MessageCache};
-use crate::framework::report::DisplayReport;
+use crate::framework::report::{DisplayAge, DisplayReport, ListedDisplay};
 use crate::{TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
@@ -32,29 +31,18 @@ pub struct CameraView {
     pub path: Vec<String>,
     /// Its properties.
     pub settings: CameraPubSettings,
-    /// Which displays it shows.
+    /// Displays that it shows.
     pub visible: DisplayMask,
 }
 
-/// A display of a config, drawn or not.
-#[derive(Clone, Debug)]
-pub struct ListedDisplay {
-    /// The names of the groups around it and its own.
-    pub path: Vec<String>,
-    /// Such as `rviz/Grid`.
-    pub class: String,
-    /// The topic that the config gives it, which may be empty; `None` for a class without topic.
-    pub topic: Option<String>,
-}
-
-/// What reading a config again changed.
+/// Changes of a config that was read again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reconfigured {
-    /// How many displays stay as they are, with all that they show.
+    /// Displays that stay, with their state.
     pub kept: usize,
-    /// How many were added, those with other settings than before included.
+    /// Displays that were added, including those with changed settings.
     pub added: usize,
-    /// How many were removed, those with other settings now included.
+    /// Displays that were removed, including those with changed settings.
     pub removed: usize,
 }
 
@@ -76,17 +64,17 @@ pub struct Reconfigured {
 /// # Ok::<(), rcs_rviz_config::ConfigError>(())
 /// ```
 pub struct DisplaySet {
-    entries: Vec<Entry>,
+    entries: Vec<DisplayEntry>,
     cameras: Vec<CameraView>,
     /// rviz's main view, where the default light is on.
     lit_by: Option<ViewConfig>,
     light: Option<DirectionalLight>,
     message_cache: MessageCache,
-    /// The displays that the last update made show another message.
+    /// Displays that show another message since the last update.
     newly_shown: Vec<(DisplayId, ShownMessage)>,
-    /// Incremented with every change of the scene.
+    /// Version, incremented with every change of the scene.
     version: u64,
-    /// That of the last change that concerns every camera: of the light, or of which displays there are.
+    /// Version of the last change for all cameras: of the light, or of the list of displays.
     changed_for_all_at: u64,
 }
 
@@ -98,7 +86,7 @@ impl std::fmt::Debug for DisplaySet {
 }
 
 impl DisplaySet {
-    /// Makes the displays and the cameras of a config that are enabled, all groups around them included.
+    /// Makes the enabled displays and cameras of a config; all groups around them must be enabled, too.
     pub fn new(config: &Config) -> Self {
         let mut set = Self {
             entries: Vec::new(),
@@ -127,11 +115,11 @@ impl DisplaySet {
         Reconfigured { kept, added: added.len(), removed: before - kept }
     }
 
-    /// Makes the enabled displays of a config, out of those that there are where they fit. Returns which are new.
+    /// Makes the enabled displays of a config, reusing the present ones where they fit. Returns the new ones.
     fn arrange(&mut self, config: &Config) -> Vec<DisplayId> {
         let mut old = std::mem::take(&mut self.entries);
         let mut fits = |path: &[&str], placed: &DisplayConfig| {
-            let same = |entry: &Entry| {
+            let same = |entry: &DisplayEntry| {
                 let is_same = entry.listed.class == placed.class
                     && entry.listed.path == path
                     && entry.settings == placed.settings;
@@ -155,7 +143,7 @@ impl DisplaySet {
                     topic: placed.display.topic_setting().map(str::to_owned),
                 };
                 added.push(id);
-                Some(Entry::new(id, listed, placed.display.settings.clone(), display))
+                Some(DisplayEntry::new(id, listed, placed.display.settings.clone(), display))
             };
             self.entries.extend(entry.or_else(new));
         }
@@ -176,7 +164,7 @@ impl DisplaySet {
         Some(CameraView { name, path, settings: settings.clone(), visible: self.mask(&settings.visibility) })
     }
 
-    /// Which displays these tick boxes show.
+    /// Displays that these tick boxes show.
     pub fn mask(&self, visibility: &Visibility) -> DisplayMask {
         let mut visible = DisplayMask::all();
         for entry in &self.entries {
@@ -191,7 +179,7 @@ impl DisplaySet {
         &self.cameras
     }
 
-    /// What the displays subscribe to; a topic of several displays stands here once, with the longest of their queues.
+    /// Topics that the displays subscribe to, each once, with the longest of their queues.
     pub fn topics(&self) -> Vec<TopicRequest> {
         let mut topics: Vec<TopicRequest> = Vec::new();
         for request in self.entries.iter().flat_map(|entry| entry.display.topics()) {
@@ -203,13 +191,12 @@ impl DisplaySet {
         topics
     }
 
-    /// Hands a message of a topic (by the name in the config) to the displays that want it.
+    /// Passes a message of a topic (by the name in the config) to the displays that subscribe to it.
     pub fn take(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
         self.take_received(topic, message, None, world);
     }
 
-    /// As [`take`](Self::take), with the moment when the message was received, which [`newly_shown`](Self::newly_shown)
-    /// returns.
+    /// Like [`take`](Self::take), with the time of reception, which [`newly_shown`](Self::newly_shown) returns.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
         let number = self.message_cache.next_number();
         let kept = CachedMessage { number, topic, message: message.clone() };
@@ -226,7 +213,7 @@ impl DisplaySet {
         }
     }
 
-    /// The names of the ROS parameters that the displays read, each once.
+    /// Names of the ROS parameters that the displays read, each once.
     pub fn parameters(&self) -> Vec<String> {
         let mut names: Vec<String> = self.entries.iter().flat_map(|entry| entry.display.parameters()).collect();
         names.sort();
@@ -234,7 +221,7 @@ impl DisplaySet {
         names
     }
 
-    /// Hands the text of a parameter to the displays that read it; `None` while it is not set.
+    /// Passes the text of a parameter to the displays that read it; `None` while it is unset.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
         self.message_cache.keep_parameter(name, text);
         for entry in &mut self.entries {
@@ -244,7 +231,7 @@ impl DisplaySet {
         }
     }
 
-    /// Tells the displays that subscribe to a topic (by the name in the config) that one of its publishers is gone.
+    /// Notifies the displays of a topic (by the name in the config) that one of its publishers is gone.
     pub fn publisher_left(&mut self, topic: &str) {
         for entry in &mut self.entries {
             if entry.display.topics().iter().any(|request| request.topic == topic) {
@@ -253,20 +240,20 @@ impl DisplaySet {
         }
     }
 
-    /// Whether each message of a topic (by the name in the config) replaces all that earlier ones made in every display
-    /// that takes it, and is large enough that it is worth while not to receive it.
+    /// `true` if each message of a topic (by the name in the config) replaces all earlier ones in every display, and is
+    /// large enough that skipping it pays.
     pub fn is_replaced_by_newest(&self, topic: &str, kind: MessageKind) -> bool {
         use MessageKind::{CompressedImage, Image, LaserScan, PointCloud, PointCloud2};
         let is_stream = matches!(kind, PointCloud2 | PointCloud | LaserScan | Image | CompressedImage);
         is_stream && self.entries_of(topic, kind).all(|entry| entry.display.is_replaced_by_newest())
     }
 
-    fn entries_of<'a>(&'a self, topic: &'a str, kind: MessageKind) -> impl Iterator<Item = &'a Entry> {
+    fn entries_of<'a>(&'a self, topic: &'a str, kind: MessageKind) -> impl Iterator<Item = &'a DisplayEntry> {
         let wants = move |request: &TopicRequest| request.topic == topic && request.kind == kind;
         self.entries.iter().filter(move |entry| entry.display.topics().iter().any(wants))
     }
 
-    /// Has the displays of such a topic show nothing until its next message: what it sent is old.
+    /// Removes the drawables of such a topic's displays until its next message: they are stale.
     pub fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
         let of_topic: Vec<DisplayId> = self.entries_of(topic, kind).map(|entry| entry.id).collect();
         self.message_cache.forget(topic, kind);
@@ -277,7 +264,7 @@ impl DisplaySet {
         }
     }
 
-    /// Brings all displays up to date. Returns whether the scene changed.
+    /// Updates all displays. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
         let light = self.lit_by.as_ref().map(|view| light(view, world));
         let before = self.version;
@@ -297,38 +284,38 @@ impl DisplaySet {
         self.version > before
     }
 
-    /// Incremented with every change of the scene.
+    /// Version, incremented with every change of the scene.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// The version of the last change that a camera sees, which shows these displays.
+    /// Version of the last change for a camera that shows these displays.
     pub fn version_shown(&self, visible: &DisplayMask) -> u64 {
         let shown = self.entries.iter().filter(|entry| visible.shows(entry.id));
         shown.map(|entry| entry.changed_at).fold(self.changed_for_all_at, u64::max)
     }
 
-    /// What each display's messages and updates took since this was last called.
+    /// Time spent on each display's messages and updates since the last call.
     pub fn take_costs(&mut self) -> impl Iterator<Item = (DisplayId, Duration)> + '_ {
         self.entries.iter_mut().map(|entry| (entry.id, std::mem::take(&mut entry.cost)))
     }
 
-    /// A display's name with those of the groups around it.
+    /// Name of a display with those of the groups around it.
     pub fn path(&self, display: DisplayId) -> Option<&[String]> {
         self.entries.iter().find(|entry| entry.id == display).map(|entry| &*entry.listed.path)
     }
 
-    /// The displays that show another message since the last update, each with the newest one.
+    /// Displays that show another message since the last update, each with the newest one.
     pub fn newly_shown(&self) -> &[(DisplayId, ShownMessage)] {
         &self.newly_shown
     }
 
-    /// The next time at which the scene changes by itself.
+    /// Time of the next change without a message.
     pub fn next_change(&self) -> Option<Time> {
         self.entries.iter().filter_map(|entry| entry.display.next_change()).min()
     }
 
-    /// The scene as it is since the last update.
+    /// The scene of the last update.
     pub fn scene(&self) -> Scene {
         Scene {
             drawables: self.entries.iter().flat_map(|entry| entry.display.drawables()).cloned().collect(),
@@ -336,18 +323,18 @@ impl DisplaySet {
         }
     }
 
-    /// Whether anything of a display lies in a camera's view, since the last update. [`InView::Empty`] for an id that
-    /// no display has. Meant for reports: for a cloud outside the view it reads all points.
+    /// Tests a display against a camera's view, as of the last update; [`InView::Empty`] for an unknown id. Meant for
+    /// reports: for a cloud outside the view it reads all points.
     pub fn in_view(&self, display: DisplayId, camera: &Camera) -> InView {
         let entry = self.entries.iter().find(|entry| entry.id == display);
         entry.map_or(InView::Empty, |entry| InView::of(entry.display.drawables(), camera))
     }
 
-    /// Forgets all messages.
+    /// Removes all messages.
     pub fn reset(&mut self) {
         self.change_for_all();
         self.message_cache.forget_messages();
-        self.entries.iter_mut().for_each(Entry::reset);
+        self.entries.iter_mut().for_each(DisplayEntry::reset);
     }
 
     /// Places everything in another fixed frame.
@@ -358,18 +345,18 @@ impl DisplaySet {
         }
     }
 
-    /// What the age of each display is measured by.
+    /// Age of each display.
     pub fn ages(&self) -> impl Iterator<Item = DisplayAge<'_>> {
-        self.entries.iter().map(Entry::age)
+        self.entries.iter().map(DisplayEntry::age)
     }
 
-    /// The statuses of each display, those of classes that are not drawn included.
+    /// Statuses of each display, including those of classes that are not drawn.
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
-        self.entries.iter().map(Entry::report)
+        self.entries.iter().map(DisplayEntry::report)
     }
 }
 
-/// A display of these settings; `None` for what is no display in the scene.
+/// A display of these settings; `None` for groups and cameras.
 fn guarded(id: DisplayId, settings: &DisplaySettings) -> Option<GuardedDisplay> {
     let settings = settings.clone();
     GuardedDisplay::new(Box::new(move || create(id, &settings)))

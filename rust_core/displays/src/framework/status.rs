@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 use std::ops::Bound;
 
-/// How bad a status is; a display is as bad as the worst of its statuses.
+/// Severity of a status; that of a display is the worst of its statuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Level {
-    /// All is well.
+    /// Working.
     #[default]
     Ok,
-    /// Something is missing, and may still come.
+    /// Something is missing that may still come.
     Warn,
-    /// Something is wrong.
+    /// Failed.
     Error,
 }
 
-/// What a status is about, where whoever reports it has to know: a frame that is missing now is often merely late.
+/// Cause of a status, where consumers need it: a missing frame is often merely late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StatusCause {
     /// A frame that cannot be found, or not at the time in question.
@@ -25,12 +25,12 @@ pub enum StatusCause {
     Other,
 }
 
-/// The text of a status with its cause. Plain text has the cause [`StatusCause::Other`].
+/// Text of a status with its cause. Plain text has the cause [`StatusCause::Other`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StatusText {
     /// rviz's text where rviz has such a status, otherwise this project's.
     pub text: String,
-    /// What it is about.
+    /// Its cause.
     pub cause: StatusCause,
 }
 
@@ -56,11 +56,11 @@ impl From<&str> for StatusText {
 /// One line of a display's statuses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Status {
-    /// How bad it is.
+    /// Its severity.
     pub level: Level,
     /// rviz's text where rviz has such a status, otherwise this project's.
     pub text: String,
-    /// What it is about.
+    /// Its cause.
     pub cause: StatusCause,
 }
 
@@ -107,18 +107,18 @@ impl Statuses {
         }
     }
 
-    /// Takes a status away.
+    /// Removes a status.
     pub fn remove(&mut self, name: &str) {
         self.by_name.remove(name);
     }
 
-    /// Whether there may be statuses whose names begin so; `false` only where there are none.
+    /// `false` only if no status's name begins so.
     pub(crate) fn may_begin_with(&self, begin: &str) -> bool {
         let from = (Bound::Included(begin), Bound::Unbounded);
         self.by_name.range::<str, _>(from).next().is_some_and(|(name, _)| name.starts_with(begin))
     }
 
-    /// Takes all statuses away.
+    /// Removes all statuses.
     pub fn clear(&mut self) {
         self.by_name.clear();
     }
@@ -133,12 +133,12 @@ impl Statuses {
         self.by_name.iter().map(|(name, status)| (name.as_str(), status))
     }
 
-    /// The worst of them, with its name; of several equally bad ones the first by name. `None` without any.
+    /// The worst status with its name; of several the first by name.
     pub fn worst(&self) -> Option<(&str, &Status)> {
         self.iter().reduce(|worst, next| if next.1.level > worst.1.level { next } else { worst })
     }
 
-    /// How bad the worst of them is.
+    /// Severity of the worst status.
     pub fn level(&self) -> Level {
         self.by_name.values().map(|status| status.level).max().unwrap_or_default()
     }

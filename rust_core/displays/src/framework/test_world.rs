@@ -10,7 +10,7 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::World;
 
-/// What a [`World`] borrows.
+/// Owner of the parts of a [`World`].
 #[derive(Debug)]
 pub(crate) struct TestWorld {
     pub(crate) tree: TransformTree,
@@ -59,7 +59,7 @@ impl TestWorld {
         }
     }
 
-    /// How many meshes were loaded or failed.
+    /// Number of meshes that were loaded or failed.
     pub(crate) fn version(&self) -> u64 {
         self.meshes.version()
     }

@@ -10,34 +10,31 @@ use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
 
-/// The messages of one topic between their arrival and the moment when they can be placed.
+/// Queue of one topic's messages that cannot be placed yet.
 #[derive(Debug)]
 pub(crate) struct WaitingMessages<M> {
     queue: WaitingQueue<Arc<M>>,
     received: u64,
-    /// How many drops the statuses report.
+    /// Number of drops that the statuses report.
     reported_drops: u64,
 }
 
 impl<M> WaitingMessages<M> {
-    /// At most `queue_size` messages wait, or a large number for 0.
     pub(crate) fn new(queue_size: u32) -> Self {
         Self { queue: WaitingQueue::new(bounded(queue_size)), received: 0, reported_drops: 0 }
     }
 
-    /// Takes a message that counts as received.
     pub(crate) fn push(&mut self, header: &Header, message: Arc<M>, statuses: &mut Statuses) {
         self.push_until(header, stamp(header), message, statuses);
     }
 
-    /// Takes a message whose frame must be known both at its stamp and at another time.
+    /// Adds a message whose frame must be known both at its stamp and at `end`.
     pub(crate) fn push_until(&mut self, header: &Header, end: Time, message: Arc<M>, statuses: &mut Statuses) {
         self.received += 1;
         statuses.set(Level::Ok, Statuses::TOPIC, format!("{} messages received", self.received));
         self.queue.push_until(&header.frame_id, stamp(header), end, message);
     }
 
-    /// The messages that can be placed now.
     pub(crate) fn take_ready(&mut self, world: &World<'_>, statuses: &mut Statuses) -> Vec<Arc<M>> {
         if self.queue.is_empty() && self.queue.dropped().total() == self.reported_drops {
             return Vec::new();
@@ -55,12 +52,11 @@ impl<M> WaitingMessages<M> {
         ready
     }
 
-    /// Whether a message of this stamp waits.
     pub(crate) fn is_waiting(&self, stamp: Time) -> bool {
         self.queue.stamps().any(|waiting| waiting == stamp)
     }
 
-    /// Reports why the last message was dropped, and how many were.
+    /// Sets the statuses of dropped messages.
     fn report_drops(&mut self, world: &World<'_>, statuses: &mut Statuses) {
         let counts = self.queue.dropped();
         if counts.total() == self.reported_drops {
@@ -78,12 +74,11 @@ impl<M> WaitingMessages<M> {
         statuses.set(Level::Ok, "Dropped", text);
     }
 
-    /// Forgets what waits, and counts on.
+    /// Removes the waiting messages; the count goes on.
     pub(crate) fn drop_waiting(&mut self) {
         self.queue.clear();
     }
 
-    /// Forgets what waits.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
         self.received = 0;

@@ -28,30 +28,29 @@ use crate::framework::lookups::Lookups;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct World<'a> {
-    /// Where frames are.
+    /// The frame tree.
     pub transforms: &'a TransformTree,
     /// The frame in which the scene is built.
     pub fixed_frame: &'a str,
     /// ROS time now.
     pub now: Time,
-    /// The time at which what follows moving frames is shown, if that is predicted.
+    /// Time for which moving frames are predicted, if they are.
     pub prediction: Option<Prediction>,
-    /// How many markers a display places in one update at most, so that an array of very many does not hold up the
-    /// pictures of other displays; those before it are shown until all are placed. `None`: all at once.
+    /// Largest number of markers that a display places in one update, so that a large array does not hold up other
+    /// displays; the old ones are shown until all are placed. `None`: all at once.
     pub step: Option<usize>,
-    /// Meshes by their addresses.
+    /// Meshes by URL.
     pub meshes: &'a MeshStore,
-    /// Records what a display looks up.
     lookups: Option<&'a Lookups>,
 }
 
 impl<'a> World<'a> {
-    /// Without prediction, and in which all markers are placed at once.
+    /// A world without prediction, and in which all markers are placed at once.
     pub fn new(transforms: &'a TransformTree, fixed_frame: &'a str, now: Time, meshes: &'a MeshStore) -> Self {
         Self { transforms, fixed_frame, now, prediction: None, step: None, meshes, lookups: None }
     }
 
-    /// A copy of this world for one display, whose lookups are recorded.
+    /// Copy for one display, whose lookups are recorded.
     pub(crate) fn recording<'b>(&self, lookups: &'b Lookups) -> World<'b>
     where
         'a: 'b,
@@ -59,7 +58,7 @@ impl<'a> World<'a> {
         World { lookups: Some(lookups), ..*self }
     }
 
-    /// Where a frame is in the fixed frame, for what is placed once; time zero asks for the latest known place.
+    /// Pose of a frame in the fixed frame, for drawables that are placed once; time zero asks for the latest one.
     ///
     /// # Errors
     /// See [`LookupError`].
@@ -71,9 +70,8 @@ impl<'a> World<'a> {
         Ok(place)
     }
 
-    /// Where a frame that is followed is in the fixed frame: its latest known place, or a predicted one. A display asks
-    /// for it again in each update, and what it shows is then as old as the frame's transforms, and too old while
-    /// there are none.
+    /// Pose of a followed frame in the fixed frame: the latest or a predicted one. A display asks for it in each
+    /// update; its drawables are as old as the frame's transforms, and too old while there are none.
     ///
     /// # Errors
     /// See [`LookupError`].
@@ -82,28 +80,18 @@ impl<'a> World<'a> {
         self.latest(frame)
     }
 
-    /// As [`fixed_from_moving`](Self::fixed_from_moving), for something that is not drawn while its frame is not known.
-    ///
-    /// # Errors
-    /// See [`LookupError`].
+    /// Like [`fixed_from_moving`](Self::fixed_from_moving), for drawables that disappear while their frame is unknown.
     pub(crate) fn fixed_from_moving_if_known(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
         self.latest(frame).inspect(|_| self.follow(frame))
     }
 
-    /// As [`fixed_from_moving`](Self::fixed_from_moving), for a display of all frames, which drops old ones singly.
-    ///
-    /// # Errors
-    /// See [`LookupError`].
+    /// Like [`fixed_from_moving`](Self::fixed_from_moving), for a display of all frames, which drops old ones singly.
     pub(crate) fn fixed_from_each(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
         self.lookups.into_iter().for_each(Lookups::follow_all);
         self.latest(frame)
     }
 
-    /// As [`fixed_from_moving`](Self::fixed_from_moving), for what is placed once relative to something that is
-    /// followed, or not drawn at all.
-    ///
-    /// # Errors
-    /// See [`LookupError`].
+    /// Like [`fixed_from_moving`](Self::fixed_from_moving), for poses that are not followed.
     pub(crate) fn fixed_from_now(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
         let latest = self.fixed_from(frame, Time::ZERO)?;
         self.prediction.map_or(Ok(latest), |_| self.latest(frame))
@@ -116,7 +104,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Nothing ages by the fixed frame.
+    /// Records a followed frame; the fixed frame does not age.
     fn follow(&self, frame: &str) {
         if let Some(lookups) = self.lookups.filter(|_| !self.is_fixed(frame)) {
             lookups.follow(frame);
@@ -127,7 +115,7 @@ impl<'a> World<'a> {
         frame.trim_start_matches('/') == self.fixed_frame.trim_start_matches('/')
     }
 
-    /// Where a message's frame is in the fixed frame, at the message's stamp.
+    /// Pose of a message's frame in the fixed frame, at the message's stamp.
     ///
     /// # Errors
     /// See [`LookupError`].
@@ -136,27 +124,11 @@ impl<'a> World<'a> {
     }
 }
 
-/// A message's stamp as a time of the frame tree.
+/// Converts a message's stamp.
 pub fn time_from_stamp(stamp: rcs_messages::Time) -> Time {
     Time::from_nanos(stamp_nanos(stamp))
 }
 
-/// The transforms of a message, unchecked.
-pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
-    message.transforms.iter().map(|stamped| {
-        let PlainTransform { translation, rotation_xyzw } = (&stamped.transform).into();
-        let stamp = time_from_stamp(stamped.header.stamp);
-        RawTransform {
-            parent: &stamped.header.frame_id,
-            child: &stamped.child_frame_id,
-            stamp,
-            translation,
-            rotation_xyzw,
-        }
-    })
-}
-
-/// A header's time.
 pub(crate) fn stamp(header: &Header) -> Time {
     time_from_stamp(header.stamp)
 }

@@ -1,6 +1,6 @@
 //! The box around points, by whose middle Ogre sorts translucent clouds and lines.
 
-/// The middle of the box around positions; zero without any.
+/// Middle of the box around positions; zero without any.
 pub(crate) fn middle(positions: impl IntoIterator<Item = [f32; 3]>) -> [f32; 3] {
     let mut positions = positions.into_iter();
     let Some(first) = positions.next() else { return [0.0; 3] };

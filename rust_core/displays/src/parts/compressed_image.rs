@@ -12,17 +12,16 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::Image;
 
-use super::encoding::Pixel;
+use super::encoding::PixelFormat;
 
-/// The longest side of an image, in pixels.
 const MAX_SIDE_PX: u32 = 16_384;
-/// The most pixels of an image: a run of equal ones takes some bytes in each of the formats, so that the length of the
+/// Largest number of pixels: a run of equal ones takes some bytes in each of the formats, so that the length of the
 /// data does not limit them.
 const MAX_PX: u64 = 1 << 25;
-/// The most memory that a decoder of JPEG or PNG may take; those of JPEG take no account of it.
+/// Memory limit of the decoders; that of JPEG ignores it.
 const MAX_DECODED_BYTES: u64 = 512 << 20;
 
-/// Bytes before the data of `compressedDepth`: a number of the format, and the two parameters.
+/// Bytes before the data of `compressedDepth`: the format's number and the two parameters.
 const HEADER_LEN: usize = 12;
 
 /// Unpacks an image of either transport: `compressedDepth` by the end of its topic or by its format, else `compressed`.
@@ -45,9 +44,6 @@ pub fn unpack_image(topic: &str, message: &CompressedImage) -> Result<Image, Str
 }
 
 /// Unpacks an image of the transport `compressed`.
-///
-/// # Errors
-/// The reason, as a status reports it.
 fn unpack(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or(("", ""));
     let is_color = encoding.starts_with("rgb") || encoding.starts_with("bgr");
@@ -55,7 +51,7 @@ fn unpack(message: &CompressedImage) -> Result<Image, String> {
     let is_swapped = is_color && !rest.contains("compressed bgr");
     let picture = read(&message.data, None)?;
     let size_px = [picture.width(), picture.height()];
-    let declared = |bits| Pixel::of(encoding) == Some(Pixel { bits, channels: 1 });
+    let declared = |bits| PixelFormat::of(encoding) == Some(PixelFormat { bits, channels: 1 });
     let (encoding, bytes) = match picture {
         DynamicImage::ImageLuma8(grey) => (if declared(8) { encoding } else { "mono8" }, grey.into_raw()),
         DynamicImage::ImageLuma16(grey) => {
@@ -72,21 +68,18 @@ fn unpack(message: &CompressedImage) -> Result<Image, String> {
 }
 
 /// Unpacks an image of the transport `compressedDepth`.
-///
-/// # Errors
-/// The reason, as a status reports it.
 fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or((&message.format, ""));
     let too_short = || format!("{} bytes are too few for a depth image", message.data.len());
     let (header, data) = message.data.split_at_checked(HEADER_LEN).ok_or_else(too_short)?;
     let (size_px, values) = if rest.contains("rvl") { read_rvl(data)? } else { read_png(data)? };
     let header_of_image = message.header.clone();
-    match Pixel::of(encoding) {
-        Some(Pixel { bits: 16, channels: 1 }) => {
+    match PixelFormat::of(encoding) {
+        Some(PixelFormat { bits: 16, channels: 1 }) => {
             let bytes = Arc::new(little_endian(&values));
             Ok(Image::new(header_of_image, size_px, encoding, size_px[0] * 2, bytes))
         }
-        Some(Pixel { bits: 32, channels: 1 }) => {
+        Some(PixelFormat { bits: 32, channels: 1 }) => {
             let [a, b] = [4, 8].map(|at| header.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()));
             let [a, b] = [a, b].map(|bytes| f32::from_le_bytes(bytes.unwrap_or_default()));
             let depth_m = |value: &u16| if *value == 0 { f32::NAN } else { a / (f32::from(*value) - b) };
@@ -97,7 +90,7 @@ fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
     }
 }
 
-/// Refuses an image that a few bytes can claim to be, and that would take gigabytes.
+/// Refuses sizes that a few bytes can claim and that would take gigabytes.
 fn check_size(size_px: [u32; 2]) -> Result<(), String> {
     let [width, height] = size_px;
     if width.max(height) > MAX_SIDE_PX {
@@ -114,7 +107,7 @@ fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, Strin
     let Some(format) = format.filter(|format| matches!(format, ImageFormat::Jpeg | ImageFormat::Png)) else {
         return Err("neither JPEG nor PNG".to_owned());
     };
-    // Some damaged images make the decoder of JPEG panic, which must not end the thread that draws.
+    // Some damaged images make the decoder of JPEG panic, which must not end the calling thread.
     catch_unwind(|| decode(bytes, format)).unwrap_or_else(|_| Err(format!("the {format:?} decoder panicked")))
 }
 

@@ -1,16 +1,13 @@
-//! What a pixel of an image encoding is made of: the names of `sensor_msgs/image_encodings.h`.
+//! Pixel formats of the names of `sensor_msgs/image_encodings.h`.
 
-/// A pixel's channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pixel {
-    /// Bits of a channel.
+pub(crate) struct PixelFormat {
     pub(crate) bits: u32,
-    /// How many channels.
     pub(crate) channels: u32,
 }
 
-impl Pixel {
-    /// The pixel of an encoding; `None` for one that does not exist.
+impl PixelFormat {
+    /// Format of an encoding; `None` for an unknown one.
     pub(crate) fn of(encoding: &str) -> Option<Self> {
         let pixel = |bits, channels| Some(Self { bits, channels });
         match encoding {
@@ -44,7 +41,6 @@ impl Pixel {
         (1..=512).contains(&channels).then_some(Self { bits, channels })
     }
 
-    /// Bytes of a pixel.
     pub(crate) fn bytes(self) -> usize {
         (self.bits / 8 * self.channels) as usize
     }
@@ -56,7 +52,7 @@ mod tests {
 
     #[test]
     fn encodings_are_known_by_their_names() {
-        let of = |name| Pixel::of(name).map(|pixel| (pixel.bits, pixel.channels, pixel.bytes()));
+        let of = |name| PixelFormat::of(name).map(|pixel| (pixel.bits, pixel.channels, pixel.bytes()));
         assert_eq!(of("16UC1"), Some((16, 1, 2)));
         assert_eq!(of("32FC1"), Some((32, 1, 4)));
         assert_eq!(of("8UC3"), Some((8, 3, 3)));

@@ -7,20 +7,18 @@ use rcs_scene::{DisplayId, Drawable, Geometry, Material, Mesh, RenderGroup, Rgba
 
 use crate::parts::solids::drawable;
 
-/// Meshes of more triangles stay drawables of their own.
+/// Triangles above which a mesh stays a drawable of its own.
 const MOST_TRIANGLES: usize = 1024;
 
-/// Drawables in their order, with the solids among them put together.
+/// Ordered drawables, with consecutive solids joined.
 #[derive(Debug)]
 pub(crate) struct Gathering {
     display: DisplayId,
     drawables: Vec<Drawable>,
-    /// They come after the drawables.
     open: Solids,
 }
 
 impl Gathering {
-    /// Of a display.
     pub(crate) fn new(display: DisplayId) -> Self {
         Self { display, drawables: Vec::new(), open: Solids::default() }
     }
@@ -34,7 +32,6 @@ impl Gathering {
         }
     }
 
-    /// Adds any drawable.
     pub(crate) fn drawable(&mut self, drawable: Drawable) {
         if let Geometry::Mesh { mesh, material } = &drawable.geometry {
             let origin = Point3::from(drawable.fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned());
@@ -44,7 +41,8 @@ impl Gathering {
                 }
             }
         }
-        // Text is drawn after all solids, opaque clouds after all opaque ones: the order among them does not matter.
+        // Text is drawn after all solids, opaque clouds after all opaque ones: their order among solids does not
+        // matter.
         let is_independent = match &drawable.geometry {
             Geometry::Text(_) => true,
             Geometry::Points(points) => !points.blended,
@@ -65,7 +63,6 @@ impl Gathering {
         }
     }
 
-    /// All drawables.
     pub(crate) fn finish(mut self) -> Vec<Drawable> {
         self.close();
         self.drawables.shrink_to_fit();
@@ -73,7 +70,7 @@ impl Gathering {
     }
 }
 
-/// The colour of a mesh that can be one of many solids; `None` where it cannot.
+/// Colour of a mesh that can be one of many solids; `None` for others.
 pub(crate) fn solid_color(mesh: &Mesh, material: &Material) -> Option<Rgba> {
     material.as_lit().filter(|_| mesh.indices.len() / 3 <= MOST_TRIANGLES)
 }
@@ -101,7 +98,7 @@ mod tests {
 
     use super::*;
     use crate::parts::solids::solid;
-    use crate::Shape;
+    use crate::SolidShape;
 
     fn kinds(drawables: &[Drawable]) -> String {
         let kind = |drawable: &Drawable| match &drawable.geometry {
@@ -116,7 +113,7 @@ mod tests {
     #[test]
     fn solids_come_together_unless_something_between_them_counts() {
         let lit = Arc::new(Material::lit(Rgba::WHITE));
-        let solid = |material: &Arc<Material>| solid(0, Shape::Cone, Matrix4::identity(), material);
+        let solid = |material: &Arc<Material>| solid(0, SolidShape::Cone, Matrix4::identity(), material);
         let alignment = (HorizontalAlignment::Left, VerticalAlignment::Below);
         let text = Geometry::Text(Arc::new(Text::new("a", 1.0, Rgba::WHITE, alignment)));
         let (positions, colors) = (vec![[0.0; 3]; 2], vec![[255; 4]]);
@@ -127,8 +124,8 @@ mod tests {
         let all =
             [solid(&lit), of(&text), solid(&lit), of(&lines), solid(&lit), solid(&Arc::new(Material::unlit(true)))];
         all.iter().cloned().for_each(|drawable| gathering.drawable(drawable));
-        gathering.solid(&Shape::Cube.mesh(), &Matrix4::identity(), Rgba::WHITE);
-        gathering.solid(&Shape::Cube.mesh(), &Matrix4::zeros(), Rgba::WHITE);
+        gathering.solid(&SolidShape::Cube.mesh(), &Matrix4::identity(), Rgba::WHITE);
+        gathering.solid(&SolidShape::Cube.mesh(), &Matrix4::zeros(), Rgba::WHITE);
         let drawables = gathering.finish();
         assert_eq!(kinds(&drawables), "text, 2 solids, lines, 1 solids, mesh, 1 solids, mesh");
         assert_eq!(singly(&drawables).len(), 8);

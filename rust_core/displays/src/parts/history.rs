@@ -1,28 +1,25 @@
-//! What the last messages of a display are drawn with, as many as its "Buffer Length" or "History Length" says.
+//! Drawables of a display's last messages ("Buffer Length" or "History Length").
 
 use std::collections::VecDeque;
 
 use rcs_scene::Drawable;
 
-/// The drawables of the last messages, oldest first.
 #[derive(Debug)]
-pub(crate) struct History {
-    /// How many messages are kept; at least 1.
+pub(crate) struct MessageHistory {
     length: usize,
-    /// How many drawables each of them has.
     counts: VecDeque<usize>,
     /// Always contiguous.
     drawables: VecDeque<Drawable>,
 }
 
-impl History {
-    /// One that keeps so many messages, at least one; `None` keeps all.
+impl MessageHistory {
+    /// Keeps `length` messages, at least one; `None` keeps all.
     pub(crate) fn new(length: Option<u32>) -> Self {
         let length = length.map_or(usize::MAX, |length| length.max(1) as usize);
         Self { length, counts: VecDeque::new(), drawables: VecDeque::new() }
     }
 
-    /// Adds what a message is drawn with, which may be nothing, and drops the oldest message where there are too many.
+    /// Adds the drawables of a message, and drops the oldest message where there are too many.
     pub(crate) fn push(&mut self, drawables: impl IntoIterator<Item = Drawable>) {
         if self.counts.len() >= self.length {
             let oldest = self.counts.pop_front().unwrap_or_default();
@@ -34,19 +31,17 @@ impl History {
         self.drawables.make_contiguous();
     }
 
-    /// What all of them are drawn with.
+    /// Drawables of all messages, oldest first.
     pub(crate) fn drawables(&self) -> &[Drawable] {
         self.drawables.as_slices().0
     }
 
-    /// What the next message will replace: what the oldest is drawn with where there are as many as are kept, else
-    /// nothing.
+    /// Drawables that the next message will replace: those of the oldest one once the history is full.
     pub(crate) fn next_to_go(&self) -> &[Drawable] {
         let count = self.counts.front().filter(|_| self.counts.len() >= self.length).copied().unwrap_or_default();
         &self.drawables()[..count]
     }
 
-    /// Forgets all messages.
     pub(crate) fn clear(&mut self) {
         self.counts.clear();
         self.drawables.clear();
@@ -62,15 +57,15 @@ mod tests {
 
     use super::*;
     use crate::parts::solids::solid;
-    use crate::Shape;
+    use crate::SolidShape;
 
     /// Adds messages of so many drawables, each of which has the message's number, and returns the numbers that are
     /// left.
     fn shown(length: Option<u32>, counts: &[u32]) -> Vec<u32> {
         let material = Arc::new(Material::lit(Rgba::from_rgb8([255; 3], 1.0)));
-        let mut history = History::new(length);
+        let mut history = MessageHistory::new(length);
         for (number, &count) in (0..).zip(counts) {
-            history.push((0..count).map(|_| solid(number, Shape::Cube, Matrix4::identity(), &material)));
+            history.push((0..count).map(|_| solid(number, SolidShape::Cube, Matrix4::identity(), &material)));
         }
         history.drawables().iter().map(|drawable| drawable.display).collect()
     }
@@ -89,11 +84,11 @@ mod tests {
     #[test]
     fn the_next_to_go_is_the_oldest_message_once_there_are_as_many_as_are_kept() {
         let material = Arc::new(Material::lit(Rgba::from_rgb8([255; 3], 1.0)));
-        let mut history = History::new(Some(2));
+        let mut history = MessageHistory::new(Some(2));
         let mut next = Vec::new();
         for (number, count) in [(0, 2), (1, 1), (2, 0), (3, 1)] {
             next.push(history.next_to_go().iter().map(|drawable| drawable.display).collect::<Vec<_>>());
-            history.push((0..count).map(|_| solid(number, Shape::Cube, Matrix4::identity(), &material)));
+            history.push((0..count).map(|_| solid(number, SolidShape::Cube, Matrix4::identity(), &material)));
         }
         assert_eq!(next, [vec![], vec![], vec![0, 0], vec![1]]);
     }

@@ -6,29 +6,15 @@ use rcs_scene::{DisplayId, Drawable, Rgba};
 
 use crate::parts::gathering::Gathering;
 use crate::parts::solids::{arrow_from_upright, axes_colors, axes_from_cylinders, pose_from_arrow, ArrowSize};
-use crate::Shape;
+use crate::SolidShape;
 
-/// A symbol, made ready to be drawn at many poses.
 #[derive(Clone, Debug)]
 pub(crate) enum PoseSymbol {
-    /// An arrow of one colour.
-    Arrow {
-        /// Its sizes.
-        size: ArrowSize,
-        /// Its colour.
-        color: Rgba,
-    },
-    /// Red, green and blue axes.
-    Axes {
-        /// Length in metres.
-        length_m: f64,
-        /// Diameter in metres.
-        diameter_m: f64,
-    },
+    Arrow { size: ArrowSize, color: Rgba },
+    Axes { length_m: f64, diameter_m: f64 },
 }
 
 impl PoseSymbol {
-    /// An arrow of a colour.
     pub(crate) fn arrow(size: ArrowSize, color: [u8; 3], alpha: f32) -> Self {
         Self::Arrow { size, color: Rgba::from_rgb8(color, alpha) }
     }
@@ -38,12 +24,10 @@ impl PoseSymbol {
         Self::Axes { length_m: length_m.into(), diameter_m: diameter_m.into() }
     }
 
-    /// At a pose in the fixed frame.
     pub(crate) fn drawables(&self, display: DisplayId, fixed_from_pose: &Isometry3<f64>) -> Vec<Drawable> {
         self.at_all(display, std::iter::once(*fixed_from_pose))
     }
 
-    /// At many poses in the fixed frame.
     pub(crate) fn at_all(
         &self,
         display: DisplayId,
@@ -58,7 +42,6 @@ impl PoseSymbol {
     }
 }
 
-/// Arrows of one size and colour.
 pub(crate) fn arrows(
     display: DisplayId,
     size: &ArrowSize,
@@ -84,7 +67,7 @@ pub(crate) fn all_axes(
     diameter_m: f64,
     fixed_from_axes: impl Iterator<Item = Isometry3<f64>>,
 ) -> Vec<Drawable> {
-    let (mesh, colors) = (Shape::Cylinder.mesh(), axes_colors(1.0));
+    let (mesh, colors) = (SolidShape::Cylinder.mesh(), axes_colors(1.0));
     let axes_from_cylinders = axes_from_cylinders(length_m, diameter_m);
     let mut gathering = Gathering::new(display);
     for fixed_from_axes in fixed_from_axes {

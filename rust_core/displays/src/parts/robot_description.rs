@@ -1,21 +1,18 @@
 //! The parameter with a robot's description, with rviz's statuses for it.
 //!
-//! rviz polls the parameter when the display starts and once a second until it is set. After that it reads it no more,
-//! so a robot does not change while the display lives.
+//! rviz polls the parameter when the display starts and once a second until it is set. After that it does not read it
+//! again, so a robot does not change while the display lives.
 
 use std::sync::Arc;
 
 use crate::{Level, Statuses};
 use rcs_robot::Robot;
 
-/// The name of the description's status.
 pub(crate) const STATUS: &str = "URDF";
 
-/// Texts of the status that differ between two of rviz's displays.
+/// Status texts, which differ between two of rviz's displays.
 pub(crate) struct StatusTexts {
-    /// A description was read.
     pub(crate) good: &'static str,
-    /// A description cannot be read.
     pub(crate) bad: &'static str,
 }
 
@@ -34,13 +31,11 @@ impl RobotDescription {
         Self { name: name.to_owned(), is_read: false }
     }
 
-    /// The parameters to poll.
     pub(crate) fn parameters(&self) -> Vec<String> {
         check_name(&self.name).map(|()| self.name.clone()).into_iter().collect()
     }
 
-    /// The robot of a parameter's text; `None` where it is not set, which the status then reports, or where it was
-    /// read before.
+    /// Parses a parameter's text; `None` where it is unset or invalid, with a status, or was read before.
     pub(crate) fn take(
         &mut self,
         text: Option<&Arc<str>>,
@@ -77,7 +72,7 @@ impl RobotDescription {
     }
 }
 
-/// Whether roscpp's node handles accept a parameter's name.
+/// roscpp's rules for the name of a parameter.
 fn check_name(name: &str) -> Result<(), String> {
     if name.starts_with('~') {
         return Err("Private names (~) cannot be used here".to_owned());
@@ -91,7 +86,6 @@ fn check_name(name: &str) -> Result<(), String> {
     }
 }
 
-/// The frame of a link.
 pub(crate) fn link_frame(tf_prefix: &str, link: &str) -> String {
     if tf_prefix.is_empty() {
         link.to_owned()

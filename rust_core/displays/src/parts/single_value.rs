@@ -9,16 +9,13 @@ use rcs_messages::TypedMessage;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::{StatusText, World};
 
-/// A message of a single value.
 pub(crate) trait SingleValue: TypedMessage {
-    /// The name of the channel by which the point is coloured.
+    /// Name of the channel by which the point is coloured.
     const CHANNEL: &'static str;
 
-    /// What was measured.
     fn value(&self) -> f64;
 }
 
-/// A display of single values.
 pub(crate) type SingleValueDisplay<M> = CloudDisplay<SingleValueSource<M>>;
 
 /// A message of a single value as a cloud of one point.

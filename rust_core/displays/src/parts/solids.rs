@@ -1,7 +1,7 @@
 //! Symbols that rviz puts together from its solids: axes and arrows.
 //!
-//! Reproduces `rviz::Axes` and `rviz::Arrow`: how cylinder and cone are turned and scaled, and where the origin lies by
-//! which translucent ones are sorted (each solid's own middle).
+//! Reproduces `rviz::Axes` and `rviz::Arrow`: rotations and scales of cylinder and cone, and the origins by which
+//! translucent ones are sorted (each solid's own middle).
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, RenderGroup, Rgba};
 
-use crate::Shape;
+use crate::SolidShape;
 
 /// A drawable that is sorted by its origin.
 pub(crate) fn drawable(display: DisplayId, fixed_from_object: Matrix4<f64>, geometry: Geometry) -> Drawable {
@@ -17,22 +17,19 @@ pub(crate) fn drawable(display: DisplayId, fixed_from_object: Matrix4<f64>, geom
     Drawable { display, fixed_from_object, sort_point: Point3::from(origin), group: RenderGroup::Main, geometry }
 }
 
-/// A solid of one colour.
 pub(crate) fn solid(
     display: DisplayId,
-    shape: Shape,
+    shape: SolidShape,
     fixed_from_object: Matrix4<f64>,
     material: &Arc<Material>,
 ) -> Drawable {
     drawable(display, fixed_from_object, Geometry::Mesh { mesh: shape.mesh(), material: material.clone() })
 }
 
-/// The colours of axes: red, green, blue.
 pub(crate) fn axes_colors(alpha: f32) -> [Rgba; 3] {
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|[r, g, b]| Rgba::new(r, g, b, alpha))
 }
 
-/// The materials of axes.
 pub(crate) fn axes_materials(alpha: f32) -> [Arc<Material>; 3] {
     axes_colors(alpha).map(|color| Arc::new(Material::lit(color)))
 }
@@ -46,10 +43,9 @@ pub(crate) fn axes(
     materials: &[Arc<Material>; 3],
 ) -> [Drawable; 3] {
     let axes_from_cylinders = axes_from_cylinders(length_m, diameter_m);
-    [0, 1, 2].map(|i| solid(display, Shape::Cylinder, fixed_from_axes * axes_from_cylinders[i], &materials[i]))
+    [0, 1, 2].map(|i| solid(display, SolidShape::Cylinder, fixed_from_axes * axes_from_cylinders[i], &materials[i]))
 }
 
-/// The places of the cylinders that make axes.
 pub(crate) fn axes_from_cylinders(length_m: f64, diameter_m: f64) -> [Matrix4<f64>; 3] {
     let turns = [
         Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2),
@@ -65,7 +61,6 @@ pub(crate) fn axes_from_cylinders(length_m: f64, diameter_m: f64) -> [Matrix4<f6
     })
 }
 
-/// The sizes of an arrow in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ArrowSize {
     pub(crate) shaft_length_m: f64,
@@ -76,19 +71,19 @@ pub(crate) struct ArrowSize {
 
 impl ArrowSize {
     /// Cylinder and cone in a frame whose y points along the arrow.
-    pub(crate) fn upright_from_parts(&self) -> [(Shape, Matrix4<f64>); 2] {
+    pub(crate) fn upright_from_parts(&self) -> [(SolidShape, Matrix4<f64>); 2] {
         let part = |bottom_m: f64, length_m: f64, diameter_m: f64| {
             Matrix4::new_translation(&Vector3::new(0.0, bottom_m + length_m / 2.0, 0.0))
                 * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m))
         };
         [
-            (Shape::Cylinder, part(0.0, self.shaft_length_m, self.shaft_diameter_m)),
-            (Shape::Cone, part(self.shaft_length_m, self.head_length_m, self.head_diameter_m)),
+            (SolidShape::Cylinder, part(0.0, self.shaft_length_m, self.shaft_diameter_m)),
+            (SolidShape::Cone, part(self.shaft_length_m, self.head_length_m, self.head_diameter_m)),
         ]
     }
 }
 
-/// Turns an arrow's upright parts into its −z. In whole numbers, so that what is scaled to nothing is exactly flat.
+/// Rotation of an arrow's upright parts into its −z. In whole numbers, so that parts scaled to zero are exactly flat.
 #[rustfmt::skip]
 pub(crate) fn arrow_from_upright() -> Matrix4<f64> {
     Matrix3::new(
@@ -98,7 +93,7 @@ pub(crate) fn arrow_from_upright() -> Matrix4<f64> {
     ).to_homogeneous()
 }
 
-/// An arrow from the origin of its own frame along −z, as rviz's arrows point unturned.
+/// An arrow from the origin of its own frame along −z, the direction of rviz's arrows without rotation.
 pub(crate) fn arrow(
     display: DisplayId,
     fixed_from_arrow: &Matrix4<f64>,
@@ -114,7 +109,7 @@ pub(crate) fn arrow(
     ]
 }
 
-/// Lays an arrow along the x of a pose.
+/// Rotation of an arrow into the x of a pose.
 #[rustfmt::skip]
 pub(crate) fn pose_from_arrow() -> Matrix4<f64> {
     Matrix3::new(
@@ -124,7 +119,7 @@ pub(crate) fn pose_from_arrow() -> Matrix4<f64> {
     ).to_homogeneous()
 }
 
-/// The shortest turn of an arrow's −z into a direction of any length above zero; no turn for zero.
+/// Shortest rotation of an arrow's −z into a direction of any length above zero; the identity for zero.
 pub(crate) fn arrow_turn(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     let backwards = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);
     if direction.norm_squared() == 0.0 {
@@ -133,7 +128,7 @@ pub(crate) fn arrow_turn(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&-Vector3::z(), direction).unwrap_or(backwards)
 }
 
-/// An arrow's pose: at a point in the fixed frame, pointing in a direction.
+/// Pose of an arrow at a point, pointing in a direction.
 pub(crate) fn arrow_pose(position: Vector3<f64>, direction: &Vector3<f64>) -> Matrix4<f64> {
     Isometry3::from_parts(Translation3::from(position), arrow_turn(direction)).to_homogeneous()
 }

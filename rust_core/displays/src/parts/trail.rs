@@ -1,8 +1,8 @@
 //! The ribbon that follows a frame ("Show Trail" of Axes and of a robot's links).
 //!
-//! rviz uses an Ogre ribbon trail: two metres long, at most a hundred elements, 1 cm wide. An
-//! element is dropped behind each time the frame has moved by a hundredth of the length; the oldest are taken away
-//! where the trail grows longer than that.
+//! rviz uses an Ogre ribbon trail: two metres long, at most a hundred elements, 1 cm wide. An element is added each
+//! time the frame has moved by a hundredth of the length; the oldest are removed where the trail grows longer than
+//! that.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,14 +16,14 @@ const LENGTH_M: f64 = 2.0;
 const MAX_ELEMENTS: usize = 100;
 const WIDTH_M: f32 = 0.01;
 
-/// Where a frame has been, newest first.
+/// Places of a frame, newest first.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trail {
     places: VecDeque<Vector3<f64>>,
 }
 
 impl Trail {
-    /// The frame is here now.
+    /// Adds the frame's present place.
     pub(crate) fn follow(&mut self, place: Vector3<f64>) {
         match (self.places.get(1).copied(), self.places.front_mut()) {
             (_, None) => {
@@ -49,7 +49,7 @@ impl Trail {
         self.places.truncate(count);
     }
 
-    /// The ribbon in a colour, red first; `None` while there is nothing to see of it.
+    /// The ribbon in a colour, red first; `None` while it is empty.
     pub(crate) fn drawable(&self, display: DisplayId, color: [u8; 4]) -> Option<Drawable> {
         let chain: Vec<RibbonElement> =
             self.places.iter().map(|place| RibbonElement { position: place.cast().into(), color }).collect();

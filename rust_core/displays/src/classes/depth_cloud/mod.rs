@@ -27,16 +27,15 @@ use crate::{Level, Status, StatusText, Statuses, World};
 use pairs::{Pairs, COLOR, DEPTH};
 use projection::{Occlusion, Shadows};
 
-/// A camera that has moved by more than this has its shadows forgotten.
+/// Motion of a camera after which its shadows are forgotten.
 const MOVED_M: f64 = 0.01;
 
-/// The same for turns.
+/// Like [`MOVED_M`], for rotation.
 const TURNED_DEG: f64 = 0.5;
 
 /// The smallest size of a point, in metres a metre of depth.
 const MIN_AUTO_SIZE: f32 = 0.0001;
 
-/// A DepthCloud display.
 #[derive(Debug)]
 pub(crate) struct DepthCloudDisplay {
     settings: DepthCloudSettings,
@@ -46,7 +45,7 @@ pub(crate) struct DepthCloudDisplay {
     waiting: WaitingQueue<Arc<Image>>,
     pairs: Pairs,
     last_info: Option<Arc<CameraInfo>>,
-    /// The images that are to be shown, and wait for a CameraInfo if there is none yet.
+    /// Images to be shown once there is a CameraInfo.
     ready: Vec<(Arc<Image>, Option<Arc<Image>>)>,
     received: u64,
     shadows: Shadows,
@@ -79,9 +78,8 @@ fn info_topic(image_topic: &str) -> String {
     }
 }
 
-/// Makes a DepthCloud display.
-pub(crate) fn create(display: DisplayId, settings: &DepthCloudSettings) -> Box<dyn Display> {
-    Box::new(DepthCloudDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &DepthCloudSettings) -> DepthCloudDisplay {
+    DepthCloudDisplay::new(display, settings.clone())
 }
 
 impl DepthCloudDisplay {
@@ -141,7 +139,6 @@ impl DepthCloudDisplay {
         self.ready.extend(out.into_iter().map(|[depth, color]| (depth, Some(color))));
     }
 
-    /// Takes the depth images whose frames are known.
     fn take_placeable(&mut self, world: &World<'_>) {
         for depth in self.waiting.take_ready(world.transforms, world.fixed_frame) {
             if self.color.is_some() {
@@ -153,7 +150,6 @@ impl DepthCloudDisplay {
         frame::report_waiting(&self.waiting, world, &mut self.statuses);
     }
 
-    /// The cloud of two images.
     fn show(&mut self, depth: &Image, color: Option<&Image>, world: &World<'_>) -> Result<Option<Decoded>, StatusText> {
         let Some(info) = self.last_info.clone() else { return Ok(None) };
         self.received += 1;
@@ -215,7 +211,7 @@ impl Display for DepthCloudDisplay {
         }
         if let Some(depth) = self.image(true, topic, message) {
             self.waiting.push(&depth.header.frame_id, stamp(&depth.header), depth.clone());
-            // So that the queue does not drop those that can be placed.
+            // Before the queue drops those that can be placed.
             self.take_placeable(world);
         }
         if let Some(color) = self.image(false, topic, message) {
@@ -229,7 +225,7 @@ impl Display for DepthCloudDisplay {
         self.waiting.stamps().any(|waiting| waiting == stamp) || self.pairs.images().chain(is_ready).any(is_one)
     }
 
-    /// With compensation, points that are hidden now are remembered from earlier images.
+    /// With compensation, occluded points are remembered from earlier images.
     fn is_replaced_by_newest(&self) -> bool {
         self.clouds.keeps_one() && !self.settings.occlusion_compensation
     }
@@ -245,7 +241,7 @@ impl Display for DepthCloudDisplay {
         self.take_placeable(world);
         let mut ready = std::mem::take(&mut self.ready);
         if self.last_info.is_none() || (self.clouds.keeps_one() && !self.settings.occlusion_compensation) {
-            // Only the newest would be seen.
+            // Only the newest would be visible.
             let replaced = ready.len().saturating_sub(1);
             self.received += if self.last_info.is_some() { replaced as u64 } else { 0 };
             ready.drain(..replaced);

@@ -1,4 +1,4 @@
-//! Which colour image belongs to which depth image: pairs of nearly equal stamps.
+//! Pairs of depth and colour images of nearly equal stamps.
 //!
 //! rviz pairs them with the approximate time policy of ROS's `message_filters`, so this makes the same pairs for two
 //! topics (see THIRD_PARTY.md). Each topic is a queue in the order of arrival, which is taken for that of the stamps. A
@@ -28,16 +28,12 @@ const AGE_PENALTY: f64 = 0.1;
 /// The time between two images of a topic that the search relies on, in seconds.
 const MIN_INTERVAL_SECS: f64 = 0.5;
 
-/// The index of depth images.
 pub(super) const DEPTH: usize = 0;
 
-/// The index of colour images.
 pub(super) const COLOR: usize = 1;
 
-/// An image with its stamp in seconds.
 type Stamped = (f64, Arc<Image>);
 
-/// The images that have no partner yet.
 #[derive(Debug)]
 pub(super) struct Pairs {
     queue_size: usize,
@@ -45,18 +41,16 @@ pub(super) struct Pairs {
     best: Option<Best>,
 }
 
-/// The images of a topic.
 #[derive(Debug, Default)]
 struct Queue {
     /// While there is a best pair, its image is the first.
     images: VecDeque<Stamped>,
-    /// The image that is compared next; past the end where that has not come yet.
+    /// Index of the image that is compared next; past the end where it has not come yet.
     cursor: usize,
     /// The queue was full: an image was dropped that may have been the better partner of the other topic's next one.
     has_dropped: bool,
 }
 
-/// The best pair of a search.
 #[derive(Clone, Copy, Debug)]
 struct Best {
     start_secs: f64,
@@ -70,7 +64,7 @@ impl Queue {
         self.images.get(index).map(|(secs, _)| *secs)
     }
 
-    /// The stamp of an image, or the earliest that it can have if it has not come yet.
+    /// Stamp of an image, or the earliest possible one if it has not come yet.
     fn earliest_secs(&self, index: usize, best: &Best) -> f64 {
         let before = index.checked_sub(1).and_then(|before| self.stamp_secs(before));
         self.stamp_secs(index).unwrap_or_else(|| {
@@ -78,7 +72,6 @@ impl Queue {
         })
     }
 
-    /// Drops the images before the cursor.
     fn drop_passed(&mut self) {
         self.images.drain(..self.cursor);
         self.cursor = 0;
@@ -86,17 +79,17 @@ impl Queue {
 }
 
 impl Best {
-    /// Whether a pair that begins and ends at these times is better than this one.
+    /// `true` if a pair that begins and ends at these times is better than this one.
     fn is_worse_than(&self, start_secs: f64, end_secs: f64) -> bool {
         start_secs - self.start_secs > self.cost(end_secs)
     }
 
-    /// Whether a pair that ends then or later would have to begin after the pivot to be better.
+    /// `true` if a pair that ends then or later would have to begin after the pivot to be better.
     fn is_final_at(&self, end_secs: f64) -> bool {
         self.pivot_secs - self.start_secs <= self.cost(end_secs)
     }
 
-    /// How much later than this pair one must begin that ends at a time.
+    /// Delay after this pair at which one that ends at `end_secs` must begin.
     fn cost(&self, end_secs: f64) -> f64 {
         (end_secs - self.end_secs) * (1.0 + AGE_PENALTY)
     }
@@ -141,12 +134,10 @@ impl Pairs {
         }
     }
 
-    /// The images that have no partner yet.
     pub(super) fn images(&self) -> impl Iterator<Item = &Arc<Image>> {
         self.queues.iter().flat_map(|queue| &queue.images).map(|(_, image)| image)
     }
 
-    /// Forgets all images.
     pub(super) fn clear(&mut self) {
         (self.queues, self.best) = (Default::default(), None);
     }
@@ -184,7 +175,7 @@ impl Pairs {
         }
     }
 
-    /// Where one queue has run out: whether the best pair stays so, whatever comes on that topic.
+    /// Where one queue has run out: `true` if the best pair stays so, whatever comes on that topic.
     fn is_final_already(&self, best: &Best) -> bool {
         if self.stamps_secs().is_some() {
             return false;

@@ -1,25 +1,25 @@
 //! From a depth image, a colour image and a CameraInfo to the points of a cloud in the camera's optical frame.
 //!
-//! A pixel's point lies on the ray that the CameraInfo's P gives it, at the depth along z. With occlusion compensation
-//! each pixel also remembers the last point that something nearer has hidden, in half its brightness: its shadow.
+//! A pixel's point lies on the ray of the CameraInfo's P, at the depth along z. With occlusion compensation each pixel
+//! also remembers the last occluded point, in half its brightness: its shadow.
 
 use rcs_messages::sensor_msgs::{CameraInfo, PointField};
 use rcs_messages::{pooled_bytes, Image, PointCloud2};
 use rcs_transforms::Time;
 
 use crate::parts::cloud::one_row;
-use crate::parts::encoding::Pixel;
+use crate::parts::encoding::PixelFormat;
 
 /// Bytes of a point: x, y, z and the colour.
 const POINT_LEN: usize = 16;
 
-/// A point that is nearer than the one before it by this leaves a shadow.
+/// Distance by which a point must be nearer than the one before it to leave a shadow.
 const SHADOW_DISTANCE_M: f32 = 0.01;
 
 /// White, where there is no colour image.
 const WHITE: u32 = 0x00ff_ffff;
 
-/// The hidden points of a camera, by pixel.
+/// Occluded points of a camera, by pixel.
 #[derive(Debug, Default)]
 pub(super) struct Shadows {
     size_px: [u32; 2],
@@ -34,7 +34,6 @@ struct Shadow {
 }
 
 impl Shadows {
-    /// Forgets all of them.
     pub(super) fn clear(&mut self) {
         self.pixels.clear();
     }
@@ -48,7 +47,7 @@ impl Shadows {
     }
 }
 
-/// How long shadows stay, and the time now.
+/// Lifetime of shadows, and the time now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Occlusion {
     pub(super) now: Time,
@@ -56,9 +55,6 @@ pub(super) struct Occlusion {
 }
 
 /// The cloud of a depth image.
-///
-/// # Errors
-/// rviz's text, where there is none.
 pub(super) fn cloud(
     depth: &Image,
     color: Option<&Image>,
@@ -66,16 +62,16 @@ pub(super) fn cloud(
     shadows: Option<(&mut Shadows, Occlusion)>,
 ) -> Result<PointCloud2, String> {
     let rays = Rays::of(depth, info)?;
-    let pixel = Pixel::of(&depth.encoding).ok_or_else(|| format!("Unknown encoding {}", depth.encoding))?;
+    let pixel = PixelFormat::of(&depth.encoding).ok_or_else(|| format!("Unknown encoding {}", depth.encoding))?;
     let depth_m: fn(&[u8], bool) -> Option<f32> = match pixel {
-        Pixel { bits: 32, channels: 1 } => float_depth,
-        Pixel { bits: 16, channels: 1 } => millimetre_depth,
+        PixelFormat { bits: 32, channels: 1 } => float_depth,
+        PixelFormat { bits: 16, channels: 1 } => millimetre_depth,
         _ => return Err("Depth image has invalid format (only 16 bit and float are supported)!".to_owned()),
     };
     let rows = rows(depth, pixel, "Depth")?;
     let colors = color.map(|color| colors(color, depth)).transpose()?.unwrap_or_default();
     let count = rays.x.len() * rays.y.len();
-    let mut points = Points(pooled_bytes(count * POINT_LEN));
+    let mut points = PointWriter(pooled_bytes(count * POINT_LEN));
     let is_big_endian = depth.is_bigendian != 0;
     let pixels = rows.zip(&rays.y).flat_map(|(row, y)| {
         let depths = row.chunks_exact(pixel.bytes()).map(|bytes| depth_m(bytes, is_big_endian));
@@ -117,17 +113,16 @@ pub(super) fn cloud(
     Ok(one_row(&depth.header, &fields, POINT_LEN as u32, points.0))
 }
 
-/// Points as bytes.
-struct Points(Vec<u8>);
+struct PointWriter(Vec<u8>);
 
-impl Points {
+impl PointWriter {
     fn push(&mut self, point: [f32; 3], color: u32) {
         let words = [point[0].to_bits(), point[1].to_bits(), point[2].to_bits(), color];
         self.0.extend(words.into_iter().flat_map(u32::to_le_bytes));
     }
 }
 
-/// The rays of the pixels of a column and of a row: x and y for each metre of z.
+/// Rays of the pixels of a column and of a row: x and y for each metre of z.
 struct Rays {
     x: Vec<f32>,
     y: Vec<f32>,
@@ -147,7 +142,7 @@ impl Rays {
                 depth.width, depth.height
             ));
         }
-        // A row that the data do not have is not made room for.
+        // No memory for rows that the data do not have.
         let count = |side: u32| (side as usize).min(depth.data().len());
         let rays = |count: usize, center: f64, offset: u32, focal: f64, binning: u32| {
             let scale = 1.0 / f64::from(binning);
@@ -162,8 +157,8 @@ impl Rays {
     }
 }
 
-/// An image's rows without what may follow each.
-fn rows<'a>(image: &'a Image, pixel: Pixel, name: &str) -> Result<impl Iterator<Item = &'a [u8]>, String> {
+/// Rows of an image without their padding.
+fn rows<'a>(image: &'a Image, pixel: PixelFormat, name: &str) -> Result<impl Iterator<Item = &'a [u8]>, String> {
     let row_len = image.width as usize * pixel.bytes();
     let step = (image.step as usize).max(row_len);
     let (height, actual) = (image.height as usize, image.data().len());
@@ -189,7 +184,7 @@ fn millimetre_depth(bytes: &[u8], is_big_endian: bool) -> Option<f32> {
     (depth_mm != 0).then(|| f32::from(depth_mm) * 0.001)
 }
 
-/// The colours of an image's pixels as a cloud has them; none where rviz finds none in the encoding.
+/// Packed colours of an image's pixels; empty where rviz finds none in the encoding.
 fn colors(color: &Image, depth: &Image) -> Result<Vec<u32>, String> {
     if (color.width, color.height) != (depth.width, depth.height) {
         return Err(format!(
@@ -197,7 +192,7 @@ fn colors(color: &Image, depth: &Image) -> Result<Vec<u32>, String> {
             depth.width, depth.height, color.width, color.height
         ));
     }
-    let pixel = Pixel::of(&color.encoding).ok_or_else(|| format!("Unknown encoding {}", color.encoding))?;
+    let pixel = PixelFormat::of(&color.encoding).ok_or_else(|| format!("Unknown encoding {}", color.encoding))?;
     let is_wide = match pixel.bits {
         8 => false,
         16 => true,

@@ -1,4 +1,4 @@
-//! The markers of one message, completed, on their way to the fixed frame.
+//! The completed markers of one message, until they are in the fixed frame.
 //!
 //! A marker with a stamp is moved to the fixed frame as soon as its frame is known at that time; one without only waits
 //! until its frame is known at all, and follows it later. A message is shown as a whole, when nothing in it waits.
@@ -15,9 +15,8 @@ use super::complete::{complete, set_orientation};
 use crate::framework::world::{isometry, stamp};
 use crate::World;
 
-/// The contents of a message.
 #[derive(Clone, Debug)]
-pub(super) struct Batch {
+pub(super) struct MarkerBatch {
     pub(super) sequence: u64,
     pub(super) markers: Vec<InteractiveMarker>,
     pub(super) poses: Vec<InteractiveMarkerPose>,
@@ -27,7 +26,7 @@ pub(super) struct Batch {
     waiting_poses: Vec<usize>,
 }
 
-impl Batch {
+impl MarkerBatch {
     fn new(
         sequence: u64,
         mut markers: Vec<InteractiveMarker>,
@@ -54,15 +53,14 @@ impl Batch {
         Self::new(update.seq_num, markers, poses, update.erases.clone(), translucent)
     }
 
-    /// Whether nothing waits.
     pub(super) fn is_ready(&self) -> bool {
         self.waiting_markers.is_empty() && self.waiting_poses.is_empty()
     }
 
-    /// Moves what it can to the fixed frame.
+    /// Moves the markers and poses whose frames are known to the fixed frame.
     ///
     /// # Errors
-    /// Why something will not be placed by waiting a little.
+    /// Reason why waiting will not help.
     pub(super) fn place(&mut self, world: &World<'_>) -> Result<(), String> {
         let markers = &mut self.markers;
         retain_waiting(&mut self.waiting_markers, |index| match markers.get_mut(index) {
@@ -77,7 +75,7 @@ impl Batch {
     }
 }
 
-/// Removes what is placed; those from the first error on stay.
+/// Removes the indices that are placed; those from the first error on stay.
 fn retain_waiting(
     waiting: &mut Vec<usize>,
     mut place: impl FnMut(usize) -> Result<bool, String>,
@@ -108,7 +106,7 @@ fn place_marker(marker: &mut InteractiveMarker, world: &World<'_>) -> Result<boo
     Ok(is_placed)
 }
 
-/// Whether a frame is known at its stamp; with a stamp, the pose then moves to the fixed frame.
+/// Returns whether a frame is known at its stamp; with a stamp, the pose then moves to the fixed frame.
 fn place(header: &mut Header, pose: &mut Pose, world: &World<'_>) -> Result<bool, String> {
     if header.frame_id == world.fixed_frame {
         return Ok(true);

@@ -1,4 +1,4 @@
-//! Checks of interactive markers: what rviz refuses to show.
+//! Checks by which rviz refuses interactive markers.
 
 use rcs_messages::geometry_msgs::{Pose, Quaternion};
 use rcs_messages::visualization_msgs::{InteractiveMarker, Marker};
@@ -10,19 +10,18 @@ fn are_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
 
-/// Whether a pose has neither NaN nor infinity.
 pub(super) fn is_finite_pose(pose: &Pose) -> bool {
     let PlainTransform { translation, rotation_xyzw } = PlainTransform::from(pose);
     are_finite(&translation) && are_finite(&rotation_xyzw)
 }
 
-/// Whether a quaternion is a rotation or was left at zero.
+/// `true` for a rotation and for all zeros, which is unset.
 pub(super) fn is_rotation(orientation: &Quaternion) -> bool {
     let xyzw = quaternion_xyzw(orientation);
     xyzw == [0.0; 4] || is_unit_quaternion(xyzw)
 }
 
-/// Whether a marker and all in it has neither NaN nor infinity.
+/// `true` if a marker and its controls have neither NaN nor infinity.
 pub(super) fn is_finite(marker: &InteractiveMarker) -> bool {
     is_finite_pose(&marker.pose)
         && marker.scale.is_finite()

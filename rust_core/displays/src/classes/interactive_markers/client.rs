@@ -10,21 +10,18 @@ use std::sync::Arc;
 use rcs_messages::visualization_msgs::{InteractiveMarkerInit, InteractiveMarkerUpdate};
 use rcs_transforms::Time;
 
-use super::server::{Server, Step};
+use super::server::{MarkerChange, Server};
 use crate::{Level, Statuses, World};
 
 /// rviz's name for the status of the connection as a whole.
 const GENERAL: &str = "General";
 
-/// The servers of a topic.
 #[derive(Debug)]
 pub(super) struct Client {
-    /// Whether handles may be translucent.
     translucent: bool,
     servers: BTreeMap<String, Server>,
     /// The last list of all markers of each server.
     inits: BTreeMap<String, Arc<InteractiveMarkerInit>>,
-    /// Whether it ignores messages.
     is_stopped: bool,
     now: Time,
 }
@@ -50,7 +47,6 @@ impl Client {
         }
     }
 
-    /// The server of a message.
     fn server(&mut self, id: &str, statuses: &mut Statuses) -> Option<&mut Server> {
         if self.is_stopped {
             return None;
@@ -64,8 +60,8 @@ impl Client {
         Some(self.servers.entry(id.to_owned()).or_insert_with(|| Server::new(id, translucent, statuses)))
     }
 
-    /// Processes the messages whose frames are known. Returns the steps for the display, by server.
-    pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> Vec<(String, Step)> {
+    /// Processes the messages whose frames are known. Returns the changes for the display, by server.
+    pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> Vec<(String, MarkerChange)> {
         self.now = world.now;
         let mut steps = Vec::new();
         for (id, server) in &mut self.servers {
@@ -74,28 +70,26 @@ impl Client {
                     server.take_init(init, statuses);
                 }
             }
-            steps.extend(server.take_steps().into_iter().map(|step| (id.clone(), step)));
+            steps.extend(server.take_changes().into_iter().map(|step| (id.clone(), step)));
         }
         steps
     }
 
-    /// When it changes by itself.
+    /// Time of the next change without a message.
     pub(super) fn next_change(&self) -> Option<Time> {
         self.servers.values().filter_map(|server| server.next_change(self.now)).min()
     }
 
-    /// Whether markers or updates of any server wait.
     pub(super) fn is_waiting(&self) -> bool {
         self.servers.values().any(Server::is_waiting)
     }
 
-    /// Forgets all servers and ignores messages from now on.
+    /// Removes all servers and ignores messages from now on.
     pub(super) fn stop(&mut self) {
         self.servers.clear();
         self.is_stopped = true;
     }
 
-    /// Whether it ignores messages.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped
     }

@@ -6,7 +6,7 @@ use rcs_messages::visualization_msgs::{InteractiveMarker, InteractiveMarkerContr
 
 use super::handles;
 
-/// Completes a marker. Without `translucent` every marker of its controls that is not invisible becomes opaque.
+/// Completes a marker. Without `translucent` all visible markers of its controls become opaque.
 pub(super) fn complete(marker: &mut InteractiveMarker, translucent: bool) {
     if marker.controls.is_empty() {
         return;

@@ -11,29 +11,28 @@ use crate::classes::marker::{ControlMarker, NotShown, SortPoint};
 use crate::framework::world::stamp;
 use crate::World;
 
-/// How a control is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Turn {
-    /// As its interactive marker.
     WithMarker,
-    /// As the frame.
     WithFrame,
-    /// To the camera: these axes of the control go forward and up on the picture.
-    ToCamera { forward: Vector3<f64>, up: Vector3<f64> },
+    /// To the camera: these axes of the control point forward and up on the picture.
+    ToCamera {
+        forward: Vector3<f64>,
+        up: Vector3<f64>,
+    },
 }
 
-/// A control as it is drawn.
 #[derive(Clone, Debug)]
-pub(super) struct Control {
+pub(super) struct PlacedControl {
     pub(super) always_visible: bool,
     turn: Turn,
-    /// Their poses are in the control's frame.
+    /// Markers with poses in the control's frame.
     markers: Vec<ControlMarker>,
 }
 
-impl Control {
-    /// Builds a completed control. A marker with a frame of its own stands there and then moves with the control; what
-    /// cannot be shown for want of a file is added to `missing`.
+impl PlacedControl {
+    /// Builds a completed control. A marker with a frame of its own is placed there and then moves with the control;
+    /// those whose files are missing are added to `missing`.
     pub(super) fn new(
         control: &InteractiveMarkerControl,
         reference_from_marker: &Isometry3<f64>,
@@ -51,7 +50,7 @@ impl Control {
             if !marker.header.frame_id.is_empty() {
                 let frame = &marker.header.frame_id;
                 let fixed_from_frame = match time(marker, world) {
-                    // As the frame of the whole.
+                    // Like the frame of the interactive marker.
                     time if time.is_zero() => world.fixed_from_now(frame).ok()?,
                     time => world.fixed_from(frame, time).ok()?,
                 };
@@ -64,8 +63,8 @@ impl Control {
         Self { always_visible: control.always_visible, turn: turn(control), markers }
     }
 
-    /// Builds markers whose meshes were missing. What still cannot be shown is added to `missing`. Returns whether
-    /// there were any.
+    /// Rebuilds markers whose meshes were missing, and adds those that still are to `missing`. Returns whether there
+    /// were any.
     pub(super) fn rebuild(&mut self, world: &World<'_>, missing: &mut Vec<NotShown>) -> bool {
         let mut had_missing = false;
         for marker in self.markers.iter_mut().filter(|marker| marker.is_missing()) {
@@ -75,7 +74,6 @@ impl Control {
         had_missing
     }
 
-    /// The drawables of the control.
     pub(super) fn drawables(
         &self,
         display: DisplayId,

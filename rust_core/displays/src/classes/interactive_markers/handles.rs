@@ -14,7 +14,7 @@ use rcs_messages::visualization_msgs::{InteractiveMarker, InteractiveMarkerContr
 const WHITE: ColorRGBA = ColorRGBA { r: 1.0, g: 1.0, b: 1.0, a: 1.0 };
 const HANDLE_ALPHA: f32 = 0.5;
 
-/// Where an arrow begins and ends, in sizes of the marker.
+/// Start and end of an arrow, in sizes of the marker.
 const ARROW_SPAN: [f64; 2] = [0.5, 0.9];
 /// An arrow's shaft's diameter, head's diameter and head's length, in sizes of the marker.
 const ARROW_THICKNESS: [f64; 3] = [0.15, 0.25, 0.2];
@@ -28,15 +28,15 @@ const DARK: f32 = 0.6;
 /// The height of a button's text and its height above the marker, in sizes of the marker.
 const BUTTON_SIZE: f64 = 0.25;
 const BUTTON_HEIGHT: f64 = 1.2;
-/// How far a button's text is moved back and down, in heights of the text.
+/// Shift of a button's text back and down, in heights of the text.
 const BUTTON_SHIFT: f64 = -0.1;
 
 /// The height of a title's text and its height above the marker, in sizes of the marker.
 const TITLE_SIZE: f64 = 0.15;
 const TITLE_HEIGHT: f64 = 1.4;
 
-/// Gives a control without markers the handle for what it does. One that opens a menu becomes a text that faces the
-/// view.
+/// Gives a control without markers the handle of its interaction mode. One that opens a menu becomes a text that faces
+/// the view.
 pub(super) fn add_default(size: f64, control: &mut InteractiveMarkerControl) {
     match control.interaction_mode {
         InteractiveMarkerControl::MOVE_AXIS => {
@@ -147,12 +147,11 @@ fn ring(size: f64, orientation: &Quaternion, faces: fn(usize, &ColorRGBA) -> Fac
     ring
 }
 
-/// A darker colour of full opacity.
 fn shade(color: &ColorRGBA, brightness: f32) -> ColorRGBA {
     ColorRGBA { r: color.r * brightness, g: color.g * brightness, b: color.b * brightness, a: 1.0 }
 }
 
-/// How far the turned x axis goes along x, y and z, the farthest being full.
+/// Colour of the rotated x axis: its components along x, y and z, scaled to a maximum of one.
 fn axis_color(orientation: &Quaternion) -> ColorRGBA {
     let [x, y, z, w] = quaternion_xyzw(orientation);
     let axis = nalgebra::UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 0.0).unwrap_or_default()

@@ -6,11 +6,11 @@
 //!   …/update_full  ─┘
 //! ```
 //!
-//! The [`client`] speaks the protocol, [`complete`] and [`handles`] fill in what messages leave out, [`shown`] and
-//! [`control`] place the markers of the controls, which are those of the Marker display. A marker without a stamp
+//! The [`client`] speaks the protocol, [`complete`] and [`handles`] fill in what messages leave out, [`placed_marker`]
+//! and [`control`] place the markers of the controls, which are those of the Marker display. A marker without a stamp
 //! follows its frame, one with a stamp stays. Controls that face the view turn to each camera ([`rcs_scene::Facing`]).
 //!
-//! As in rviz a marker without controls, or a pose for a marker that does not exist, stops the display: it then shows
+//! As in rviz a marker without controls, or a pose for a marker that does not exist, stops the display: it shows
 //! nothing until it is reset.
 
 mod batch;
@@ -19,8 +19,8 @@ mod client;
 mod complete;
 mod control;
 mod handles;
+mod placed_marker;
 mod server;
-mod shown;
 
 #[cfg(test)]
 mod tests;
@@ -36,34 +36,31 @@ use rcs_transforms::Time;
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::world::isometry;
 use crate::{Level, StatusText, Statuses, World};
-use batch::Batch;
+use batch::MarkerBatch;
 use client::Client;
-use server::Step;
-use shown::Shown;
+use placed_marker::PlacedMarker;
+use server::MarkerChange;
 
 const QUEUE_SIZE: u32 = 100;
 
-/// An InteractiveMarkers display.
 #[derive(Debug)]
 pub(crate) struct InteractiveMarkersDisplay {
     display: DisplayId,
     settings: InteractiveMarkersSettings,
     client: Client,
-    /// By server and name.
-    markers: BTreeMap<String, BTreeMap<String, Shown>>,
+    markers: BTreeMap<String, BTreeMap<String, PlacedMarker>>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
     changed: bool,
-    /// That of the meshes when those that were missing were last looked for.
+    /// Version of the meshes when missing ones were last checked.
     meshes_version: u64,
 }
 
 /// An error after which rviz ignores all messages: the name of the marker and the reason.
 struct Fatal(String, &'static str);
 
-/// Makes an InteractiveMarkers display.
-pub(crate) fn create(display: DisplayId, settings: &InteractiveMarkersSettings) -> Box<dyn Display> {
-    Box::new(InteractiveMarkersDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &InteractiveMarkersSettings) -> InteractiveMarkersDisplay {
+    InteractiveMarkersDisplay::new(display, settings.clone())
 }
 
 impl InteractiveMarkersDisplay {
@@ -91,18 +88,18 @@ impl InteractiveMarkersDisplay {
         }
     }
 
-    fn apply(&mut self, server: &str, step: Step, world: &World<'_>) -> Result<(), Fatal> {
+    fn apply(&mut self, server: &str, step: MarkerChange, world: &World<'_>) -> Result<(), Fatal> {
         self.changed = true;
         match step {
-            Step::Forget => {
+            MarkerChange::Forget => {
                 self.forget(server);
                 Ok(())
             }
-            Step::Replace(batch) => {
+            MarkerChange::Replace(batch) => {
                 self.forget(server);
                 self.add(server, &batch.markers, world)
             }
-            Step::Update(Batch { markers, poses, erases, .. }) => {
+            MarkerChange::Update(MarkerBatch { markers, poses, erases, .. }) => {
                 self.add(server, &markers, world)?;
                 self.set_poses(server, &poses, world)?;
                 let shown = self.markers.entry(server.to_owned()).or_default();
@@ -131,7 +128,7 @@ impl InteractiveMarkersDisplay {
             if marker.controls.is_empty() {
                 return Err(Fatal(marker.name.clone(), "Marker empty."));
             }
-            let (new, unplaced) = Shown::new(marker, world);
+            let (new, unplaced) = PlacedMarker::new(marker, world);
             let (level, text) = match unplaced {
                 Some(error) => (Level::Error, StatusText::about_frame(error.to_string())),
                 None => new.status(),
@@ -174,7 +171,6 @@ impl InteractiveMarkersDisplay {
         self.statuses.set(Level::Error, &name, format!("{reason} Nothing more is shown until a reset."));
     }
 
-    /// Moves the markers that follow their frames.
     fn follow(&mut self, world: &World<'_>) {
         for (name, marker) in self.markers.values_mut().flatten() {
             let was_located = marker.is_located();
@@ -192,7 +188,7 @@ impl InteractiveMarkersDisplay {
         }
     }
 
-    /// Builds markers whose meshes were loaded since the last call.
+    /// Rebuilds markers whose meshes were loaded since the last call.
     fn build_loaded(&mut self, world: &World<'_>) {
         let version = world.meshes.version();
         if std::mem::replace(&mut self.meshes_version, version) == version {
@@ -233,8 +229,8 @@ impl Display for InteractiveMarkersDisplay {
         }
     }
 
-    /// As in rviz, the markers of all servers are then forgotten, and the servers that are left are started again. A
-    /// display that was stopped by an error stays stopped.
+    /// As in rviz, all servers and their markers are removed and started again. A display that was stopped by an error
+    /// stays stopped.
     fn publisher_left(&mut self, topic: &str) {
         let is_update_topic = self.topics().first().is_some_and(|request| request.topic == topic);
         if is_update_topic && !self.client.is_stopped() {

@@ -23,44 +23,40 @@ use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::drawable;
 use crate::{Level, StatusText, Statuses, World};
 
-/// Cells on a side of the largest map that rviz can show, where it is cut into eight textures.
+/// Largest side of a map in cells: rviz cuts it into eight textures.
 const MAX_SIDE: u32 = 65_536;
 
-/// A map that announces more cells than it has gets room for so many in all.
+/// Largest number of cells for which memory is reserved without data.
 const MAX_CELLS_WITHOUT_DATA: u64 = 1 << 26;
 
-/// A Map display.
 #[derive(Debug)]
 pub(crate) struct MapDisplay {
     display: DisplayId,
     settings: MapSettings,
-    /// The last map that could be shown.
+    /// The last valid map.
     shown: Option<Map>,
-    /// No map has come after it that could not be.
+    /// No invalid map has come after it.
     is_latest: bool,
-    /// The cells or their places have changed since the last update.
+    /// The cells or their place changed since the last update.
     is_new: bool,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
-/// A map that is shown.
 #[derive(Clone, Debug)]
 struct Map {
     frame: String,
     stamp: Time,
     frame_from_map: Isometry3<f64>,
-    /// Metres.
     size: Vector3<f64>,
     cells: Arc<Cells>,
 }
 
-/// What is wrong with a map.
+/// Reason why a map is not shown.
 struct Refusal(String);
 
-/// Makes a Map display.
-pub(crate) fn create(display: DisplayId, settings: &MapSettings) -> Box<dyn Display> {
-    Box::new(MapDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &MapSettings) -> MapDisplay {
+    MapDisplay::new(display, settings.clone())
 }
 
 impl MapDisplay {
@@ -76,7 +72,7 @@ impl MapDisplay {
 
     fn take_map(&mut self, grid: &OccupancyGrid) {
         self.is_latest = false;
-        // rviz waits in silence for a map with cells.
+        // rviz silently waits for a map with cells.
         if grid.data().is_empty() {
             return;
         }
@@ -119,14 +115,14 @@ impl MapDisplay {
         self.statuses.remove("Update");
         let values: Vec<u8> = update.data.iter().take(count as usize).map(|value| *value as u8).collect();
         let place = [update.x.unsigned_abs(), update.y.unsigned_abs()];
-        // The renderer may still hold the cells of before; of those only the tiles are copied that change.
+        // The renderer may still hold the old cells; only changed tiles are copied.
         let mut cells = Cells::clone(&map.cells);
         cells.write(place, update.width, &values);
         map.cells = Arc::new(cells);
         self.is_new = true;
     }
 
-    /// Where a map's corner is; the fixed frame's origin while its frame is not known.
+    /// Pose of a map's corner in the fixed frame.
     fn place(&self, map: &Map, world: &World<'_>) -> Result<Isometry3<f64>, StatusText> {
         let at_stamp = self.settings.use_timestamp.then(|| world.fixed_from(&map.frame, map.stamp).ok()).flatten();
         let fixed_from_frame = at_stamp.map_or_else(|| world.fixed_from_moving(&map.frame), Ok);
@@ -152,7 +148,6 @@ impl MapDisplay {
 }
 
 impl Map {
-    /// A map that can be shown.
     fn new(grid: &OccupancyGrid) -> Result<Self, Refusal> {
         let (width, height, resolution_m) = (grid.info.width, grid.info.height, grid.info.resolution);
         let frame_from_map = isometry(&PlainTransform::from(&grid.info.origin));
@@ -183,7 +178,7 @@ impl Map {
 }
 
 /// rviz's error for a map with more or less data than its size requires; it is shown all the same, with unknown cells
-/// where there are none.
+/// where data are missing.
 fn data_fault(grid: &OccupancyGrid) -> Option<String> {
     let (width, height, actual) = (grid.info.width, grid.info.height, grid.data().len());
     (u64::from(width) * u64::from(height) != actual as u64).then(|| {
@@ -233,7 +228,7 @@ impl Display for MapDisplay {
         &self.drawables
     }
 
-    /// Keeps the map: rviz subscribes again and so gets a latched map once more, which nobody sends here.
+    /// Keeps the map: rviz subscribes again and so gets a latched map once more, which is not sent here.
     fn reset(&mut self) {}
 
     fn statuses(&self) -> &Statuses {

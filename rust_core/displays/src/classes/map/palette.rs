@@ -10,7 +10,7 @@ use rcs_rviz_config::MapPalette;
 /// A colour for each value, red first.
 pub(super) type Palette = Arc<[[u8; 4]; 256]>;
 
-/// The colours of a scheme; the same memory each time.
+/// Colours of a scheme; shared, so that renderers recognise them.
 pub(super) fn palette(scheme: MapPalette) -> Palette {
     static PALETTES: [OnceLock<Palette>; 3] = [const { OnceLock::new() }; 3];
     let (place, color): (usize, fn(u8) -> [u8; 4]) = match scheme {
@@ -21,7 +21,7 @@ pub(super) fn palette(scheme: MapPalette) -> Palette {
     PALETTES[place].get_or_init(|| Arc::new(std::array::from_fn(|value| color(value as u8)))).clone()
 }
 
-/// Whether a scheme blends with what is behind at any opacity.
+/// `true` if a scheme blends with the background at any opacity.
 pub(super) fn always_blends(scheme: MapPalette) -> bool {
     scheme != MapPalette::Map
 }

@@ -1,7 +1,7 @@
 //! ARROW: along x with the marker's scale, or between two points.
 //!
-//! An arrow that is sent again with the same id keeps what its new form does not set: one by two points the scale of an
-//! earlier one by pose, one by pose the start of an earlier one by two points. rviz does so.
+//! An arrow that is sent again with the same id keeps the values that its new form does not set, as in rviz: one by two
+//! points the scale of an earlier one by pose, one by pose the start of an earlier one by two points.
 
 use nalgebra::{Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
@@ -11,36 +11,34 @@ use super::message_fields::{position, rgba, scale};
 use super::primitive::Parts;
 use crate::parts::solids::{arrow_from_upright, arrow_pose, ArrowSize};
 
-/// An arrow of 1 m that is as thick as it is long; the scale makes it slender.
+/// Proportions of an arrow by pose; the scale makes it slender.
 const BY_POSE: ArrowSize =
     ArrowSize { shaft_length_m: 0.77, shaft_diameter_m: 1.0, head_length_m: 0.23, head_diameter_m: 2.0 };
 
-/// The share of its head in the length of an arrow by two points whose head length is not given.
+/// Share of the head in the length of an arrow by two points without a head length.
 const HEAD_SHARE: f64 = 0.23;
 
-/// An arrow marker from message to message.
+/// State of an arrow marker between messages.
 #[derive(Clone, Debug)]
-pub(super) struct Arrow {
+pub(super) struct ArrowMarker {
     start: Vector3<f64>,
     scale: [f64; 3],
-    /// The colour that is shown, if the arrow is one by pose.
     by_pose: Option<Rgba>,
 }
 
-impl Default for Arrow {
+impl Default for ArrowMarker {
     fn default() -> Self {
         Self { start: Vector3::zeros(), scale: [1.0; 3], by_pose: None }
     }
 }
 
-impl Arrow {
-    /// Whether a message asks for the arrow by pose that is shown.
+impl ArrowMarker {
+    /// `true` if a message repeats the current arrow by pose.
     pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
         let asks = (marker.points.len() != 2, scale(marker), Some(rgba(&marker.color)));
         self.by_pose.is_some() && asks == (true, self.scale, self.by_pose)
     }
 
-    /// Shaft and head.
     pub(super) fn parts(&mut self, marker: &Marker) -> Parts {
         let color = rgba(&marker.color);
         self.by_pose = None;

@@ -1,8 +1,8 @@
-//! What is wrong with a marker, and whether it can be drawn all the same.
+//! Validation of markers.
 //!
-//! A table ([`Needs`]) lists what each type of marker reads of its message; the fields are then checked one by one.
-//! What rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have
-//! replaced. All else is a warning.
+//! A table ([`Needs`]) lists the fields that each type of marker reads; they are checked one by one. rviz's errors are
+//! errors here: they keep a marker from being drawn and remove the one that it would have replaced. All else is a
+//! warning.
 
 use std::collections::HashSet;
 
@@ -13,10 +13,9 @@ use rcs_messages::{quaternion_xyzw, PlainTransform};
 use super::message_fields::{all_finite, is_finite_color, is_unit_quaternion, position, scale};
 use crate::Level;
 
-/// What C's `isspace` takes for white space; text of nothing else is empty.
+/// White space of C's `isspace`; text of nothing else is empty.
 const WHITESPACE: [char; 6] = [' ', '\t', '\n', '\u{b}', '\u{c}', '\r'];
 
-/// What is wrong with a message.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Findings {
     fatal: bool,
@@ -33,47 +32,45 @@ impl Findings {
         self.texts.push(text.into());
     }
 
-    /// Whether the marker cannot be drawn.
     pub(super) fn is_fatal(&self) -> bool {
         self.fatal
     }
 
-    /// The findings as a status; `None` without any.
     pub(super) fn status(&self) -> Option<(Level, String)> {
         let level = if self.fatal { Level::Error } else { Level::Warn };
         (!self.texts.is_empty()).then(|| (level, self.texts.join(" \n")))
     }
 }
 
-/// What a type of marker reads of its message.
+/// Fields that a type of marker reads.
 #[derive(Clone, Copy, Debug)]
 struct Needs {
     orientation: bool,
     scale: Scale,
     points: Count,
-    /// Whether each point may have a colour of its own.
+    /// `true` if each point may have a colour of its own.
     point_colors: bool,
     text: bool,
     mesh: bool,
 }
 
-/// Which parts of the scale a type reads.
+/// Parts of the scale that a type reads.
 #[derive(Clone, Copy, Debug)]
 enum Scale {
     /// All three, which must be finite; an arrow may leave its head's length (z) to rviz.
     Size { z_may_be_zero: bool },
-    /// The width of lines in x.
+    /// Width of lines in x.
     LineWidth,
-    /// The width and height of points in x and y.
+    /// Width and height of points in x and y.
     PointSize,
-    /// The height of text in z.
+    /// Height of text in z.
     TextHeight,
 }
 
-/// How many points a type takes.
+/// Number of points of a type.
 #[derive(Clone, Copy, Debug)]
 enum Count {
-    /// It has no points.
+    /// No points.
     None,
     /// An arrow's start and end, if it has any.
     NoneOrTwo,
@@ -86,7 +83,7 @@ enum Count {
 }
 
 impl Needs {
-    /// The needs of a message's type; `None` for a type that there is not.
+    /// Needs of a message's type; `None` for an unknown type.
     fn of(marker: &Marker) -> Option<Self> {
         let solid = Self {
             orientation: true,
@@ -226,7 +223,7 @@ fn check_colors(marker: &Marker, point_colors: bool, found: &mut Findings) {
     }
 }
 
-/// Whether an array only adds markers, each of a larger id than the one before: large arrays mostly do.
+/// `true` if an array only adds markers with increasing ids, as large arrays mostly do.
 fn adds_in_order(array: &MarkerArray) -> bool {
     let is_added = |marker: &Marker| u8::try_from(marker.action) == Ok(Marker::ADD);
     array.markers.iter().all(is_added) && array.markers.is_sorted_by(|a, b| a.ns == b.ns && a.id < b.id)

@@ -1,51 +1,51 @@
-//! The kinds of markers, and what each is drawn with.
+//! The kinds of markers, and their primitives.
 
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_messages::PlainTransform;
 use rcs_resources::MeshStore;
 
-use super::arrow::Arrow;
+use super::arrow::ArrowMarker;
 use super::mesh::{MeshMarker, NotShown};
 use super::primitive::Parts;
-use super::shape::Solid;
-use super::triangles::Triangles;
+use super::shape::SolidMarker;
+use super::triangles::TriangleMarker;
 use super::{lines, point_lists, text};
 use crate::framework::world::isometry;
-use crate::Shape;
+use crate::SolidShape;
 
-/// A marker's kind, with what rviz keeps of one message when the next comes for the same marker.
+/// A marker's kind, with the state that rviz keeps between messages of the same marker.
 #[derive(Clone, Debug)]
-pub(super) enum Kind {
-    Arrow(Arrow),
-    Solid(Solid),
+pub(super) enum MarkerKind {
+    Arrow(ArrowMarker),
+    Solid(SolidMarker),
     LineStrip,
     LineList,
     Points,
     Text,
     Mesh(Box<MeshMarker>),
-    Triangles(Triangles),
+    Triangles(TriangleMarker),
 }
 
-impl Kind {
-    /// The kind of a message's type; `None` for a type that there is not.
+impl MarkerKind {
+    /// Kind of a message's type; `None` for an unknown type.
     pub(super) fn of(marker: &Marker) -> Option<Self> {
         Some(match u8::try_from(marker.type_).ok()? {
-            Marker::ARROW => Self::Arrow(Arrow::default()),
-            Marker::CUBE => Self::Solid(Solid::new(Shape::Cube)),
-            Marker::SPHERE => Self::Solid(Solid::new(Shape::Sphere)),
-            Marker::CYLINDER => Self::Solid(Solid::new(Shape::Cylinder)),
+            Marker::ARROW => Self::Arrow(ArrowMarker::default()),
+            Marker::CUBE => Self::Solid(SolidMarker::new(SolidShape::Cube)),
+            Marker::SPHERE => Self::Solid(SolidMarker::new(SolidShape::Sphere)),
+            Marker::CYLINDER => Self::Solid(SolidMarker::new(SolidShape::Cylinder)),
             Marker::LINE_STRIP => Self::LineStrip,
             Marker::LINE_LIST => Self::LineList,
             Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::POINTS => Self::Points,
             Marker::TEXT_VIEW_FACING => Self::Text,
             Marker::MESH_RESOURCE => Self::Mesh(Box::default()),
-            Marker::TRIANGLE_LIST => Self::Triangles(Triangles::default()),
+            Marker::TRIANGLE_LIST => Self::Triangles(TriangleMarker::default()),
             _ => return None,
         })
     }
 
-    /// Whether a message is sure to show what the last one did, if elsewhere.
+    /// `true` if a message is sure to have the same parts as the last one.
     pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
         match self {
             Self::Arrow(arrow) => arrow.is_unchanged(marker),
@@ -54,10 +54,7 @@ impl Kind {
         }
     }
 
-    /// Builds what a message of this kind shows.
-    ///
-    /// # Errors
-    /// Why it shows nothing.
+    /// Builds the parts of a message of this kind.
     pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Parts, NotShown> {
         Ok(match self {
             Self::Arrow(arrow) => arrow.parts(marker),
@@ -71,15 +68,12 @@ impl Kind {
         })
     }
 
-    /// Whether the mesh of the last message is loading or cannot be shown.
+    /// `true` if the mesh of the last message is loading or cannot be shown.
     pub(super) fn is_missing(&self) -> bool {
         matches!(self, Self::Mesh(mesh) if mesh.is_missing())
     }
 
-    /// Builds what the last message shows, if it is a mesh that was missing.
-    ///
-    /// # Errors
-    /// Why it shows nothing.
+    /// Rebuilds the parts of the last message, if its mesh was missing.
     pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Parts, NotShown> {
         match self {
             Self::Mesh(mesh) => mesh.rebuild(meshes).map(Parts::of),
@@ -87,8 +81,7 @@ impl Kind {
         }
     }
 
-    /// The marker's pose in the frame of its header; `None` when a number that counts is NaN or infinite. Text does not
-    /// turn with its pose, and its orientation may be anything.
+    /// Pose in the frame of the header; `None` when a relevant number is NaN or infinite. Text ignores its orientation.
     pub(super) fn frame_from_marker(&self, marker: &Marker) -> Option<Isometry3<f64>> {
         let mut pose = PlainTransform::from(&marker.pose);
         if matches!(self, Self::Text) {

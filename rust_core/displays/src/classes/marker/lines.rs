@@ -11,10 +11,10 @@ use rcs_scene::{Blending, Geometry, Material, RibbonElement, Ribbons};
 use super::message_fields::{is_finite_color, point_colors, position, rgba};
 use super::primitive::Primitive;
 
-/// The most elements of one chain of rviz; a longer strip has gaps between its chains.
+/// Elements of one chain of rviz; a longer strip has gaps between its chains.
 const MAX_ELEMENTS: usize = 65536 / 4;
 
-/// One line through all points; those that are not finite are left out.
+/// One line through all finite points.
 pub(super) fn strip(marker: &Marker) -> Vec<Primitive> {
     let colors = point_colors(marker);
     let finite = |(i, element): (usize, RibbonElement)| {

@@ -5,8 +5,8 @@
 //! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the
 //! colour, and then shows a mesh of alpha zero.
 //!
-//! A mesh may still be loading when its message comes, or its file may be broken and repaired later. What a message
-//! says is kept, so that the marker is built when the mesh is there.
+//! A mesh may still be loading when its message comes, or its file may be broken and repaired later. The message's
+//! content is kept, so that the marker can be built later.
 
 use std::sync::Arc;
 use std::task::Poll;
@@ -20,44 +20,42 @@ use super::message_fields::{rgba, scale};
 use super::primitive::Primitive;
 use crate::Level;
 
-/// The most opaque that a tint can be.
+/// Largest opacity of a tint.
 const MAX_TINT_ALPHA: f32 = 0.5;
 
-/// A mesh marker from message to message.
+/// State of a mesh marker between messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshMarker {
-    shown: Option<Shown>,
+    shown: Option<MeshContent>,
 }
 
 #[derive(Clone, Debug)]
-struct Shown {
+struct MeshContent {
     url: String,
     embedded: bool,
-    mesh: State,
+    mesh: MeshState,
     scale: [f64; 3],
     color: Rgba,
-    /// The colour that was last set on the materials; `None` while they are as the file has them.
+    /// Colour last set on the materials; `None` while they are as in the file.
     paint: Option<Rgba>,
 }
 
 #[derive(Clone, Debug)]
-enum State {
+enum MeshState {
     Loading,
     Failed,
     Loaded(Arc<LoadedMesh>),
 }
 
-/// Why a marker shows nothing although its message is in order.
+/// Reason why a valid marker shows nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum NotShown {
-    /// The mesh of this address is being loaded.
     Loading(String),
-    /// Why the mesh cannot be shown, with its address.
+    /// The mesh cannot be shown; the text names its URL.
     Failed(String),
 }
 
 impl NotShown {
-    /// The marker's status.
     pub(crate) fn status(self) -> (Level, String) {
         match self {
             Self::Loading(url) => (Level::Ok, format!("loading [{url}]")),
@@ -67,22 +65,20 @@ impl NotShown {
 }
 
 impl MeshMarker {
-    /// The parts of the mesh of a message.
-    ///
-    /// # Errors
-    /// Why there are none.
+    /// Primitives of a message.
     pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
         let (url, embedded, color) = (&marker.mesh_resource, marker.mesh_use_embedded_materials, rgba(&marker.color));
-        let is_kept =
-            |shown: &Shown| shown.url == *url && shown.embedded == embedded && !matches!(shown.mesh, State::Failed);
+        let is_kept = |shown: &MeshContent| {
+            shown.url == *url && shown.embedded == embedded && !matches!(shown.mesh, MeshState::Failed)
+        };
         let mut shown = match self.shown.take().filter(is_kept) {
             Some(shown) => {
-                Shown { paint: if color == shown.color { shown.paint } else { Some(color) }, color, ..shown }
+                MeshContent { paint: if color == shown.color { shown.paint } else { Some(color) }, color, ..shown }
             }
             None => {
                 let own_colors = embedded && color == Rgba::TRANSPARENT;
                 let paint = (!own_colors).then_some(color);
-                Shown { url: url.clone(), embedded, mesh: State::Loading, scale: [0.0; 3], color, paint }
+                MeshContent { url: url.clone(), embedded, mesh: MeshState::Loading, scale: [0.0; 3], color, paint }
             }
         };
         shown.scale = scale(marker);
@@ -91,28 +87,25 @@ impl MeshMarker {
         parts
     }
 
-    /// Whether the mesh of the last message is loading or cannot be shown.
+    /// `true` if the mesh of the last message is loading or cannot be shown.
     pub(super) fn is_missing(&self) -> bool {
-        self.shown.as_ref().is_some_and(|shown| !matches!(shown.mesh, State::Loaded(_)))
+        self.shown.as_ref().is_some_and(|shown| !matches!(shown.mesh, MeshState::Loaded(_)))
     }
 
-    /// The parts of the mesh of the last message, perhaps loaded since then.
-    ///
-    /// # Errors
-    /// Why there are none.
+    /// Primitives of the last message, whose mesh may be loaded now.
     pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
         self.shown.as_mut().map_or_else(|| Ok(Vec::new()), |shown| shown.primitives(meshes, Retry::No))
     }
 }
 
-impl Shown {
+impl MeshContent {
     fn primitives(&mut self, meshes: &MeshStore, retry: Retry) -> Result<Vec<Primitive>, NotShown> {
         let mesh = match &self.mesh {
-            State::Loaded(mesh) => mesh.clone(),
-            State::Loading | State::Failed => match meshes.mesh(&self.url, retry) {
+            MeshState::Loaded(mesh) => mesh.clone(),
+            MeshState::Loading | MeshState::Failed => match meshes.mesh(&self.url, retry) {
                 Poll::Ready(Ok(mesh)) => mesh,
                 Poll::Ready(Err(error)) => {
-                    self.mesh = State::Failed;
+                    self.mesh = MeshState::Failed;
                     return Err(NotShown::Failed(format!("could not load [{}]: {error}", self.url)));
                 }
                 Poll::Pending => return Err(NotShown::Loading(self.url.clone())),
@@ -125,12 +118,12 @@ impl Shown {
                 parts.push(Primitive::mesh(marker_from_mesh, part.mesh.clone(), material));
             }
         }
-        self.mesh = State::Loaded(mesh);
+        self.mesh = MeshState::Loaded(mesh);
         Ok(parts)
     }
 }
 
-/// How a part is drawn, once for each material.
+/// Materials of a part, which is drawn once for each.
 fn materials(own: &MeshMaterial, embedded: bool, paint: Option<Rgba>) -> Vec<Material> {
     let has_own = embedded && own.embedded;
     let plain = if has_own { own.to_scene() } else { Material::lit(Rgba::WHITE) };
@@ -146,7 +139,7 @@ fn materials(own: &MeshMaterial, embedded: bool, paint: Option<Rgba>) -> Vec<Mat
     if let Lighting::Lit { diffuse, .. } = &mut plain.lighting {
         diffuse.a = paint.a;
     }
-    // On an opaque part the tint belongs to the opaque things, at the very depth of the part.
+    // On an opaque part the tint is drawn with the opaque drawables, at the depth of the part.
     let tint = Material { blending: Blending::Alpha, depth_write: !is_translucent, ..Material::lit(tint) };
     vec![plain, tint]
 }

@@ -21,26 +21,25 @@ pub(super) fn scale(marker: &Marker) -> [f64; 3] {
     translation_xyz(&marker.scale)
 }
 
-/// Whether none is NaN or, in single precision, infinite.
+/// `true` if none is NaN or, in single precision, infinite.
 pub(super) fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|&value| (value as f32).is_finite())
 }
 
-/// How far from 1 a quaternion's squared length may be.
+/// Tolerance of a quaternion's squared length.
 const QUATERNION_TOLERANCE: f64 = 10e-3;
 
-/// Whether a quaternion is a rotation, within rviz's tolerance.
+/// `true` if a quaternion is a rotation, within rviz's tolerance.
 pub(crate) fn is_unit_quaternion(xyzw: [f64; 4]) -> bool {
     let squared_length: f64 = xyzw.iter().map(|value| value * value).sum();
     (squared_length - 1.0).abs() < QUATERNION_TOLERANCE
 }
 
-/// Whether a colour has neither NaN nor infinity.
 pub(crate) fn is_finite_color(color: &ColorRGBA) -> bool {
     [color.r, color.g, color.b, color.a].iter().all(|channel| channel.is_finite())
 }
 
-/// The colours of the points, if there are as many as points.
+/// Colours of the points, if their number matches.
 pub(super) fn point_colors(marker: &Marker) -> Option<&[ColorRGBA]> {
     (!marker.colors.is_empty() && marker.colors.len() == marker.points.len()).then_some(&marker.colors)
 }

@@ -2,13 +2,13 @@
 //!
 //! Both are one display; a Marker display subscribes to single markers and to the arrays of the topic `…_array`, a
 //! MarkerArray display to the arrays of its topic only. Markers wait one by one until their frame is known at their
-//! stamp. A marker then stands where its frame was at that time; one with `frame_locked` follows the frame. What it is
-//! drawn with is built once for each message.
+//! stamp. A marker then stays where its frame was at that time; one with `frame_locked` follows the frame. Its
+//! primitives are built once for each message.
 //!
-//! A large array may be placed in several updates ([`World::step`]); what is drawn changes with the last of them.
+//! A large array may be placed in several updates ([`World::step`]); the drawables change with the last of them.
 //!
 //! Markers of a namespace that the config switches off are not kept, as in rviz. Messages that delete need no frame: as
-//! in rviz those that the queue drops are applied all the same, at once, before what the same array adds.
+//! in rviz those that the queue drops are applied at once, before the additions of the same array.
 
 mod arrow;
 mod checks;
@@ -45,9 +45,8 @@ use crate::framework::display::{bounded, Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
-use store::{MarkerStore, Places};
+use store::{FrameLookups, MarkerStore};
 
-/// A marker that arrived by itself or in an array.
 #[derive(Clone, Debug)]
 enum Arrived {
     Single(Arc<Marker>),
@@ -66,28 +65,26 @@ impl Deref for Arrived {
     }
 }
 
-/// A Marker or MarkerArray display.
 #[derive(Debug)]
 pub(crate) struct MarkerDisplay {
     display: DisplayId,
     settings: MarkerSettings,
     takes_single_markers: bool,
     waiting: WaitingQueue<Arrived>,
-    /// Markers whose frame is known, until the next updates.
+    /// Markers whose frame is known, until they are processed.
     ready: Vec<Arrived>,
-    /// The time of the last update, if it was one of several that are needed for the markers that were ready.
+    /// Time of the last update, if ready markers were left for the next one.
     unfinished: Option<Time>,
-    /// Whether the next update places all markers, because a message came before those of the last one were placed:
-    /// where that goes on, steps would never end.
+    /// Makes the next update process all markers: a message came before those of the last one were processed, and the
+    /// steps might never end.
     is_late: bool,
     store: MarkerStore,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
-/// Makes a Marker display.
-pub(crate) fn create(display: DisplayId, settings: &MarkerSettings) -> Box<dyn Display> {
-    Box::new(MarkerDisplay::single(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &MarkerSettings) -> MarkerDisplay {
+    MarkerDisplay::single(display, settings.clone())
 }
 
 impl MarkerDisplay {
@@ -114,9 +111,9 @@ impl MarkerDisplay {
         }
     }
 
-    /// Sorts the markers of an array into those that are ready and those that wait.
+    /// Sorts the markers of an array into ready and waiting ones.
     fn arrive_all(&mut self, array: &Arc<MarkerArray>, world: &World<'_>) {
-        // Most have the frame and stamp of the one before.
+        // Most have the frame and stamp of the previous one.
         let mut last: Option<(&str, Time, bool)> = None;
         for (index, marker) in array.markers.iter().enumerate() {
             let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
@@ -130,7 +127,7 @@ impl MarkerDisplay {
         }
     }
 
-    /// Sorts a marker into those that are ready and those that wait.
+    /// Adds a marker to the ready or to the waiting ones.
     fn arrive(&mut self, marker: Arrived, world: &World<'_>) {
         let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
         let is_ready = world.transforms.can_transform(world.fixed_frame, frame, stamp);
@@ -148,7 +145,7 @@ impl MarkerDisplay {
         self.retry_waiting(world);
     }
 
-    /// Makes waiting markers ready whose frames are known now, and reports those that the queue dropped.
+    /// Moves waiting markers whose frames are known now to the ready ones, and reports those that the queue dropped.
     fn retry_waiting(&mut self, world: &World<'_>) {
         self.ready.extend(self.waiting.take_ready(world.transforms, world.fixed_frame));
         for (marker, reason) in self.waiting.take_dropped() {
@@ -157,9 +154,9 @@ impl MarkerDisplay {
         }
     }
 
-    /// Places so many of the markers that are ready. Returns whether others may be left.
+    /// Processes up to `step` ready markers. Returns whether others may be left.
     fn process_ready(&mut self, world: &World<'_>, step: usize) -> bool {
-        let mut places = Places::new(world);
+        let mut places = FrameLookups::new(world);
         let rest = self.ready.split_off(step.min(self.ready.len()));
         let ready = std::mem::replace(&mut self.ready, rest);
         let is_whole_step = ready.len() == step;
@@ -213,7 +210,7 @@ impl Display for MarkerDisplay {
         let step = world.step.filter(|_| !std::mem::take(&mut self.is_late)).unwrap_or(usize::MAX);
         let is_whole_step = self.process_ready(world, step);
         frame::report_waiting(&self.waiting, world, &mut self.statuses);
-        // As in rviz, all markers of an array appear in one picture.
+        // As in rviz, all markers of an array appear at once.
         self.unfinished = is_whole_step.then_some(world.now);
         if is_whole_step {
             return false;

@@ -13,7 +13,7 @@ use super::message_fields::{point_colors, position, rgba, scale};
 use super::primitive::Primitive;
 use crate::parts::cloud::max_points;
 
-/// The cloud, in pieces as rviz cuts it. Points that are not finite are left out.
+/// The cloud of the finite points, in rviz's pieces.
 pub(super) fn primitives(marker: &Marker) -> Vec<Primitive> {
     let Some(style) = style(marker) else { return Vec::new() };
     let max_points = max_points(&style);
@@ -54,8 +54,7 @@ pub(super) fn primitives(marker: &Marker) -> Vec<Primitive> {
     parts
 }
 
-/// How the points are drawn. `None` for squares and discs that one negative
-/// side turns away from the eye.
+/// Style of the points. `None` for squares and discs that one negative side turns away from the eye.
 fn style(marker: &Marker) -> Option<PointStyle> {
     let size_m = scale(marker).map(|side| side as f32);
     if u8::try_from(marker.type_) == Ok(Marker::CUBE_LIST) {

@@ -1,4 +1,4 @@
-//! The primitives that a marker is drawn with, in its own frame, and how they are kept.
+//! The primitives of a marker, in its own frame.
 
 use std::sync::Arc;
 
@@ -8,26 +8,22 @@ use smallvec::SmallVec;
 
 use crate::parts::bounds::middle;
 use crate::parts::gathering::{solid_color, Gathering};
-use crate::Shape;
+use crate::SolidShape;
 
-/// The point of a translucent primitive by which it is sorted.
+/// Point of a translucent primitive by which it is sorted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SortPoint {
-    /// The primitive's origin.
     Origin,
-    /// This point of the fixed frame, wherever the marker stands: for clouds and chains Ogre takes the middle of the
-    /// box around their points, whose coordinates are the marker's, for a position in the fixed frame.
+    /// This point of the fixed frame, wherever the marker is: for clouds and chains Ogre takes the middle of the box
+    /// around their points in the marker's frame as if it were in the fixed frame.
     Fixed(Point3<f64>),
 }
 
-/// A primitive of a marker.
 #[derive(Clone, Debug)]
 pub(crate) struct Primitive {
-    /// Takes the geometry to the marker's own frame.
     pub(crate) marker_from_part: Matrix4<f64>,
-    /// What is drawn; shared, so that a marker can move without being built again.
+    /// Shared, so that a marker can move without being built again.
     pub(crate) geometry: Geometry,
-    /// Its place among translucent things.
     pub(crate) sort_point: SortPoint,
 }
 
@@ -37,18 +33,16 @@ impl Primitive {
         Self { marker_from_part, geometry, sort_point: SortPoint::Origin }
     }
 
-    /// Triangles, sorted by their origin.
     pub(super) fn mesh(marker_from_part: Matrix4<f64>, mesh: Arc<Mesh>, material: Material) -> Self {
         Self::new(marker_from_part, Geometry::Mesh { mesh, material: Arc::new(material) })
     }
 
-    /// Something in the marker's own frame that is sorted by the middle of the box around these points.
+    /// A primitive in the marker's own frame that is sorted by the middle of the box around these points.
     pub(super) fn sorted_by_middle(positions: impl IntoIterator<Item = [f32; 3]>, geometry: Geometry) -> Self {
         let sort_point = SortPoint::Fixed(middle(positions).map(f64::from).into());
         Self { marker_from_part: Matrix4::identity(), geometry, sort_point }
     }
 
-    /// The drawable of a marker at a pose in the fixed frame.
     pub(crate) fn placed(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>) -> Drawable {
         let fixed_from_object = fixed_from_marker.to_homogeneous() * self.marker_from_part;
         let sort_point = match self.sort_point {
@@ -59,18 +53,15 @@ impl Primitive {
     }
 }
 
-/// All that a marker is drawn with. There may be a hundred thousand markers, most of them a solid or a text.
+/// The primitives of a marker. There may be a hundred thousand markers, most of them a solid or a text.
 #[derive(Clone, Debug)]
 pub(super) enum Parts {
-    /// Solids of one colour, mostly one of them: a small piece of memory for each would stay with the process.
+    /// Solids of one colour, mostly one of them, without an allocation for each.
     Solids(Rgba, SmallVec<[SolidPart; 1]>),
-    /// A text around the marker's origin.
     Text(Arc<Text>),
-    /// Anything else.
     Primitives(Box<[Primitive]>),
 }
 
-/// A solid of a marker.
 #[derive(Clone, Debug)]
 pub(super) struct SolidPart {
     /// The upper three rows of the matrix to the marker's frame.
@@ -79,21 +70,20 @@ pub(super) struct SolidPart {
 }
 
 impl Parts {
-    /// Nothing.
     pub(super) fn none() -> Self {
         Self::Primitives(Box::default())
     }
 
     /// Solids of a colour, each with its matrix to the marker's frame.
-    pub(super) fn solids<const N: usize>(color: Rgba, solids: [(Shape, Matrix4<f64>); N]) -> Self {
-        let part = |(shape, marker_from_solid): (Shape, Matrix4<f64>)| SolidPart {
+    pub(super) fn solids<const N: usize>(color: Rgba, solids: [(SolidShape, Matrix4<f64>); N]) -> Self {
+        let part = |(shape, marker_from_solid): (SolidShape, Matrix4<f64>)| SolidPart {
             marker_from_solid: marker_from_solid.fixed_view::<3, 4>(0, 0).into_owned(),
             mesh: shape.mesh(),
         };
         Self::Solids(color, solids.into_iter().map(part).collect())
     }
 
-    /// The same as these primitives.
+    /// Parts of primitives, as solids where that is possible.
     pub(super) fn of(primitives: Vec<Primitive>) -> Self {
         let solids: Option<Vec<(Rgba, SolidPart)>> = primitives.iter().map(SolidPart::of).collect();
         match solids.as_deref() {
@@ -104,7 +94,6 @@ impl Parts {
         }
     }
 
-    /// The same as primitives.
     pub(super) fn into_primitives(self) -> Vec<Primitive> {
         match self {
             Self::Solids(color, parts) => {
@@ -143,7 +132,6 @@ impl Parts {
 }
 
 impl SolidPart {
-    /// To the marker's frame.
     fn matrix(&self) -> Matrix4<f64> {
         let mut matrix = Matrix4::identity();
         matrix.fixed_view_mut::<3, 4>(0, 0).copy_from(&self.marker_from_solid);

@@ -8,23 +8,21 @@ use rcs_scene::Rgba;
 
 use super::message_fields::{rgba, scale};
 use super::primitive::Parts;
-use crate::Shape;
+use crate::SolidShape;
 
-/// A solid marker from message to message.
+/// State of a solid marker between messages.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
-    shape: Shape,
-    /// The scale and colour that are shown.
+pub(super) struct SolidMarker {
+    shape: SolidShape,
     shown: Option<([f64; 3], Rgba)>,
 }
 
-impl Solid {
-    /// Of a shape, before its first message.
-    pub(super) fn new(shape: Shape) -> Self {
+impl SolidMarker {
+    pub(super) fn new(shape: SolidShape) -> Self {
         Self { shape, shown: None }
     }
 
-    /// Whether a message asks for the solid that is shown.
+    /// `true` if a message repeats the current solid.
     pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
         self.shown == Some((scale(marker), rgba(&marker.color)))
     }
@@ -45,9 +43,9 @@ impl Solid {
     }
 }
 
-/// The scale in the solid's own axes. rviz turns it as if it were a vector, by 90° about x, and so mirrors the solid:
-/// y becomes −z, which shows in how a cylinder's sides are cut into triangles. It does so in single precision with a
-/// quaternion, and what that leaves of a scale of zero decides how light falls on the flat solid.
+/// The scale in the solid's own axes. rviz rotates it like a vector, by 90° about x, and so mirrors the solid: y
+/// becomes −z, which shows in how a cylinder's sides are cut into triangles. It does so in single precision with a
+/// quaternion; the rounding error of a scale of zero decides the lighting of the flat solid.
 fn turned(scale: [f32; 3]) -> [f32; 3] {
     let scale = Vector3::from(scale);
     let axis = Vector3::new(FRAC_1_SQRT_2, 0.0, 0.0);

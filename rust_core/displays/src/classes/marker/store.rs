@@ -1,7 +1,7 @@
-//! The markers of a display: by namespace and id, from the message that adds one to that which takes it away.
+//! The markers of a display by namespace and id.
 //!
-//! There may be a hundred thousand of them. So each keeps little more than its numbers, an update looks only at those
-//! that can change by themselves, and a frame that many markers share is looked up once.
+//! There may be a hundred thousand of them. Each keeps little more than its numbers, an update visits only those that
+//! can change by themselves, and a frame that many markers share is looked up once.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,80 +16,73 @@ use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{LookupError, Time};
 
 use super::checks::check_marker;
-use super::kind::Kind;
+use super::kind::MarkerKind;
 use super::primitive::Parts;
 use crate::framework::frame::problem;
 use crate::framework::world::stamp;
 use crate::parts::gathering::Gathering;
 use crate::{Level, StatusText, Statuses, World};
 
-/// Markers of a shorter lifetime, zero above all, stay until they are deleted.
+/// Shorter lifetimes, zero above all, do not expire.
 const MIN_LIFETIME: Duration = Duration::from_micros(100);
 
-/// For so many markers memory stays reserved.
+/// Number of markers for which memory is kept.
 const FEW_MARKERS: usize = 1000;
 
-/// The markers of a namespace, in one piece of memory: that goes back to the system when they go.
-type Namespace = IndexMap<i32, Shown>;
+/// The markers of a namespace, in one allocation, which is freed as a whole.
+type Namespace = IndexMap<i32, StoredMarker>;
 
-/// A marker's namespace and id.
 type MarkerId<'a> = (&'a str, i32);
 
-/// All markers that are shown or would be if their frame were known.
+/// All markers that are shown, or would be if their frame were known.
 #[derive(Debug, Default)]
 pub(super) struct MarkerStore {
-    /// By namespace, then by id. None of the namespaces is empty.
+    /// Markers by namespace and id. No namespace is empty.
     markers: BTreeMap<String, Namespace>,
-    /// How many markers were made so far.
     made: u64,
     changed: bool,
-    /// That of the meshes when those that were missing were last looked for.
+    /// Version of the meshes when missing ones were last checked.
     meshes_version: u64,
-    /// How many markers follow their frame.
     locked: usize,
-    /// No lifetime is over before; `None` when no marker has one.
+    /// Lower bound of all expiry times; `None` when no marker expires.
     first_expiry: Option<Time>,
-    /// The last frame of a marker: many have the same.
+    /// Frame of the last marker: many have the same.
     last_frame: Option<Arc<str>>,
 }
 
-/// A marker of a namespace and id.
 #[derive(Debug)]
-struct Shown {
-    /// Counts markers; they are drawn in the order in which they were made.
+struct StoredMarker {
+    /// Consecutive number: markers are drawn in the order in which they were made.
     number: u64,
     marker_type: i32,
-    kind: Kind,
+    kind: MarkerKind,
     parts: Parts,
     frame: Arc<str>,
     /// `None` for a marker that follows its frame.
     stamp: Option<Time>,
     frame_locked: bool,
     frame_from_marker: Isometry3<f64>,
-    /// `None` while it cannot be placed.
     fixed_from_marker: Option<Isometry3<f64>>,
     expires: Option<Time>,
-    /// What is wrong with the message.
+    /// Status of the message's problems.
     finding: Option<Box<(Level, String)>>,
-    /// The status while its mesh is loading or cannot be shown.
+    /// Status while its mesh is loading or cannot be shown.
     missing: Option<Box<(Level, String)>>,
 }
 
-/// Where frames are, the last one remembered: markers of an array often have the same frame and stamp.
-pub(super) struct Places<'w> {
+/// Frame lookups with a cache of the last one: markers of an array often have the same frame and stamp.
+pub(super) struct FrameLookups<'w> {
     world: &'w World<'w>,
-    last: Option<Place>,
+    last: Option<FrameLookup>,
 }
 
-/// Where a frame is at a time.
-struct Place {
+struct FrameLookup {
     frame: Arc<str>,
-    /// `None` where a frame is followed.
     stamp: Option<Time>,
     fixed_from_frame: Result<Isometry3<f64>, LookupError>,
 }
 
-impl<'w> Places<'w> {
+impl<'w> FrameLookups<'w> {
     pub(super) fn new(world: &'w World<'w>) -> Self {
         Self { world, last: None }
     }
@@ -102,17 +95,17 @@ impl<'w> Places<'w> {
             Some(stamp) => self.world.fixed_from(frame, stamp),
             None => self.world.fixed_from_moving_if_known(frame),
         };
-        self.last = Some(Place { frame: frame.clone(), stamp, fixed_from_frame: fixed_from_frame.clone() });
+        self.last = Some(FrameLookup { frame: frame.clone(), stamp, fixed_from_frame: fixed_from_frame.clone() });
         fixed_from_frame
     }
 }
 
 impl MarkerStore {
-    /// Applies a message. `shows` is whether a namespace is switched on.
+    /// Applies a message. `shows`: namespaces that are switched on.
     pub(super) fn process(
         &mut self,
         marker: &Marker,
-        places: &mut Places<'_>,
+        places: &mut FrameLookups<'_>,
         shows: impl Fn(&str) -> bool,
         statuses: &mut Statuses,
     ) {
@@ -141,8 +134,8 @@ impl MarkerStore {
         }
     }
 
-    /// Takes a marker out, if there is one of this id.
-    fn take(&mut self, (namespace, number): MarkerId<'_>) -> Option<Shown> {
+    /// Removes a marker, if there is one of this id.
+    fn take(&mut self, (namespace, number): MarkerId<'_>) -> Option<StoredMarker> {
         let markers = self.markers.get_mut(namespace)?;
         let taken = markers.swap_remove(&number);
         if markers.is_empty() {
@@ -154,8 +147,7 @@ impl MarkerStore {
         taken
     }
 
-    /// Reports a message that was dropped because its frame is not known. One that deletes needs no frame and is
-    /// applied.
+    /// Reports a message that was dropped because its frame is unknown. One that deletes needs no frame and is applied.
     pub(super) fn drop_unplaced(
         &mut self,
         marker: &Marker,
@@ -164,7 +156,9 @@ impl MarkerStore {
         statuses: &mut Statuses,
     ) {
         match u8::try_from(marker.action) {
-            Ok(Marker::DELETE | Marker::DELETEALL) => self.process(marker, &mut Places::new(world), |_| true, statuses),
+            Ok(Marker::DELETE | Marker::DELETEALL) => {
+                self.process(marker, &mut FrameLookups::new(world), |_| true, statuses);
+            }
             _ => set_error((&marker.ns, marker.id), reason, statuses),
         }
     }
@@ -179,7 +173,7 @@ impl MarkerStore {
         id: MarkerId<'_>,
         marker: &Marker,
         finding: Option<(Level, String)>,
-        places: &mut Places<'_>,
+        places: &mut FrameLookups<'_>,
         statuses: &mut Statuses,
     ) {
         self.changed = true;
@@ -189,13 +183,13 @@ impl MarkerStore {
             self.markers.insert(namespace.to_owned(), Namespace::new());
         }
         let Some(markers) = self.markers.get_mut(namespace) else { return };
-        // A marker that is sent again is changed where it is: most have only moved.
+        // A marker that is sent again is changed in place: most have only moved.
         let shown = match markers.entry(number) {
             Entry::Occupied(known) if known.get().marker_type == marker.type_ => known.into_mut(),
             entry => {
-                let Some(kind) = Kind::of(marker) else { return drop(self.take(id)) };
+                let Some(kind) = MarkerKind::of(marker) else { return drop(self.take(id)) };
                 self.made += 1;
-                let shown = Shown::new(self.made, marker.type_, kind, frame.clone());
+                let shown = StoredMarker::new(self.made, marker.type_, kind, frame.clone());
                 match entry {
                     Entry::Occupied(mut other) => {
                         self.locked -= usize::from(other.insert(shown).frame_locked);
@@ -216,7 +210,7 @@ impl MarkerStore {
         }
     }
 
-    /// A frame's name, in the memory of the last marker's where it is the same.
+    /// Name of a frame, shared with the last marker where it is the same.
     fn frame(&mut self, name: &str) -> Arc<str> {
         match &self.last_frame {
             Some(frame) if **frame == *name => frame.clone(),
@@ -224,7 +218,7 @@ impl MarkerStore {
         }
     }
 
-    /// Builds markers whose meshes were loaded since the last call.
+    /// Rebuilds markers whose meshes were loaded since the last call.
     fn build_loaded(&mut self, world: &World<'_>, statuses: &mut Statuses) {
         let version = world.meshes.version();
         if std::mem::replace(&mut self.meshes_version, version) == version {
@@ -239,7 +233,7 @@ impl MarkerStore {
                     }
                     Err(not_shown) => shown.missing = Some(Box::new(not_shown.status())),
                 }
-                // While it cannot be placed, the status says why.
+                // While it cannot be placed, its status is the reason.
                 if shown.fixed_from_marker.is_some() {
                     set_status((namespace, *number), shown.status(), statuses);
                 }
@@ -247,8 +241,8 @@ impl MarkerStore {
         }
     }
 
-    /// Drops markers whose lifetime is over, moves those that follow their frames, and shows those whose meshes were
-    /// loaded. Returns whether anything changed since the last call.
+    /// Removes expired markers, moves those that follow their frames, and shows those whose meshes were loaded. Returns
+    /// whether anything changed since the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         self.build_loaded(world, statuses);
         if self.first_expiry.is_some_and(|first| first <= world.now) {
@@ -278,7 +272,7 @@ impl MarkerStore {
     }
 
     fn follow_frames(&mut self, world: &World<'_>, statuses: &mut Statuses) {
-        let mut places = Places::new(world);
+        let mut places = FrameLookups::new(world);
         for (namespace, markers) in &mut self.markers {
             for (number, shown) in markers.iter_mut().filter(|(_, shown)| shown.frame_locked) {
                 let id = (namespace.as_str(), *number);
@@ -297,11 +291,11 @@ impl MarkerStore {
         }
     }
 
-    fn all(&self) -> impl Iterator<Item = &Shown> {
+    fn all(&self) -> impl Iterator<Item = &StoredMarker> {
         self.markers.values().flat_map(Namespace::values)
     }
 
-    /// The drawables of all markers, in the order in which they were made.
+    /// Drawables of all markers, in the order in which they were made.
     pub(super) fn drawables(&self, display: DisplayId) -> Vec<Drawable> {
         let mut placed: Vec<(u64, &Isometry3<f64>, &Parts)> = self
             .all()
@@ -315,20 +309,18 @@ impl MarkerStore {
         gathering.finish()
     }
 
-    /// When the next lifetime may be over.
+    /// Time at which the next marker may expire.
     pub(super) fn next_change(&self) -> Option<Time> {
         self.first_expiry
     }
 
-    /// Forgets all markers.
     pub(super) fn clear(&mut self) {
         *self = Self { made: self.made, changed: true, meshes_version: self.meshes_version, ..Self::default() };
     }
 }
 
-impl Shown {
-    /// A marker without a message.
-    fn new(number: u64, marker_type: i32, kind: Kind, frame: Arc<str>) -> Self {
+impl StoredMarker {
+    fn new(number: u64, marker_type: i32, kind: MarkerKind, frame: Arc<str>) -> Self {
         Self {
             number,
             marker_type,
@@ -345,8 +337,14 @@ impl Shown {
         }
     }
 
-    /// Takes what a message says; its frame and what is wrong with it are set already. Returns whether it may be drawn.
-    fn show(&mut self, id: MarkerId<'_>, marker: &Marker, places: &mut Places<'_>, statuses: &mut Statuses) -> bool {
+    /// Applies a message; its frame and finding are set already. Returns whether it may be drawn.
+    fn show(
+        &mut self,
+        id: MarkerId<'_>,
+        marker: &Marker,
+        places: &mut FrameLookups<'_>,
+        statuses: &mut Statuses,
+    ) -> bool {
         if !self.kind.is_unchanged(marker) {
             (self.parts, self.missing) = match self.kind.parts(marker, places.world.meshes) {
                 Ok(parts) => (parts, None),
@@ -357,7 +355,7 @@ impl Shown {
                 }
             };
         }
-        // Points may have a pose that is not finite; they are not drawn.
+        // Points with an invalid pose are not drawn.
         let Some(frame_from_marker) = self.kind.frame_from_marker(marker) else { return false };
         self.frame_from_marker = frame_from_marker;
         self.frame_locked = marker.frame_locked;
@@ -371,24 +369,23 @@ impl Shown {
         true
     }
 
-    /// Its status once it is placed.
     fn status(&self) -> Option<(Level, String)> {
         self.missing.as_deref().or(self.finding.as_deref()).cloned()
     }
 
-    fn locate(&self, places: &mut Places<'_>) -> Result<Isometry3<f64>, LookupError> {
+    fn locate(&self, places: &mut FrameLookups<'_>) -> Result<Isometry3<f64>, LookupError> {
         Ok(places.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
     }
 }
 
-/// Gives back memory that most markers have left.
+/// Frees memory after most markers were removed.
 fn shrink(markers: &mut Namespace) {
     if markers.capacity() / 4 > markers.len().max(FEW_MARKERS) {
         markers.shrink_to(markers.len() * 2);
     }
 }
 
-/// How long a marker is shown; `None` for ever.
+/// Lifetime of a marker; `None` for ever.
 fn lifetime(marker: &Marker) -> Option<Duration> {
     let nanos = i64::from(marker.lifetime.sec) * 1_000_000_000 + i64::from(marker.lifetime.nsec);
     let lifetime = Duration::from_nanos(u64::try_from(nanos).ok()?);

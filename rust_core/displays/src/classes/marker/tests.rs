@@ -51,7 +51,7 @@ impl Bench {
         self.drawn()
     }
 
-    /// What is shown, each solid by itself.
+    /// Drawables, each solid by itself.
     fn drawn(&self) -> Vec<Drawable> {
         singly(self.display.drawables())
     }

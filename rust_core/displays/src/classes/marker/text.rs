@@ -8,7 +8,6 @@ use rcs_scene::{HorizontalAlignment, Text, VerticalAlignment};
 use super::message_fields::rgba;
 use super::primitive::Parts;
 
-/// The text, centred both ways.
 pub(super) fn parts(marker: &Marker) -> Parts {
     let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
     Parts::Text(Arc::new(Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment)))

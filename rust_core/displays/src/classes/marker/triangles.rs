@@ -1,8 +1,8 @@
 //! TRIANGLE_LIST: triangles that are seen from both sides.
 //!
-//! In one colour they are lit, each by the normal that its winding gives, whichever side is seen. With a colour for
-//! each vertex or each triangle they are not lit. What blends is rviz's choice too: with colours of vertices it is the
-//! vertices' alpha that decides, else the marker's, although both are multiplied.
+//! In one colour they are lit, each by the normal of its winding, whichever side is visible. With a colour for each
+//! vertex or each triangle they are not lit. Blending follows rviz: with colours of vertices the vertices' alpha
+//! decides, else the marker's, although both are multiplied.
 //!
 //! A list that is sent again with as many points keeps the vertex format that it began with: if that had no colours,
 //! those that come later are not shown, and the triangles are white.
@@ -17,17 +17,14 @@ use rcs_scene::{CullMode, Material, Mesh, Vertex};
 use super::message_fields::{point_colors, position, rgba, scale};
 use super::primitive::Primitive;
 
-/// A triangle list from message to message.
+/// State of a triangle list between messages.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Triangles {
-    /// How many points the last message had.
+pub(super) struct TriangleMarker {
     points: usize,
-    /// Whether the vertices have a place for colours.
     colored: bool,
 }
 
-impl Triangles {
-    /// The triangles as rviz shows them.
+impl TriangleMarker {
     pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
         if self.points != marker.points.len() {
             self.points = marker.points.len();
@@ -37,7 +34,7 @@ impl Triangles {
     }
 }
 
-/// All triangles but those with a corner that is not finite.
+/// All triangles with finite corners.
 fn primitives(marker: &Marker, colored: bool) -> Vec<Primitive> {
     let vertex_colors = point_colors(marker);
     let face_colors = (marker.colors.len() == marker.points.len() / 3).then_some(&marker.colors);

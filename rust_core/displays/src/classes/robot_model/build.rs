@@ -1,10 +1,10 @@
-//! A robot's links as pieces to draw: shapes, meshes and their materials.
+//! Drawable parts of a robot's links: shapes, meshes and their materials.
 //!
-//! Which material a piece gets is rviz's rule. A mesh keeps the materials of its file, each with the link's opacity on
-//! top of its own; everything else has the last material that the link's visuals named before, in the order of the file
-//! and with the collision shapes at the end. Before any was named that is plain red.
+//! Materials follow rviz's rule. A mesh keeps the materials of its file, each multiplied with the link's opacity; every
+//! other part has the last material that the link's visuals named before, in the order of the file and with the
+//! collision shapes at the end. Before any was named that is plain red.
 //!
-//! While meshes and textures are loading the pieces that need them are left out; the robot is then built again.
+//! While meshes and textures are loading their parts are left out; the robot is then built again.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -14,47 +14,41 @@ use nalgebra::{Isometry3, Matrix4};
 use rcs_resources::{warning_texture, LoadedMesh, MeshStore, Retry};
 use rcs_scene::{Lighting, Material, Mesh, Rgba, Texture};
 
-use crate::Shape;
+use crate::SolidShape;
 use rcs_robot::{Link, Robot, UrdfMaterial, UrdfShape};
 
-/// Something with one material.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct LinkPart {
     pub(super) link_from_object: Matrix4<f64>,
     pub(super) mesh: Arc<Mesh>,
     pub(super) material: Arc<Material>,
 }
 
-/// What a link is drawn with.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LinkPieces {
-    pub(super) visuals: Vec<Piece>,
-    pub(super) collisions: Vec<Piece>,
-    /// What cannot be shown.
+pub(super) struct LinkParts {
+    pub(super) visuals: Vec<LinkPart>,
+    pub(super) collisions: Vec<LinkPart>,
+    /// Messages about parts that cannot be shown.
     pub(super) faults: Vec<String>,
 }
 
-/// How a surface looks before opacities.
+/// Material of a link before opacities.
 #[derive(Clone, Debug)]
-struct Look {
+struct LinkMaterial {
     color: Rgba,
     texture: Option<Arc<Texture>>,
-    /// The texture is not there yet.
     is_loading: bool,
 }
 
-/// Why a shape has no pieces.
-enum Missing {
-    /// A file of it is being loaded.
+enum MissingShape {
     Loading,
-    /// What is wrong.
     Failed(String),
 }
 
 /// rviz's material for links without one.
 const UNNAMED: Rgba = Rgba::new(1.0, 0.0, 0.0, 1.0);
 
-/// Turns a solid's y axis, along which rviz's cylinder stands, to z. In whole numbers, so that edges stay straight.
+/// Rotation of a solid's y axis, the axis of rviz's cylinder, to z. In whole numbers, so that edges stay straight.
 #[rustfmt::skip]
 const UPRIGHT: Matrix4<f64> = Matrix4::new(
     1.0, 0.0, 0.0, 0.0,
@@ -63,19 +57,17 @@ const UPRIGHT: Matrix4<f64> = Matrix4::new(
     0.0, 0.0, 0.0, 1.0,
 );
 
-/// Makes the links of a robot, each with `alpha` for its opacity.
 pub(super) struct Builder<'a> {
     meshes: &'a MeshStore,
     retry: Retry,
     textures: HashMap<String, Poll<Arc<Texture>>>,
-    /// The addresses of textures whose failure was logged.
+    /// URLs of textures whose failure was logged.
     logged: &'a mut BTreeSet<String>,
-    /// The addresses of files that are being loaded.
     loading: BTreeSet<String>,
 }
 
 impl<'a> Builder<'a> {
-    /// Has all meshes of a robot loaded at once.
+    /// Starts to load all meshes of a robot.
     pub(super) fn new(robot: &Robot, meshes: &'a MeshStore, retry: Retry, logged: &'a mut BTreeSet<String>) -> Self {
         let shapes = robot.links.values().flat_map(|link| {
             let visuals = link.visuals.iter().map(|visual| &visual.shape);
@@ -86,18 +78,17 @@ impl<'a> Builder<'a> {
             _ => None,
         });
         meshes.load_all(urls, retry);
-        // What they are asked for from now on is known, or being loaded.
+        // From now on all of them are known or being loaded.
         Self { meshes, retry, textures: HashMap::new(), logged, loading: BTreeSet::new() }
     }
 
-    /// How many files are being loaded that links need.
     pub(super) fn loading(&self) -> usize {
         self.loading.len()
     }
 
-    /// The pieces of a link; `alpha` is the display's and the link's opacity together.
-    pub(super) fn link(&mut self, link: &Link, alpha: f32) -> LinkPieces {
-        let mut pieces = LinkPieces::default();
+    /// Parts of a link; `alpha` is the product of the display's and the link's opacity.
+    pub(super) fn link(&mut self, link: &Link, alpha: f32) -> LinkParts {
+        let mut pieces = LinkParts::default();
         let mut look = None;
         for visual in &link.visuals {
             let material = visual.material.as_deref();
@@ -111,26 +102,26 @@ impl<'a> Builder<'a> {
         pieces
     }
 
-    /// The pieces of a shape. `look` is the link's latest.
+    /// Parts of a shape. `look` is the link's last material.
     fn pieces(
         &mut self,
         shape: &UrdfShape,
         link_from_shape: &Isometry3<f64>,
         material: Option<&UrdfMaterial>,
         link: &Link,
-        look: &mut Option<Look>,
+        look: &mut Option<LinkMaterial>,
         alpha: f32,
-    ) -> Result<Vec<Piece>, Missing> {
+    ) -> Result<Vec<LinkPart>, MissingShape> {
         let (mesh, shape_from_object) = match shape {
             UrdfShape::Mesh { url, .. } if url.is_empty() => return Ok(Vec::new()),
             UrdfShape::Mesh { url, scale } => match self.meshes.mesh(url, Retry::No) {
                 Poll::Ready(Ok(mesh)) => (Some(mesh), scaling(*scale)),
                 Poll::Ready(Err(error)) => {
-                    return Err(Missing::Failed(format!("Could not load mesh resource '{url}': {error}")));
+                    return Err(MissingShape::Failed(format!("Could not load mesh resource '{url}': {error}")));
                 }
                 Poll::Pending => {
                     self.loading.insert(url.clone());
-                    return Err(Missing::Loading);
+                    return Err(MissingShape::Loading);
                 }
             },
             UrdfShape::Sphere { radius_m } => (None, scaling([radius_m * 2.0; 3])),
@@ -146,11 +137,11 @@ impl<'a> Builder<'a> {
         }
         let look = look.as_ref();
         if look.is_some_and(|look| look.is_loading) {
-            return Err(Missing::Loading);
+            return Err(MissingShape::Loading);
         }
-        let plain = || look.map_or_else(|| Material::lit(UNNAMED), Look::material);
+        let plain = || look.map_or_else(|| Material::lit(UNNAMED), LinkMaterial::material);
         let link_from_object = link_from_shape.to_homogeneous() * shape_from_object;
-        let piece = |mesh: Arc<Mesh>, material: Material| Piece {
+        let piece = |mesh: Arc<Mesh>, material: Material| LinkPart {
             link_from_object,
             mesh,
             material: Arc::new(faded(material, alpha)),
@@ -161,20 +152,20 @@ impl<'a> Builder<'a> {
         })
     }
 
-    fn look(&mut self, material: Option<&UrdfMaterial>) -> Look {
+    fn look(&mut self, material: Option<&UrdfMaterial>) -> LinkMaterial {
         match material {
-            None => Look { color: UNNAMED, texture: None, is_loading: false },
+            None => LinkMaterial { color: UNNAMED, texture: None, is_loading: false },
             Some(material) if material.texture.is_empty() => {
-                Look { color: material.rgba.into(), texture: None, is_loading: false }
+                LinkMaterial { color: material.rgba.into(), texture: None, is_loading: false }
             }
             Some(material) => match self.texture(&material.texture) {
-                Poll::Ready(texture) => Look { color: Rgba::WHITE, texture: Some(texture), is_loading: false },
-                Poll::Pending => Look { color: Rgba::WHITE, texture: None, is_loading: true },
+                Poll::Ready(texture) => LinkMaterial { color: Rgba::WHITE, texture: Some(texture), is_loading: false },
+                Poll::Pending => LinkMaterial { color: Rgba::WHITE, texture: None, is_loading: true },
             },
         }
     }
 
-    /// The image at an address; where it cannot be read, the one that Ogre shows then.
+    /// Texture at a URL; where it cannot be read, Ogre's warning texture.
     fn texture(&mut self, url: &str) -> Poll<Arc<Texture>> {
         if let Some(known) = self.textures.get(url) {
             return known.clone();
@@ -197,17 +188,17 @@ impl<'a> Builder<'a> {
     }
 }
 
-impl Look {
+impl LinkMaterial {
     fn material(&self) -> Material {
         Material { texture: self.texture.clone(), ..Material::lit(self.color) }
     }
 }
 
-fn add(made: Result<Vec<Piece>, Missing>, pieces: &mut Vec<Piece>, faults: &mut Vec<String>) {
+fn add(made: Result<Vec<LinkPart>, MissingShape>, pieces: &mut Vec<LinkPart>, faults: &mut Vec<String>) {
     match made {
         Ok(made) => pieces.extend(made),
-        Err(Missing::Loading) => {}
-        Err(Missing::Failed(fault)) => faults.push(fault),
+        Err(MissingShape::Loading) => {}
+        Err(MissingShape::Failed(fault)) => faults.push(fault),
     }
 }
 
@@ -215,17 +206,16 @@ fn scaling(scale: [f64; 3]) -> Matrix4<f64> {
     Matrix4::new_nonuniform_scaling(&scale.into())
 }
 
-fn solid(shape: &UrdfShape) -> Shape {
+fn solid(shape: &UrdfShape) -> SolidShape {
     match shape {
-        UrdfShape::Sphere { .. } => Shape::Sphere,
-        UrdfShape::Cylinder { .. } => Shape::Cylinder,
-        UrdfShape::Box { .. } | UrdfShape::Mesh { .. } => Shape::Cube,
+        UrdfShape::Sphere { .. } => SolidShape::Sphere,
+        UrdfShape::Cylinder { .. } => SolidShape::Cylinder,
+        UrdfShape::Box { .. } | UrdfShape::Mesh { .. } => SolidShape::Cube,
     }
 }
 
-/// The parts of a mesh, those without a material of their own with the link's. The last comes first, which shows where
-/// they are translucent: Ogre sorts them by distance, which is the same for all, and then by where in memory their
-/// materials are.
+/// Parts of a mesh, those without a material of their own with the link's. The last comes first, which is visible in
+/// translucent ones: Ogre sorts them by distance, which is the same for all, and then by the address of their material.
 fn mesh_parts<'a>(
     mesh: &'a LoadedMesh,
     plain: &'a impl Fn() -> Material,
@@ -236,7 +226,6 @@ fn mesh_parts<'a>(
     })
 }
 
-/// A material with an opacity on top of its own.
 fn faded(mut material: Material, alpha: f32) -> Material {
     let mut opacity = alpha;
     if let Lighting::Lit { diffuse, .. } = &mut material.lighting {

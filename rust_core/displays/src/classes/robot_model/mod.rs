@@ -1,8 +1,8 @@
 //! `rviz/RobotModel`: a robot's links where TF says that they are.
 //!
-//! The links follow TF at its latest time. One whose frame is not known stays where it was last (at first: in the fixed
-//! frame's origin) and is drawn in plain white without light, with its own materials no more, until its frame comes:
-//! that is how rviz shows that something is missing. Links appear as their meshes and textures are loaded.
+//! The links follow TF at its latest time. One whose frame is unknown stays at its last place (at first: the fixed
+//! frame's origin) and is drawn in plain white without light, as in rviz. Links appear as their meshes and textures are
+//! loaded.
 
 mod build;
 
@@ -24,23 +24,22 @@ use crate::parts::trail::Trail;
 use crate::{Level, StatusText, Statuses, World};
 use rcs_robot::Robot;
 
-use build::{Builder, LinkPieces, Piece};
+use build::{Builder, LinkPart, LinkParts};
 
 const STATUS_TEXTS: StatusTexts = StatusTexts { good: "URDF parsed OK", bad: "Failed to parse URDF model" };
-/// Shorter intervals are none.
+/// Shortest interval; a shorter one is none.
 const SHORTEST_INTERVAL_SECS: f32 = 0.0001;
 /// rviz's length and diameter (which it calls radius) of a link's axes.
 const AXES_M: (f64, f64) = (0.1, 0.01);
 const TRAIL_COLOR: [u8; 4] = [0, 127, 127, 255];
 
-/// A link and where it is.
 #[derive(Debug)]
 struct ShownLink {
     frame: String,
     settings: LinkSettings,
-    pieces: LinkPieces,
+    pieces: LinkParts,
     fixed_from_link: Isometry3<f64>,
-    /// Whether its frame is known; `None` before the first update.
+    /// `true` if its frame is known; `None` before the first update.
     is_placed: Option<bool>,
     trail: Option<Trail>,
 }
@@ -51,14 +50,13 @@ impl ShownLink {
         self.settings.enabled || (self.pieces.visuals.is_empty() && self.pieces.collisions.is_empty())
     }
 
-    /// The pieces that are drawn.
-    fn drawn_pieces<'a>(&'a self, settings: &'a RobotModelSettings) -> impl Iterator<Item = &'a Piece> {
+    fn drawn_pieces<'a>(&'a self, settings: &'a RobotModelSettings) -> impl Iterator<Item = &'a LinkPart> {
         let is_shown = self.is_shown();
         let visuals = self.pieces.visuals.iter().filter(move |_| is_shown && settings.visual_enabled);
         visuals.chain(self.pieces.collisions.iter().filter(move |_| is_shown && settings.collision_enabled))
     }
 
-    /// Moves it to where its frame is now. Returns whether that, or whether the frame is known, changed.
+    /// Follows its frame. Returns whether its place, or whether the frame is known, changed.
     fn follow(&mut self, settings: &RobotModelSettings, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let has_axes_or_trail = self.is_shown() && (self.settings.show_axes || self.trail.is_some());
         let is_drawn = has_axes_or_trail || self.drawn_pieces(settings).next().is_some();
@@ -86,30 +84,27 @@ impl ShownLink {
     }
 }
 
-/// A RobotModel display.
 #[derive(Debug)]
 pub(crate) struct RobotModelDisplay {
     display: DisplayId,
     settings: RobotModelSettings,
     description: RobotDescription,
     links: Vec<ShownLink>,
-    /// The robot of the links, as long as files of it are loading or cannot be used.
+    /// The robot, while files of it are loading or cannot be used.
     unfinished: Option<Robot>,
-    /// That of the meshes when the links were last built.
+    /// Version of the meshes when the links were last built.
     meshes_version: u64,
-    /// The addresses of textures whose failure was logged.
+    /// URLs of textures whose failure was logged.
     logged: BTreeSet<String>,
     axes_materials: [Arc<Material>; 3],
     unplaced_material: Arc<Material>,
-    /// When the links were last moved.
     updated: Option<Time>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
-/// Makes a RobotModel display.
-pub(crate) fn create(display: DisplayId, settings: &RobotModelSettings) -> Box<dyn Display> {
-    Box::new(RobotModelDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &RobotModelSettings) -> RobotModelDisplay {
+    RobotModelDisplay::new(display, settings.clone())
 }
 
 impl RobotModelDisplay {
@@ -131,7 +126,6 @@ impl RobotModelDisplay {
         }
     }
 
-    /// Makes the links of a robot.
     fn load(&mut self, robot: Robot, world: &World<'_>) {
         for name in robot.links.keys() {
             let settings = self.settings.link(name).clone();
@@ -139,7 +133,7 @@ impl RobotModelDisplay {
                 frame: link_frame(&self.settings.tf_prefix, name),
                 trail: settings.show_trail.then(trail_from_origin),
                 settings,
-                pieces: LinkPieces::default(),
+                pieces: LinkParts::default(),
                 fixed_from_link: Isometry3::identity(),
                 is_placed: None,
             });
@@ -147,7 +141,7 @@ impl RobotModelDisplay {
         self.build(robot, world, Retry::Yes);
     }
 
-    /// Makes what the links are drawn with, as far as their files are loaded.
+    /// Builds the parts of the links whose files are loaded.
     fn build(&mut self, robot: Robot, world: &World<'_>, retry: Retry) {
         self.meshes_version = world.meshes.version();
         let mut builder = Builder::new(&robot, world.meshes, retry, &mut self.logged);
@@ -169,7 +163,7 @@ impl RobotModelDisplay {
         self.unfinished = (loading > 0 || !faults.is_empty()).then_some(robot);
     }
 
-    /// Builds the links again if files of them were loaded since the last call. Returns whether it did.
+    /// Rebuilds the links if files of them were loaded since the last call. Returns whether it did.
     fn build_loaded(&mut self, world: &World<'_>) -> bool {
         if world.meshes.version() == self.meshes_version {
             return false;
@@ -184,7 +178,7 @@ impl RobotModelDisplay {
         (interval_secs >= SHORTEST_INTERVAL_SECS).then(|| Duration::try_from_secs_f32(interval_secs).ok()).flatten()
     }
 
-    /// Whether the links are to be moved. Those that were never placed are looked up every time.
+    /// `true` if the links are to be moved. Those that were never placed are looked up every time.
     fn is_due(&self, now: Time) -> bool {
         let (Some(interval), Some(updated)) = (self.interval(), self.updated) else { return true };
         let unplaced = self.links.iter().any(|link| link.is_placed != Some(true));
@@ -210,14 +204,14 @@ impl RobotModelDisplay {
     }
 }
 
-/// Where a link's ribbon begins: when rviz reads its config it has no frames yet.
+/// Start of a link's ribbon: when rviz reads its config it has no frames yet.
 fn trail_from_origin() -> Trail {
     let mut trail = Trail::default();
     trail.follow(Vector3::zeros());
     trail
 }
 
-fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, piece: &Piece, material: &Arc<Material>) -> Drawable {
+fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, piece: &LinkPart, material: &Arc<Material>) -> Drawable {
     let geometry = Geometry::Mesh { mesh: piece.mesh.clone(), material: material.clone() };
     drawable(display, fixed_from_link * piece.link_from_object, geometry)
 }
@@ -238,7 +232,7 @@ impl Display for RobotModelDisplay {
             return false;
         }
         let mut changed = self.build_loaded(world);
-        // Links that are drawn from now on are placed from now on.
+        // Links that are drawn from now on need a place from now on.
         if changed || self.is_due(world.now) {
             self.updated = Some(world.now);
             for link in &mut self.links {

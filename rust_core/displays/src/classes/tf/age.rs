@@ -5,33 +5,29 @@ use std::time::Duration;
 use rcs_scene::Rgba;
 use rcs_transforms::Time;
 
-/// The colour of frames that are old.
 const GREY: Rgba = Rgba::new(0.7, 0.7, 0.7, 1.0);
 
 /// rviz's factor for a third.
 const THIRD: f64 = 0.333_333_3;
 
-/// How often a fading colour is drawn again; less often if the change could not be seen.
+/// Shortest period at which a fading colour is updated; longer if the change would be invisible.
 const FADE_STEP: Duration = Duration::from_millis(33);
 
-/// A channel of a colour has so many levels to pass through in a third of the timeout.
+/// Levels of a colour channel within a third of the timeout.
 const LEVELS: u32 = 256;
 
-/// What age has done to a frame's colours.
+/// Effect of the age on a frame's colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Fade {
-    /// Nothing.
     Fresh,
-    /// So much is left of them (1 to 0), the rest is grey.
+    /// Share of the colour (1 to 0), the rest is grey.
     ToGrey(f32),
-    /// They are grey, with so much opacity (1 to 0).
+    /// Grey with this opacity (1 to 0).
     Out(f32),
-    /// Nothing is left.
     Gone,
 }
 
 impl Fade {
-    /// What a colour has become.
     pub(super) fn apply(self, color: Rgba) -> Rgba {
         match self {
             Self::Fresh => color,
@@ -46,28 +42,27 @@ impl Fade {
     }
 }
 
-/// When the transform of a frame last changed.
+/// Age of a frame's last transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Age {
     last_change: Time,
-    /// The latest time at which the frame could be placed; zero while that is not known or does not matter.
+    /// Latest time at which the frame could be placed; zero while unknown or irrelevant.
     last_common_time: Time,
 }
 
 impl Age {
-    /// A frame that is seen for the first time.
     pub(super) fn new(now: Time) -> Self {
         Self { last_change: now, last_common_time: Time::ZERO }
     }
 
-    /// Takes the latest time at which the frame can be placed; zero stands for always and for never.
+    /// Records the latest time at which the frame can be placed; zero stands for always and for never.
     pub(super) fn update(&mut self, common_time: Time, now: Time) {
         if common_time.is_zero() || common_time != self.last_common_time {
             *self = Self { last_change: now, last_common_time: common_time };
         }
     }
 
-    /// What the age has done to the frame's colours by now.
+    /// Effect of the age on the frame's colours.
     pub(super) fn fade(&self, now: Time, timeout: Duration) -> Fade {
         let age = now.saturating_since(self.last_change);
         let third = timeout.mul_f64(THIRD);
@@ -83,12 +78,12 @@ impl Age {
         }
     }
 
-    /// When the colours will change without a new transform.
+    /// Time at which the colours change without a new transform.
     pub(super) fn next_change(&self, now: Time, timeout: Duration) -> Option<Time> {
         if self.last_common_time.is_zero() {
             return None;
         }
-        // At the very end of a stage it still holds.
+        // At the very end of a third it still holds.
         let after = |age: Duration| self.last_change.saturating_add(age.saturating_add(Duration::from_nanos(1)));
         let third = timeout.mul_f64(THIRD);
         match self.fade(now, timeout) {

@@ -25,26 +25,25 @@ use crate::framework::display::Display;
 use crate::{Level, StatusText, Statuses, World};
 
 use age::{Age, Fade};
-use symbol::{Place, Symbol, Symbols};
+use symbol::{FramePlace, Symbol, Symbols};
 
-/// How often the way from a frame that is too old to the fixed frame is looked at.
+/// Period of lookups of frames that are too old.
 const GONE_CHECK_PERIOD: Duration = Duration::from_secs(1);
-/// Arrows to parents that are nearer are not shown.
+/// Length below which arrows to parents are not shown.
 const SHORTEST_ARROW_M: f64 = 0.001;
 
-/// A frame from update to update.
 #[derive(Debug)]
-struct Frame {
+struct ShownFrame {
     age: Age,
-    /// Whether the filters leave it in. What they leave out has neither a symbol nor a status.
+    /// `true` if the filters accept it. Other frames have neither a symbol nor a status.
     is_listed: bool,
     is_enabled: bool,
     symbol: Symbol,
-    /// Since when it is too old to be seen, and its newest stamp then.
+    /// Set while it is too old to be visible.
     gone: Option<Gone>,
 }
 
-/// A frame that is too old to be seen.
+/// Lookup of a frame that is too old to be visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gone {
     newest: Option<Time>,
@@ -52,42 +51,35 @@ struct Gone {
 }
 
 impl Gone {
-    /// Whether it cannot be back: it has no new transform, and those on its way to the fixed frame were looked at a
-    /// moment ago.
+    /// `true` if it cannot be back: it has no new transform, and its parents were looked up a moment ago.
     fn is_certain(self, newest: Option<Time>, now: Time) -> bool {
         self.newest == newest && now >= self.checked_at && now < self.checked_at.saturating_add(GONE_CHECK_PERIOD)
     }
 }
 
-/// The last update of the frames.
 #[derive(Clone, Copy, Debug)]
 struct LastUpdate {
     at: Time,
-    /// What the tree knew then.
     generation: u64,
-    /// How many frames the tree had forgotten.
     forgotten_frames: u64,
-    /// The tree had changed again when it was too early for another update.
+    /// The tree changed again when it was too early for another update.
     is_outdated: bool,
-    /// When the frames change by themselves next.
     next_fade: Option<Time>,
 }
 
-/// A TF display.
 #[derive(Debug)]
 pub(crate) struct TfDisplay {
     display: DisplayId,
     settings: TfSettings,
     symbols: Symbols,
-    frames: BTreeMap<String, Frame>,
+    frames: BTreeMap<String, ShownFrame>,
     last_update: Option<LastUpdate>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
-/// Makes a TF display.
-pub(crate) fn create(display: DisplayId, settings: &TfSettings) -> Box<dyn Display> {
-    Box::new(TfDisplay::new(display, settings.clone()))
+pub(crate) fn create(display: DisplayId, settings: &TfSettings) -> TfDisplay {
+    TfDisplay::new(display, settings.clone())
 }
 
 impl TfDisplay {
@@ -103,8 +95,8 @@ impl TfDisplay {
         }
     }
 
-    /// The shortest time between two updates. Within the same instant all is updated again:
-    /// there, a bag may hold many messages.
+    /// Shortest time between two updates. Within the same instant all is updated again: there, a bag may hold many
+    /// messages.
     fn interval(&self) -> Duration {
         Duration::try_from_secs_f32(self.settings.update_interval_s).unwrap_or(Duration::MAX)
     }
@@ -121,7 +113,7 @@ impl TfDisplay {
 }
 
 impl TfDisplay {
-    /// Drops the frames that the tree has forgotten since the last update. Returns whether any was shown.
+    /// Removes the frames that the tree has forgotten since the last update. Returns whether any was shown.
     fn drop_forgotten(&mut self, world: &World<'_>) -> bool {
         let known = self.last_update.map_or(0, |last| last.forgotten_frames);
         if known == world.transforms.forgotten_frames() {
@@ -140,8 +132,8 @@ impl TfDisplay {
     }
 }
 
-/// Where a frame and the arrow to its parent are now; `None` where it cannot be placed.
-fn place(name: &str, world: &World<'_>) -> Option<Place> {
+/// Poses of a frame and of the arrow to its parent; `None` where it cannot be placed.
+fn place(name: &str, world: &World<'_>) -> Option<FramePlace> {
     let fixed_from_frame = world.fixed_from_each(name).ok()?;
     let to_parent_m = world.transforms.parent_of(name, Time::ZERO).and_then(|parent| {
         // rviz takes the origin for the place of a parent that cannot be found.
@@ -149,7 +141,7 @@ fn place(name: &str, world: &World<'_>) -> Option<Place> {
         let to_parent = parent - fixed_from_frame.translation.vector;
         (to_parent.norm() > SHORTEST_ARROW_M).then_some(to_parent)
     });
-    Some(Place { fixed_from_frame, to_parent_m })
+    Some(FramePlace { fixed_from_frame, to_parent_m })
 }
 
 impl Display for TfDisplay {
@@ -162,7 +154,7 @@ impl Display for TfDisplay {
         let mut next_fade: Option<Time> = None;
         for name in world.transforms.frames() {
             if !self.frames.contains_key(name) {
-                let frame = Frame {
+                let frame = ShownFrame {
                     age: Age::new(world.now),
                     is_listed: self.settings.lists(name),
                     is_enabled: !self.settings.hidden_frames.contains(name),

@@ -1,4 +1,4 @@
-//! What a frame is drawn with: axes, a name below its origin and an arrow to its parent.
+//! Symbol of a frame: axes, a name below its origin and an arrow to its parent.
 
 use std::sync::Arc;
 
@@ -15,22 +15,19 @@ const NAME_HEIGHT_M: f32 = 0.1;
 const SHAFT_DIAMETER_M: f64 = 0.01;
 const HEAD_DIAMETER_M: f64 = 0.04;
 const HEAD_LENGTH_M: f64 = 0.1;
-/// A distance of no more than the head's length has a head of this share of it, times the scale.
+/// Share of the head in an arrow no longer than a head, times the scale.
 const SHORT_HEAD_SHARE: f64 = 0.1;
 
 const SHAFT_COLOR: Rgba = Rgba::new(0.8, 0.8, 0.3, 1.0);
 const HEAD_COLOR: Rgba = Rgba::new(1.0, 0.1, 0.6, 1.0);
 
-/// Where a frame is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
-    /// The frame in the fixed frame.
+pub(super) struct FramePlace {
     pub(super) fixed_from_frame: Isometry3<f64>,
     /// From the frame to its parent in the fixed frame, where there is a parent far enough away for an arrow.
     pub(super) to_parent_m: Option<Vector3<f64>>,
 }
 
-/// The colours of a frame's parts.
 #[derive(Clone, Debug)]
 struct Colors {
     axes: [Arc<Material>; 3],
@@ -52,7 +49,7 @@ impl Colors {
     }
 }
 
-/// How a display's frames are drawn.
+/// Settings of all symbols of a display.
 #[derive(Debug)]
 pub(super) struct Symbols {
     shows_names: bool,
@@ -60,7 +57,7 @@ pub(super) struct Symbols {
     shows_arrows: bool,
     scale: f64,
     marker_alpha: f32,
-    /// The colours of all frames that do not fade.
+    /// Colours of frames that do not fade.
     fresh: Colors,
 }
 
@@ -89,30 +86,35 @@ impl Symbols {
     }
 }
 
-/// A frame as it is drawn.
 #[derive(Debug, Default)]
 pub(super) struct Symbol {
-    shown: Option<(Place, Fade)>,
-    /// The name in a colour; it is laid out again only for another one.
+    shown: Option<(FramePlace, Fade)>,
+    /// Laid-out name in a colour.
     name: Option<(Rgba, Arc<Text>)>,
     drawables: Vec<Drawable>,
 }
 
 impl Symbol {
-    /// What there is to draw.
     pub(super) fn drawables(&self) -> &[Drawable] {
         &self.drawables
     }
 
-    /// Draws nothing from now on. Returns whether that is a change.
+    /// Removes the drawables. Returns whether there were any.
     pub(super) fn hide(&mut self) -> bool {
         self.drawables = Vec::new();
         self.name = None;
         self.shown.take().is_some()
     }
 
-    /// Draws the frame. Returns whether that is a change.
-    pub(super) fn show(&mut self, display: DisplayId, name: &str, place: Place, fade: Fade, symbols: &Symbols) -> bool {
+    /// Draws the frame. Returns whether that changed anything.
+    pub(super) fn show(
+        &mut self,
+        display: DisplayId,
+        name: &str,
+        place: FramePlace,
+        fade: Fade,
+        symbols: &Symbols,
+    ) -> bool {
         if self.shown == Some((place, fade)) {
             return false;
         }

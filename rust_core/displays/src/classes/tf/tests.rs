@@ -43,7 +43,7 @@ impl Bench {
         (status.level, &status.text)
     }
 
-    /// How many frames (by their names) and arrows are shown; each frame has three axes.
+    /// Number of shown frames (by their names) and arrows; each frame has three axes.
     fn shown(&self) -> (usize, usize) {
         let is_text = |drawable: &&Drawable| matches!(drawable.geometry, Geometry::Text(_));
         let names = self.display.drawables().iter().filter(is_text).count();

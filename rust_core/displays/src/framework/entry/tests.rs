@@ -79,7 +79,7 @@ impl Display for Fragile {
 }
 
 struct Bench {
-    entry: Entry,
+    entry: DisplayEntry,
     cache: MessageCache,
     world: TestWorld,
     panics: Arc<AtomicU64>,
@@ -96,7 +96,7 @@ impl Bench {
         let listed = ListedDisplay { path: vec!["d".to_owned()], class: "test".to_owned(), topic: None };
         let settings = DisplaySettings::Unknown { topics: Vec::new() };
         let world = TestWorld::at(Time::from_secs_nanos(10, 0));
-        Self { entry: Entry::new(0, listed, settings, display), cache: MessageCache::default(), world, panics }
+        Self { entry: DisplayEntry::new(0, listed, settings, display), cache: MessageCache::default(), world, panics }
     }
 
     /// Sends a marker of this namespace, without an update.
@@ -114,7 +114,7 @@ impl Bench {
         self.entry.take_parameter(PARAMETER, Some(&text), &self.world.get());
     }
 
-    /// How many things it shows after an update.
+    /// Number of drawables after an update.
     fn update(&mut self) -> usize {
         self.entry.update(&self.cache, &self.world.get());
         self.entry.display.drawables().len()

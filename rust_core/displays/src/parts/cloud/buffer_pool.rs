@@ -1,33 +1,32 @@
 //! A pool of the buffers of replaced clouds, which new clouds are read into.
 //!
-//! A replaced cloud may still be in a scene that is being drawn, and renderers tell clouds apart by their `Arc`s. So a
-//! replaced cloud is kept until no one else holds it; then its vectors become part of another cloud, in another `Arc`.
-//! That is mostly so when the next cloud is read, so that one cloud's memory is in use.
+//! A replaced cloud may still be in a scene that is being drawn, and renderers tell clouds apart by their `Arc`s. So it
+//! is kept until no one else holds it; then its vectors become part of another cloud, in another `Arc`. That is mostly
+//! so when the next cloud is read, so that one cloud's memory is in use.
 
 use std::sync::Arc;
 
 use rcs_messages::BufferPool;
 use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors};
 
-/// How many clouds of the present size the pool may hold: a whole one, the pieces of another, and what both have room
-/// for on top.
+/// Capacity in clouds of the present size: a whole one, the pieces of another, and the slack of both.
 const MAX_CLOUDS: usize = 3;
 
-/// Vectors that clouds are made of, and the scratch memory of reading one.
+/// Vectors of clouds, and scratch buffers.
 #[derive(Debug, Default)]
 pub(super) struct CloudPool {
     pub(super) positions: BufferPool<[f32; 3]>,
     pub(super) colors: BufferPool<[u8; 4]>,
-    /// Scratch: how many points are shown of each share of them.
+    /// Scratch: number of visible points of each share.
     pub(super) shown: Vec<usize>,
-    /// Scratch: the values that points are coloured by.
+    /// Scratch: values by which points are coloured.
     pub(super) values: Vec<f32>,
-    /// Clouds that are not shown any more.
+    /// Clouds that may still be drawn.
     retired: Vec<Arc<PointBuffer>>,
 }
 
 impl CloudPool {
-    /// Marks drawables as not shown any more.
+    /// Adds drawables that are not shown any more.
     pub(super) fn retire(&mut self, drawables: &[Drawable]) {
         self.retired.extend(drawables.iter().filter_map(|drawable| match &drawable.geometry {
             Geometry::Points(points) => Some(points.buffer.clone()),
@@ -35,7 +34,7 @@ impl CloudPool {
         }));
     }
 
-    /// Takes back what is not drawn any more, before a cloud of `count` points is read.
+    /// Reclaims clouds that are not drawn any more, before a cloud of `count` points is read.
     pub(super) fn reclaim(&mut self, count: usize) {
         for buffer in std::mem::take(&mut self.retired) {
             match Arc::try_unwrap(buffer) {
@@ -47,7 +46,6 @@ impl CloudPool {
         self.colors.limit_to(MAX_CLOUDS * count);
     }
 
-    /// Adds a cloud's buffers.
     pub(super) fn give(&mut self, buffer: PointBuffer) {
         self.positions.give(buffer.positions);
         if let PointColors::PerPoint(colors) = buffer.colors {

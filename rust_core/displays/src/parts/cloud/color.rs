@@ -1,7 +1,7 @@
-//! rviz's colour transformers: from a point's bytes or place to its colour.
+//! rviz's colour transformers of points.
 //!
-//! Comparisons follow rviz's order of arguments, so that NaN values colour as they do there; colours are packed the way
-//! Ogre packs them (times 255, cut off).
+//! Comparisons follow rviz's order of arguments, which matters for NaN; colours are packed as in Ogre (times 255,
+//! truncated).
 
 use nalgebra::{Isometry3, Point3};
 use rayon::prelude::*;
@@ -9,18 +9,14 @@ use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, Intens
 use rcs_scene::Rgba;
 
 use super::buffer_pool::CloudPool;
-use super::fields::{Channel, Layout};
-use super::points::{PointBytes, SHARE};
+use super::fields::{CloudChannel, CloudLayout};
+use super::point_bytes::{PointBytes, SHARE};
 
-/// The colours of a cloud's points.
 pub(crate) enum PointColor {
-    /// One for all.
     Uniform([u8; 4]),
-    /// One each.
     PerPoint(Vec<[u8; 4]>),
 }
 
-/// A chosen transformer with its settings.
 #[derive(Debug)]
 pub(crate) struct Coloring<'a> {
     settings: &'a CloudSettings,
@@ -31,7 +27,7 @@ pub(crate) struct Coloring<'a> {
 const WHITE: [u8; 4] = [255; 4];
 
 impl<'a> Coloring<'a> {
-    /// A transformer that fits the cloud, see [`Layout::fitting_transformer`].
+    /// `transformer` fits the cloud, see [`CloudLayout::fitting_transformer`].
     pub(crate) fn new(
         settings: &'a CloudSettings,
         transformer: ColorTransformer,
@@ -40,10 +36,10 @@ impl<'a> Coloring<'a> {
         Self { settings, transformer, fixed_from_cloud }
     }
 
-    /// Colours points, given by their bytes and by their positions in the cloud's frame.
+    /// Colours points by their bytes and by their positions in the cloud's frame.
     pub(crate) fn prepare(
         &self,
-        layout: &Layout,
+        layout: &CloudLayout,
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
@@ -74,7 +70,7 @@ impl<'a> Coloring<'a> {
             ColorTransformer::Rgbf32 => {
                 let channels = ["r", "g", "b"].map(|name| layout.channel(name));
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
-                let float = |channel: &Channel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
+                let float = |channel: &CloudChannel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
                 let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
                 let mut colors = memory();
                 points.map(&mut colors, |point| color(point).to_rgba8());
@@ -84,8 +80,7 @@ impl<'a> Coloring<'a> {
     }
 }
 
-/// A byte on its way through rviz, which makes a float of 0 to 1 of it and cuts that off to a byte again. Some lose
-/// one.
+/// A byte after rviz's conversion to a float of 0 to 1 and, truncated, back. Some lose one.
 #[inline(always)]
 fn packed_level(byte: u8) -> u8 {
     const LEVELS: [u8; 256] = {
@@ -100,9 +95,9 @@ fn packed_level(byte: u8) -> u8 {
     LEVELS[usize::from(byte)]
 }
 
-/// Colours of a packed channel; red, green and blue are mapped.
+/// Colours of a packed channel, with a function of red, green and blue.
 fn packed(
-    layout: &Layout,
+    layout: &CloudLayout,
     big_endian: bool,
     points: &PointBytes<'_>,
     mut colors: Vec<[u8; 4]>,
@@ -117,9 +112,8 @@ fn packed(
     PointColor::PerPoint(colors)
 }
 
-/// The smallest and largest of the values as rviz finds them, one after the other, from bounds that an ordinary value
-/// replaces. A NaN replaces both bounds, and the next value replaces the NaN; so only what comes after the last NaN
-/// counts.
+/// Minimum and maximum as rviz computes them, one value after the other, from bounds that an ordinary value replaces. A
+/// NaN replaces both bounds, and the next value replaces the NaN; so only the values after the last NaN count.
 fn bounds(values: &[f32], outermost: f32) -> (f32, f32) {
     let start = (outermost, -outermost);
     let add = |(min, max): (f32, f32), (low, high): (f32, f32)| {
@@ -141,7 +135,7 @@ fn bounds(values: &[f32], outermost: f32) -> (f32, f32) {
 
 fn by_intensity(
     settings: &IntensitySettings,
-    layout: &Layout,
+    layout: &CloudLayout,
     big_endian: bool,
     points: &PointBytes<'_>,
     (values, mut colors): (&mut Vec<f32>, Vec<[u8; 4]>),
@@ -196,7 +190,7 @@ fn by_axis(
     };
     let (min, max) = if settings.auto_bounds {
         let outermost = 9999.0;
-        // Unlike among intensities, a NaN is passed over.
+        // Unlike among intensities, a NaN is ignored.
         let (start, join) = (|| (outermost, -outermost), |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1)));
         let values = positions.par_iter().with_min_len(SHARE).map(value);
         values.fold(start, |bounds, value| join(bounds, (value, value))).reduce(start, join)
@@ -209,7 +203,7 @@ fn by_axis(
     colors
 }
 
-/// The colours of rviz's rainbow at equal distances from 0 to 1; each differs from the next in one channel.
+/// Colours of rviz's rainbow at equal distances from 0 to 1; each differs from the next in one channel.
 const RAINBOW: [[f32; 3]; 6] =
     [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
 

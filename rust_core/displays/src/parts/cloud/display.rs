@@ -7,36 +7,32 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
-use super::{Clouds, NonFinite, PlacedCloud};
+use super::clouds::{Clouds, PlacedCloud};
+use super::points::NonFinite;
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::stamp;
 use crate::{Level, StatusText, Statuses, World};
 
-/// A type of message that becomes clouds.
+/// Conversion of a type of message to clouds.
 pub(crate) trait CloudSource {
-    /// The messages.
     type Message: TypedMessage;
 
-    /// What becomes of points without a finite position.
+    /// Treatment of points without a finite position.
     const NON_FINITE: NonFinite;
 
-    /// The time until which its frame must be known, from its stamp on.
+    /// Time until which its frame must be known, from its stamp on.
     fn end(message: &Self::Message) -> Time {
         message.header().map_or(Time::ZERO, stamp)
     }
 
-    /// Sets or clears the statuses that a message deserves when it arrives.
+    /// Sets or clears the statuses of a message when it arrives.
     fn announce(_message: &Self::Message, _statuses: &mut Statuses) {}
 
-    /// The cloud that it is.
-    ///
-    /// # Errors
-    /// What a status says, where it is none.
+    /// Converts and places a message.
     fn place(message: &Arc<Self::Message>, world: &World<'_>) -> Result<PlacedCloud, StatusText>;
 }
 
-/// A display of clouds.
 pub(crate) struct CloudDisplay<S: CloudSource> {
     topic: Option<TopicRequest>,
     incoming: WaitingMessages<S::Message>,
@@ -85,7 +81,7 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
         let mut ready = self.incoming.take_ready(world, &mut self.statuses);
         let keeps_one = self.clouds.keeps_one();
         if keeps_one {
-            // Only the newest that can be shown would be seen.
+            // Only the newest valid one would be visible.
             ready.reverse();
         }
         let mut new = Vec::new();

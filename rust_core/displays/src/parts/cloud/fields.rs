@@ -1,38 +1,33 @@
-//! Where in a cloud's bytes its channels are, checked once against the bytes that are there.
+//! Layout of a cloud's channels in its bytes, validated once.
 
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
 use rcs_rviz_config::ColorTransformer;
 use thiserror::Error;
 
-/// Why a cloud cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub(crate) enum LayoutError {
-    /// The data has another length than the header announces.
     #[error("Data size ({actual} bytes) does not match width ({width}) times height ({height}) times point_step ({point_step})")]
     Size { actual: usize, width: u32, height: u32, point_step: u32 },
-    /// There is no x, y or z.
     #[error("The cloud has no channel {0}")]
     NoPosition(&'static str),
-    /// Positions are not 32-bit floats: rviz has no transformer for those.
+    /// Positions that are not 32-bit floats, for which rviz has no transformer.
     #[error("No position transformer available for cloud: channel {name} has datatype {datatype}, not FLOAT32")]
     PositionType { name: &'static str, datatype: u8 },
-    /// A channel reaches past its point.
     #[error("Channel {name} at offset {offset} reaches past point_step ({point_step})")]
     FieldOutside { name: String, offset: u32, point_step: u32 },
 }
 
 /// A channel whose bytes lie inside of every point.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Channel {
+pub(crate) struct CloudChannel {
     pub(crate) name: String,
     pub(crate) offset: usize,
     pub(crate) datatype: u8,
 }
 
-impl Channel {
-    /// The value in one point's bytes as a float, integers without their sign, as rviz reads them; 0 for a datatype
-    /// that does not exist.
+impl CloudChannel {
+    /// Value of a point as a float, integers unsigned, as in rviz; 0 for an unknown datatype.
     #[inline]
     pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
         macro_rules! read {
@@ -51,7 +46,6 @@ impl Channel {
         }
     }
 
-    /// The four bytes of a packed colour.
     #[inline(always)]
     pub(crate) fn bits(&self, point: &[u8], big_endian: bool) -> u32 {
         let bytes = bytes_at(point, self.offset);
@@ -78,27 +72,25 @@ fn size_of(datatype: u8) -> usize {
     }
 }
 
-/// A cloud's channels.
 #[derive(Clone, Debug)]
-pub(crate) struct Layout {
-    /// x, y and z.
-    pub(crate) position: [Channel; 3],
+pub(crate) struct CloudLayout {
+    pub(crate) position: [CloudChannel; 3],
     pub(crate) point_step: usize,
     pub(crate) point_count: usize,
-    channels: Vec<Channel>,
+    channels: Vec<CloudChannel>,
 }
 
-impl Layout {
-    /// Checks a cloud.
-    ///
-    /// # Errors
-    /// See [`LayoutError`]; the cloud cannot be shown then.
+impl CloudLayout {
     pub(crate) fn of(cloud: &PointCloud2) -> Result<Self, LayoutError> {
         let (width, height, point_step) = (cloud.width, cloud.height, cloud.point_step);
-        let channels: Vec<Channel> = cloud
+        let channels: Vec<CloudChannel> = cloud
             .fields
             .iter()
-            .map(|field| Channel { name: field.name.clone(), offset: field.offset as usize, datatype: field.datatype })
+            .map(|field| CloudChannel {
+                name: field.name.clone(),
+                offset: field.offset as usize,
+                datatype: field.datatype,
+            })
             .collect();
         let find = |name: &str| channels.iter().find(|channel| channel.name == name);
         let position = |name: &'static str| find(name).cloned().ok_or(LayoutError::NoPosition(name));
@@ -111,7 +103,7 @@ impl Layout {
         if position[0].datatype != PointField::FLOAT32 {
             return Err(LayoutError::PositionType { name: "x", datatype: position[0].datatype });
         }
-        let outside = |channel: &&Channel| channel.offset + size_of(channel.datatype) > point_step as usize;
+        let outside = |channel: &&CloudChannel| channel.offset + size_of(channel.datatype) > point_step as usize;
         if let Some(channel) = channels.iter().find(outside).filter(|_| actual > 0) {
             return Err(LayoutError::FieldOutside {
                 name: channel.name.clone(),
@@ -124,33 +116,31 @@ impl Layout {
         Ok(Self { position, point_step: point_step as usize, point_count, channels })
     }
 
-    /// Where x, y and z are, if they stand side by side.
+    /// Offset of x, if y and z follow it.
     pub(crate) fn position_triple(&self) -> Option<usize> {
         let [x, y, z] = self.position.each_ref().map(|channel| channel.offset);
         (y == x + 4 && z == x + 8).then_some(x)
     }
 
-    /// A channel by its name; the first of several.
-    pub(crate) fn channel(&self, name: &str) -> Option<&Channel> {
+    pub(crate) fn channel(&self, name: &str) -> Option<&CloudChannel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Whether each point has an opacity of its own.
+    /// `true` if each point has an opacity of its own.
     pub(crate) fn has_point_alpha(&self) -> bool {
         self.channel("rgba").is_some()
     }
 
-    /// The channel of packed colours, and whether its alpha counts: `rgb` or `rgba`; where a cloud has both, rviz
-    /// reads the later one, and without alpha.
-    pub(crate) fn packed_color(&self) -> Option<(&Channel, bool)> {
+    /// Channel of packed colours, and whether its alpha counts: `rgb` or `rgba`; where a cloud has both, rviz reads the
+    /// later one, without alpha.
+    pub(crate) fn packed_color(&self) -> Option<(&CloudChannel, bool)> {
         let index = self.channels.iter().position(|channel| channel.name == "rgb");
         let index_alpha = self.channels.iter().position(|channel| channel.name == "rgba");
         let channel = self.channels.get(index.max(index_alpha)?)?;
         Some((channel, index.is_none()))
     }
 
-    /// The colour transformer that rviz uses on this cloud: the chosen one if it fits, else RGB8 if that fits, else
-    /// Intensity.
+    /// Colour transformer that rviz uses: the chosen one if it fits, else RGB8 if that fits, else Intensity.
     pub(crate) fn fitting_transformer(&self, chosen: Option<ColorTransformer>) -> ColorTransformer {
         let packed = self.packed_color().is_some_and(|(channel, _)| {
             matches!(channel.datatype, PointField::INT32 | PointField::UINT32 | PointField::FLOAT32)

@@ -7,7 +7,7 @@ use super::buffer_pool::CloudPool;
 
 const MAX_VERTICES: usize = 36 * 1024 * 10;
 
-/// How many points of a style make a piece.
+/// Points in a piece of a style.
 pub(crate) fn max_points(style: &PointStyle) -> usize {
     let vertices_per_point = match style {
         PointStyle::Points { .. } => 1,
@@ -18,7 +18,7 @@ pub(crate) fn max_points(style: &PointStyle) -> usize {
     MAX_VERTICES / vertices_per_point
 }
 
-/// The pieces of a cloud; one that fits into a piece stays as it is.
+/// Cuts a cloud into pieces; one that fits into a piece stays as it is.
 pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, pool: &mut CloudPool) -> Vec<PointBuffer> {
     let max_points = max_points(style);
     if buffer.positions.len() <= max_points {

@@ -6,134 +6,31 @@ use rcs_scene::{PointBuffer, PointColors};
 
 use super::buffer_pool::CloudPool;
 use super::color::{Coloring, PointColor};
-use super::fields::{bytes_at, Layout};
+use super::fields::CloudLayout;
+use super::point_bytes::{has_finite_position, PointBytes, PositionLayout, SHARE};
 
-/// What becomes of points whose position is not finite.
+/// Treatment of points whose position is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NonFinite {
-    /// They are left out before anything else happens.
+    /// Left out before anything else.
     LeftOut,
-    /// They are coloured with the others, and then put where nobody sees them. They still count for the cloud's bounds.
+    /// Coloured with the others, and then moved out of sight. They still count for the cloud's bounds.
     FarAway,
 }
 
-/// Where rviz puts such points, in metres along each axis.
+/// rviz's place of such points, in metres along each axis.
 const FAR_AWAY: [f32; 3] = [999_999.0; 3];
-
-/// Points that a core does at once, so that small clouds are not spread over cores.
-pub(super) const SHARE: usize = 8192;
-
-/// Where a point's position is in its bytes.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    offsets: [usize; 3],
-    /// x, y and z stand side by side, the lowest byte of each first.
-    is_plain: bool,
-    is_big_endian: bool,
-}
-
-impl Place {
-    fn of(cloud: &PointCloud2, layout: &Layout) -> Self {
-        let offsets = layout.position.each_ref().map(|channel| channel.offset);
-        let is_triple = layout.position_triple().is_some();
-        Self { offsets, is_plain: is_triple && !cloud.is_bigendian, is_big_endian: cloud.is_bigendian }
-    }
-
-    #[inline(always)]
-    fn in_point(&self, point: &[u8]) -> [f32; 3] {
-        let [x, y, z] = self.offsets;
-        if self.is_plain {
-            let [x, y, z] = bytemuck::cast::<[u8; 12], [u32; 3]>(bytes_at(point, x));
-            [little_endian(x), little_endian(y), little_endian(z)]
-        } else {
-            let read = |offset| {
-                let bytes = bytes_at(point, offset);
-                if self.is_big_endian {
-                    f32::from_be_bytes(bytes)
-                } else {
-                    f32::from_le_bytes(bytes)
-                }
-            };
-            [read(x), read(y), read(z)]
-        }
-    }
-}
-
-#[inline(always)]
-fn little_endian(bits: u32) -> f32 {
-    f32::from_bits(u32::from_le(bits))
-}
-
-/// The bytes of a cloud's points that are shown.
-#[derive(Debug)]
-pub(super) struct PointBytes<'a> {
-    data: &'a [u8],
-    point_step: usize,
-    place: Place,
-    /// Of each share of the points, how many are shown: those with a finite position.
-    shown: &'a [usize],
-    is_all_shown: bool,
-}
-
-impl PointBytes<'_> {
-    /// The number of points.
-    pub(super) fn len(&self) -> usize {
-        self.shown.iter().sum()
-    }
-
-    /// What becomes of each point, in their order, computed on all cores. `out` has as many elements as there are
-    /// points.
-    pub(super) fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
-        let compute_share = |points: &[u8], out: &mut [T]| {
-            let points = points.chunks_exact(self.point_step);
-            if self.is_all_shown {
-                out.iter_mut().zip(points).for_each(|(out, point)| *out = compute(point));
-            } else {
-                let shown = points.filter(|point| has_finite_position(&self.place.in_point(point)));
-                out.iter_mut().zip(shown).for_each(|(out, point)| *out = compute(point));
-            }
-        };
-        in_shares(self.shown, self.data, SHARE * self.point_step, out, &compute_share);
-    }
-}
-
-/// Works on shares of `data`, each `share_len` bytes long but the last, and on their parts of `out`, whose lengths are
-/// `lens`.
-fn in_shares<T: Send>(
-    lens: &[usize],
-    data: &[u8],
-    share_len: usize,
-    out: &mut [T],
-    work: &(impl Fn(&[u8], &mut [T]) + Sync),
-) {
-    if lens.len() <= 1 {
-        work(data, out);
-        return;
-    }
-    let (lens_a, lens_b) = lens.split_at(lens.len() / 2);
-    let (data_a, data_b) = data.split_at((lens_a.len() * share_len).min(data.len()));
-    let (out_a, out_b) = out.split_at_mut(lens_a.iter().sum::<usize>().min(out.len()));
-    rayon::join(
-        || in_shares(lens_a, data_a, share_len, out_a, work),
-        || in_shares(lens_b, data_b, share_len, out_b, work),
-    );
-}
-
-#[inline(always)]
-fn has_finite_position([x, y, z]: &[f32; 3]) -> bool {
-    x.is_finite() & y.is_finite() & z.is_finite()
-}
 
 /// Reads the points; also returns how many have no finite position.
 pub(crate) fn read(
     cloud: &PointCloud2,
-    layout: &Layout,
+    layout: &CloudLayout,
     coloring: &Coloring<'_>,
     non_finite: NonFinite,
     pool: &mut CloudPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
-    let place = Place::of(cloud, layout);
+    let place = PositionLayout::of(cloud, layout);
     let mut shown = std::mem::take(&mut pool.shown);
     let shown_in = |points: &[u8]| {
         points.chunks_exact(point_step).filter(|point| has_finite_position(&place.in_point(point))).count()
@@ -145,7 +42,7 @@ pub(crate) fn read(
         let points_in = |share: &[u8]| share.len() / point_step;
         shown.iter_mut().zip(data.chunks(SHARE * point_step)).for_each(|(shown, share)| *shown = points_in(share));
     }
-    let points = PointBytes { data, point_step, place, shown: &shown, is_all_shown };
+    let points = PointBytes { data, point_step, positions: place, shown: &shown, is_all_shown };
     let mut positions = pool.positions.take_filled(points.len());
     points.map(&mut positions, |point| place.in_point(point));
     let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, pool) {
@@ -193,7 +90,7 @@ mod tests {
     }
 
     fn read_as(cloud: &PointCloud2, transformer: ColorTransformer) -> Result<PointBuffer, LayoutError> {
-        let layout = Layout::of(cloud)?;
+        let layout = CloudLayout::of(cloud)?;
         let transformer = layout.fitting_transformer(Some(transformer));
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
@@ -217,7 +114,7 @@ mod tests {
     #[test]
     fn points_that_are_put_far_away_are_coloured_with_the_others() {
         let cloud = cloud(&[([1.0, 0.0, f32::NAN], 0), ([0.0, 0.0, 1.0], 0), ([0.0, 0.0, 2.0], 0), ([0.0; 3], 0)]);
-        let layout = Layout::of(&cloud).unwrap();
+        let layout = CloudLayout::of(&cloud).unwrap();
         let settings = CloudSettings::default();
         let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
@@ -264,12 +161,12 @@ mod tests {
     #[test]
     fn a_transformer_that_does_not_fit_gives_way_to_one_that_does() {
         let colored = cloud(&[([0.0; 3], 0), ([1.0; 3], 0)]);
-        let layout = Layout::of(&colored).unwrap();
+        let layout = CloudLayout::of(&colored).unwrap();
         assert_eq!(layout.fitting_transformer(Some(ColorTransformer::Rgbf32)), ColorTransformer::Rgb8);
         assert_eq!(layout.fitting_transformer(Some(ColorTransformer::FlatColor)), ColorTransformer::FlatColor);
         let mut plain = colored;
         plain.fields.pop();
-        let layout = Layout::of(&plain).unwrap();
+        let layout = CloudLayout::of(&plain).unwrap();
         assert_eq!(layout.fitting_transformer(Some(ColorTransformer::Mono8)), ColorTransformer::Intensity);
         assert_eq!(layout.fitting_transformer(None), ColorTransformer::Intensity);
     }

@@ -1,9 +1,9 @@
 //! The covariance of a pose: an ellipsoid for its position, discs or a cone for its orientation.
 //!
 //! Reproduces `rviz::CovarianceVisual`. The ellipsoid has the axes of the message's frame. Of a pose in space, roll,
-//! pitch and yaw are a flat elliptic disc each: it stands out on the axis that it belongs to and shows how far the tip
-//! of that axis sways under turns about the other two (yaw's has these two the wrong way round, in rviz and here). Of a
-//! pose in the plane, the yaw is a flat cone from the pose along its x.
+//! pitch and yaw are a flat elliptic disc each: it is placed on its axis and shows how far the tip of that axis sways
+//! under rotations about the other two (yaw's has these two swapped, in rviz and here). Of a pose in the plane, the yaw
+//! is a flat cone from the pose along its x.
 
 mod principal_axes;
 mod shape;
@@ -19,27 +19,23 @@ use rcs_rviz_config::{
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 
 use crate::parts::solids::solid;
-use crate::Shape;
+use crate::SolidShape;
 
-use shape::OrientationShape;
 pub(crate) use shape::{uncertain_pose, Covariance, CovarianceScales};
+use shape::{OrientationShape, FLAT_M};
 
-/// Angles are drawn as the lengths of their tangents, and no wider than this.
+/// Largest drawn angle: angles are drawn as the lengths of their tangents.
 const MAX_ANGLE_RAD: f64 = 89.0 * std::f64::consts::PI / 180.0;
 
-/// Thickness of what is flat, in metres.
-const FLAT_M: f64 = 0.001;
-
-/// How far along x the middle of a cone of 1 m lies whose tip is at the pose; found by trial in rviz, the tip misses a
-/// little.
+/// Distance along x of the middle of a cone of 1 m whose tip is at the pose; measured in rviz, the tip misses a little.
 const CONE_MIDDLE_M: f64 = 0.49115;
 
-/// What covariances are drawn with.
+/// Materials and settings of covariances.
 #[derive(Debug)]
 pub(crate) struct CovarianceSymbol {
     display: DisplayId,
     position: Option<(PositionCovarianceSettings, Arc<Material>)>,
-    /// With the colours of roll, pitch and yaw.
+    /// Settings with the materials of roll, pitch and yaw.
     orientation: Option<(OrientationCovarianceSettings, [Arc<Material>; 3])>,
 }
 
@@ -60,8 +56,8 @@ impl CovarianceSymbol {
         Self { display, position, orientation }
     }
 
-    /// The drawables of a covariance whose pose stands at `frame_from_pose` in the message's frame; `scales`
-    /// are those of the covariances before it.
+    /// Drawables of a covariance whose pose is `frame_from_pose` in the message's frame; `scales` are those of the
+    /// covariances before it.
     pub(crate) fn drawables(
         &self,
         fixed_from_frame: &Isometry3<f64>,
@@ -77,7 +73,7 @@ impl CovarianceSymbol {
             let center_from_sphere = shape.ellipsoid_axes.to_homogeneous()
                 * Matrix4::new_nonuniform_scaling(&(shape.ellipsoid_m * f64::from(settings.scale)));
             let fixed_from_sphere = fixed_from_center.to_homogeneous() * center_from_sphere;
-            drawables.push(solid(self.display, Shape::Sphere, fixed_from_sphere, material));
+            drawables.push(solid(self.display, SolidShape::Sphere, fixed_from_sphere, material));
         }
         if let Some((settings, [red, green, blue])) = &self.orientation {
             let fixed_from_root = match settings.frame {
@@ -97,7 +93,7 @@ impl CovarianceSymbol {
                         let upright_from_disc = axes.to_homogeneous()
                             * Matrix4::new_nonuniform_scaling(&Vector3::new(offset_m * x, FLAT_M, offset_m * z));
                         let fixed_from_disc = fixed_from_root * root_from_upright * upright_from_disc;
-                        drawables.push(solid(self.display, Shape::Cylinder, fixed_from_disc, material));
+                        drawables.push(solid(self.display, SolidShape::Cylinder, fixed_from_disc, material));
                     }
                 }
                 OrientationShape::Cone(Some(width_rad)) => {
@@ -106,18 +102,18 @@ impl CovarianceSymbol {
                     let root_from_cone = Translation3::new(CONE_MIDDLE_M * length_m, 0.0, 0.0).to_homogeneous()
                         * Rotation3::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2).to_homogeneous()
                         * Matrix4::new_nonuniform_scaling(&size);
-                    drawables.push(solid(self.display, Shape::Cone, fixed_from_root * root_from_cone, blue));
+                    drawables.push(solid(self.display, SolidShape::Cone, fixed_from_root * root_from_cone, blue));
                 }
                 OrientationShape::Cone(None) => {}
             }
         }
-        // What is too large for single precision is not drawn.
+        // Shapes too large for single precision are not drawn.
         drawables.retain(|drawable| drawable.fixed_from_object.iter().all(|value| (*value as f32).is_finite()));
         drawables
     }
 }
 
-/// Where the discs of roll, pitch and yaw stand: out on their axes, their cylinders' y along it.
+/// Poses of the discs of roll, pitch and yaw: on their axes, their cylinders' y along it.
 fn disc_poses(offset_m: f64) -> [Matrix4<f64>; 3] {
     let [about_x, about_y, about_z] = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()]
         .map(|axis| Rotation3::from_axis_angle(&axis, FRAC_PI_2));
@@ -125,7 +121,7 @@ fn disc_poses(offset_m: f64) -> [Matrix4<f64>; 3] {
         .map(|(axis, turn)| Translation3::from(axis * offset_m).to_homogeneous() * turn.to_homogeneous())
 }
 
-/// How wide an angle is at a distance of 1 m, scaled.
+/// Width of a scaled angle at a distance of 1 m.
 fn width(full_rad: f64, scale: f32) -> f64 {
     2.0 * (full_rad * f64::from(scale) / 2.0).min(MAX_ANGLE_RAD).tan()
 }

@@ -1,9 +1,9 @@
 //! The principal axes of a covariance, in the order and with the signs that rviz's picture needs.
 //!
-//! Any solver finds the same axes, but which comes first and which way each points is left open, and both show: the
-//! sphere of an ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are found with
-//! the symmetric QR algorithm as textbooks have it (Golub and Van Loan, Matrix Computations, 8.3), each rotation making
-//! what it leaves positive; then
+//! Any solver finds the same axes, but their order and signs are arbitrary, and both are visible: the sphere of an
+//! ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are found with the symmetric
+//! QR algorithm as textbooks have it (Golub and Van Loan, Matrix Computations, 8.3), each rotation making the remaining
+//! entry positive; then
 //!
 //! * the variances rise,
 //! * where that is left-handed, the first two axes change places (as in rviz's `CovarianceVisual`, which makes a pair
@@ -12,22 +12,22 @@
 //! So the axes of a covariance without covariances are a right-handed order of x, y and z. nalgebra's `SymmetricEigen`
 //! finds the same axes, but others of them are swapped and turned over, which costs up to 2 % of strict score.
 //!
-//! Rounding may leave a variance of nothing a little below zero, where it would be taken for a fault of the message. So
-//! a negative variance that is within the rounding error of the largest one is zero.
+//! Rounding may leave a zero variance a little below zero, which would count as invalid. So a negative variance within
+//! the rounding error of the largest one is zero.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-/// Steps after which a matrix counts as one that does not converge; two for each row are usual.
+/// Steps after which the matrix counts as not converging; two for each row are usual.
 const MAX_STEPS: usize = 100;
 
-/// A negative variance of a smaller size than this share of the largest entry is zero.
+/// Share of the largest entry below which a negative variance is zero.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Entries that are smaller than this share of the largest are left out: they are below its rounding error, and their
-/// squares must not underflow.
+/// Share of the largest entry below which entries are left out: they are below its rounding error, and their squares
+/// must not underflow.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
 
-/// The variances of a symmetric matrix along its principal axes, which are the columns of a rotation.
+/// Variances of a symmetric matrix along its principal axes, which are the columns of a rotation.
 ///
 /// Zeros and the identity for a matrix that is zero, not finite or does not converge.
 pub(super) fn of_three(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
@@ -52,7 +52,7 @@ pub(super) fn of_three(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
     (variances, axes)
 }
 
-/// The same for two coordinates: those that a third one with a larger variance would leave to the first two axes.
+/// Principal axes of two coordinates: the first two of three, the third having a larger variance.
 pub(super) fn of_two(matrix: &Matrix2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
     let mut with_third = matrix.to_homogeneous();
     // No variance is above twice the largest entry.
@@ -90,7 +90,7 @@ fn diagonalized(matrix: Matrix3<f64>) -> Option<(Vector3<f64>, Matrix3<f64>)> {
     None
 }
 
-/// The matrix with its corners made zero by a reflection of y and z, and that reflection.
+/// Makes the corners of the matrix zero by a reflection of y and z, which is returned, too.
 fn tridiagonal(matrix: Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     if matrix.m31 == 0.0 {
         return (matrix, Matrix3::identity());
@@ -109,7 +109,7 @@ fn shift(a: &Matrix3<f64>, last: usize) -> f64 {
     end - beside * (beside / (half + half.hypot(beside).copysign(half)))
 }
 
-/// The rotation in the plane of the axes `k` and `k + 1` whose transpose takes (x, y) to (r, 0), r ≥ 0.
+/// Rotation in the plane of the axes `k` and `k + 1` whose transpose takes (x, y) to (r, 0), r ≥ 0.
 fn rotation(k: usize, column: [f64; 2]) -> Matrix3<f64> {
     let [cos, sin] = unit(column);
     let mut turn = Matrix3::identity();
@@ -133,7 +133,7 @@ mod tests {
 
     use super::*;
 
-    /// What must hold for any finite symmetric matrix.
+    /// Properties of any finite symmetric matrix.
     fn check(matrix: &Matrix3<f64>) -> Result<(), TestCaseError> {
         let (variances, axes) = of_three(matrix);
         let size = if matrix.amax() > 0.0 { matrix.amax() } else { 1.0 };
@@ -147,8 +147,8 @@ mod tests {
         Ok(())
     }
 
-    /// The same for two coordinates, which are turned by 45° at most, as far as the angle is determined: it is not
-    /// where both variances are equal and the covariance is about the rounding error of them.
+    /// Properties of two coordinates, which are turned by 45° at most, as far as the angle is determined: it is not
+    /// where both variances are equal and the covariance is about their rounding error.
     fn check_two(matrix: &Matrix2<f64>) -> Result<(), TestCaseError> {
         let (variances, axes) = of_two(matrix);
         let size = if matrix.amax() > 0.0 { matrix.amax() } else { 1.0 };

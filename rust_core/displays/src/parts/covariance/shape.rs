@@ -1,54 +1,54 @@
-//! From a covariance matrix to axes and standard deviations.
+//! Axes and standard deviations of a covariance matrix.
 //!
-//! A message's matrix is 6 × 6, row by row, of x, y, z and turns about X, Y, Z. rviz reads the part on and above the
-//! diagonal.
+//! A message's matrix is 6 × 6, row by row, of x, y, z and rotations about X, Y, Z. rviz reads the part on and above
+//! the diagonal.
 
 use nalgebra::{Isometry3, Matrix2, Matrix3, Rotation3, Vector3};
 use rcs_messages::geometry_msgs::PoseWithCovariance;
 use rcs_messages::PlainTransform;
 
-use super::{principal_axes, FLAT_M};
+use super::principal_axes;
 use crate::framework::world::isometry;
+
+/// Thickness of flat shapes, in metres.
+pub(super) const FLAT_M: f64 = 0.001;
 
 /// A covariance without NaN and infinity.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Covariance([f64; 36]);
 
-/// The pose in the message's frame and its covariance; `None` when a number is NaN or infinite.
+/// Pose in the message's frame and its covariance; `None` when a number is NaN or infinite.
 pub(crate) fn uncertain_pose(message: &PoseWithCovariance) -> Option<(Isometry3<f64>, Covariance)> {
     let pose = isometry(&PlainTransform::from(&message.pose))?;
     let finite = message.covariance.iter().all(|value| value.is_finite());
     finite.then_some((pose, Covariance(message.covariance)))
 }
 
-/// What is drawn of a covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct CovarianceShape {
-    /// The ellipsoid's axes in the message's frame.
+    /// Axes of the ellipsoid in the message's frame.
     pub(super) ellipsoid_axes: Rotation3<f64>,
-    /// Its diameters along them: two standard deviations, in metres.
+    /// Diameters along them: two standard deviations, in metres.
     pub(super) ellipsoid_m: Vector3<f64>,
-    /// The orientation's part.
     pub(super) orientation: OrientationShape,
 }
 
-/// What is drawn of an orientation's covariance. Angles are two standard deviations.
+/// Shape of an orientation's covariance. Angles are two standard deviations.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "lives for one call; never stored")]
 pub(super) enum OrientationShape {
-    /// In space: elliptic discs in their XZ planes for roll, pitch and yaw.
+    /// Pose in space: elliptic discs in their XZ planes for roll, pitch and yaw.
     Discs {
-        /// The axes of each disc.
         axes: [Rotation3<f64>; 3],
-        /// Their diameters along X and Z in radians; `None` for one that never had any.
+        /// Diameters along X and Z in radians; `None` without a valid one so far.
         diameters_rad: [Option<[f64; 2]>; 3],
     },
-    /// In the plane: the width of a cone in radians; `None` when there never was one.
+    /// Pose in the plane: width of a cone in radians; `None` without a valid one so far.
     Cone(Option<f64>),
 }
 
-/// The sizes of the last covariance that had real standard deviations. One with a negative variance is turned by its
-/// own axes, but keeps the sizes of what was there before; the first ellipsoid has 1 m.
+/// Sizes of the last covariance with real standard deviations. One with a negative variance has its own axes, but these
+/// sizes; the first ellipsoid has 1 m.
 #[derive(Clone, Debug)]
 pub(crate) struct CovarianceScales {
     ellipsoid_m: Vector3<f64>,
@@ -63,7 +63,6 @@ impl Default for CovarianceScales {
 }
 
 impl CovarianceScales {
-    /// The shape of a covariance.
     pub(super) fn update(&mut self, covariance: &Covariance) -> CovarianceShape {
         let planar = covariance.is_planar();
         let (ellipsoid_axes, ellipsoid_m) = if planar { covariance.ellipse() } else { covariance.ellipsoid() };
@@ -90,12 +89,12 @@ impl CovarianceScales {
 }
 
 impl Covariance {
-    /// The covariance of the `row`-th and the `column`-th coordinate; `row` ≤ `column` < 6.
+    /// Covariance of two coordinates; `row` ≤ `column` < 6.
     fn at(&self, row: usize, column: usize) -> f64 {
         self.0[6 * row + column]
     }
 
-    /// Whether the pose lies in the plane: it knows nothing of z, roll and pitch.
+    /// `true` for a pose in the plane: z, roll and pitch have no variance.
     fn is_planar(&self) -> bool {
         [2, 3, 4].iter().all(|i| self.at(*i, *i) <= 0.0)
     }

@@ -20,7 +20,7 @@ fn drawn(settings: &CovarianceSettings, scales: &mut CovarianceScales, message: 
     CovarianceSymbol::new(0, settings).drawables(&Isometry3::identity(), &pose, &covariance, scales)
 }
 
-/// How far a unit solid reaches along the fixed frame's axes, in metres.
+/// Extent of a unit solid along the fixed frame's axes, in metres.
 fn extent(drawable: &Drawable) -> Vector3<f64> {
     let linear: Matrix3<f64> = drawable.fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
     Vector3::from_fn(|row, _| linear.row(row).norm())

@@ -12,14 +12,14 @@ use crate::framework::test_world::TestWorld;
 use crate::Level;
 
 struct Bench {
-    display: ScrewDisplay<TwistStamped>,
+    display: MessageDisplay<ScrewVisual<TwistStamped>>,
     world: TestWorld,
 }
 
 impl Bench {
     fn new(settings: &ScrewSettings) -> Self {
         let world = TestWorld::at(Time::from_secs_nanos(1, 0));
-        let mut bench = Self { display: ScrewDisplay::of(0, settings), world };
+        let mut bench = Self { display: create(0, settings), world };
         bench.place(1.0);
         bench
     }

@@ -1,4 +1,4 @@
-//! What one screw is drawn with.
+//! Drawables of a screw.
 //!
 //! Reproduces rviz's `ScrewVisual`: an arrow for each part, whose shaft is as long as the scaled vector and whose head
 //! sticks out by three tenths of that. Around the middle of the angular arrow goes seven eighths of a circle that
@@ -14,20 +14,19 @@ use rcs_scene::{Blending, DisplayId, Drawable, Geometry, Material, Rgba, RibbonE
 use crate::parts::bounds::middle;
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
 
-/// An arrow of 1 m that is as thick as it is long; length and width scale it.
+/// Proportions of an arrow; length and width scale it.
 const ARROW: ArrowSize =
     ArrowSize { shaft_length_m: 1.0, shaft_diameter_m: 0.1, head_length_m: 0.3, head_diameter_m: 0.2 };
 
-/// Ogre takes a shorter vector for one without a direction.
+/// Length below which a vector has no direction in Ogre.
 const SHORTEST_DIRECTION: f64 = 1e-6;
 
-/// A full circle has so many segments; it is drawn from the first to the last of these points.
+/// Segments of a full circle, which is drawn from the first to the last of these points.
 const CIRCLE_SEGMENTS: f64 = 32.0;
 const CIRCLE_POINTS: std::ops::RangeInclusive<u8> = 4..=32;
 
-/// How a display's screws look.
 #[derive(Clone, Debug)]
-pub(super) struct Look {
+pub(super) struct ScrewStyle {
     linear_scale: f64,
     angular_scale: f64,
     width_m: f64,
@@ -37,7 +36,7 @@ pub(super) struct Look {
     angular_color: Rgba,
 }
 
-impl Look {
+impl ScrewStyle {
     pub(super) fn new(settings: &ScrewSettings) -> Self {
         let angular_color = Rgba::from_rgb8(settings.angular_color, settings.alpha);
         let linear_color = Rgba::from_rgb8(settings.linear_color, settings.alpha);
@@ -52,7 +51,6 @@ impl Look {
         }
     }
 
-    /// Arrows and circle of two vectors in a frame.
     pub(super) fn drawables(
         &self,
         display: DisplayId,

@@ -13,7 +13,7 @@ use rcs_scene::{Mesh, Vertex};
 
 /// One of rviz's solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub(crate) enum SolidShape {
     /// Edges of 1 m.
     Cube,
     /// Diameter 1 m, height 1 m along y.
@@ -24,9 +24,9 @@ pub enum Shape {
     Sphere,
 }
 
-impl Shape {
-    /// Its triangles; made once and shared by all who use it.
-    pub fn mesh(self) -> Arc<Mesh> {
+impl SolidShape {
+    /// Its triangles; made once and shared.
+    pub(crate) fn mesh(self) -> Arc<Mesh> {
         static MESHES: OnceLock<[Arc<Mesh>; 4]> = OnceLock::new();
         let meshes = MESHES.get_or_init(|| [cube(), round::cylinder(), round::cone(), sphere::sphere()].map(Arc::new));
         meshes[self as usize].clone()
@@ -62,10 +62,10 @@ mod tests {
     #[test]
     fn solids_are_closed_face_outwards_and_have_their_volume() {
         for (shape, volume) in [
-            (Shape::Cube, 1.0),
-            (Shape::Cylinder, 0.25 * std::f32::consts::PI),
-            (Shape::Cone, 0.25 * std::f32::consts::PI / 3.0),
-            (Shape::Sphere, std::f32::consts::PI / 6.0),
+            (SolidShape::Cube, 1.0),
+            (SolidShape::Cylinder, 0.25 * std::f32::consts::PI),
+            (SolidShape::Cone, 0.25 * std::f32::consts::PI / 3.0),
+            (SolidShape::Sphere, std::f32::consts::PI / 6.0),
         ] {
             let mesh = shape.mesh();
             let mut sum = 0.0;
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn the_sphere_has_rvizs_tessellation() {
-        let mesh = Shape::Sphere.mesh();
+        let mesh = SolidShape::Sphere.mesh();
         assert_eq!((mesh.indices.len() / 3, mesh.vertices.len()), (720, 362));
         assert!(mesh.vertices.iter().all(|v| (Vector3::from(v.position).norm() - 0.5).abs() < 1e-5));
     }

@@ -17,7 +17,7 @@ fn ring(segment: f32, y: f32) -> [f32; 3] {
     [RADIUS * angle.cos(), y, RADIUS * angle.sin()]
 }
 
-/// How far around a texture is at the end of a segment: it begins at three quarters.
+/// Texture coordinate at the end of a segment; it begins at three quarters.
 fn around(segment: u32) -> f32 {
     ((segment + SEGMENTS * 3 / 4 + 1) % SEGMENTS) as f32 / SEGMENTS as f32
 }

@@ -72,7 +72,7 @@ fn faces() -> Vec<[Vector3<f64>; 3]> {
         .collect()
 }
 
-/// The direction a share of the way along the arc between two.
+/// Direction at a share of the arc between two.
 fn between(from: Vector3<f64>, to: Vector3<f64>, share: f64) -> Vector3<f64> {
     let angle = from.angle(&to);
     if angle < 1e-9 {

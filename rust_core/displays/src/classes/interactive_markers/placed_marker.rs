@@ -1,4 +1,4 @@
-//! An interactive marker as it is drawn: its place, its controls, its axes and its title.
+//! An interactive marker at its place, with its controls, axes and title.
 
 use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
@@ -9,34 +9,32 @@ use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::LookupError;
 
 use super::complete::complete_control;
-use super::control::Control;
+use super::control::PlacedControl;
 use super::handles;
 use crate::classes::marker::NotShown;
 use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::{axes, axes_materials};
 use crate::{Level, StatusText, World};
 
-/// The thickness of the axes, in lengths of the axes.
+/// Thickness of the axes, in lengths of the axes.
 const AXES_THICKNESS: f64 = 0.05;
 
-/// An interactive marker.
 #[derive(Debug)]
-pub(super) struct Shown {
+pub(super) struct PlacedMarker {
     frame: String,
-    /// Whether it follows its frame.
     is_locked: bool,
     size_m: f64,
     reference_from_marker: Isometry3<f64>,
-    /// Where its frame is; `None` while that is not known.
+    /// Pose of its frame; `None` while unknown.
     fixed_from_reference: Option<Isometry3<f64>>,
-    controls: Vec<Control>,
-    title: Option<Control>,
-    /// Which meshes of the controls are loading or cannot be shown.
+    controls: Vec<PlacedControl>,
+    title: Option<PlacedControl>,
+    /// Meshes of the controls that are loading or cannot be shown.
     missing: Vec<NotShown>,
 }
 
-impl Shown {
-    /// Builds a completed marker whose numbers are finite. Returns also why it is not known where it is.
+impl PlacedMarker {
+    /// Builds a completed marker whose numbers are finite. Returns also the reason why it cannot be placed.
     pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>) -> (Self, Option<LookupError>) {
         let mut shown = Self {
             frame: marker.header.frame_id.clone(),
@@ -53,7 +51,7 @@ impl Shown {
         let fixed_from_reference = shown.fixed_from_reference.unwrap_or_default();
         let reference_from_marker = shown.reference_from_marker;
         let mut build =
-            |control| Control::new(control, &reference_from_marker, &fixed_from_reference, world, &mut missing);
+            |control| PlacedControl::new(control, &reference_from_marker, &fixed_from_reference, world, &mut missing);
         shown.controls = marker.controls.iter().map(&mut build).collect();
         if !marker.description.is_empty() {
             let mut title = handles::title(marker);
@@ -64,7 +62,7 @@ impl Shown {
         (shown, unplaced)
     }
 
-    /// Builds markers of the controls whose meshes were missing. Returns whether there were any.
+    /// Rebuilds markers of the controls whose meshes were missing. Returns whether there were any.
     pub(super) fn rebuild(&mut self, world: &World<'_>) -> bool {
         self.missing.clear();
         let Self { controls, missing, .. } = self;
@@ -78,7 +76,7 @@ impl Shown {
     /// Moves the marker to a pose in the frame of a header.
     ///
     /// # Errors
-    /// Why it is not known where that frame is.
+    /// The frame cannot be placed.
     pub(super) fn set_pose(
         &mut self,
         header: &Header,
@@ -91,7 +89,7 @@ impl Shown {
         self.locate(world).map(|_| ())
     }
 
-    /// Which of its meshes cannot be shown, else which is loading, else rviz's status of the marker's position.
+    /// Status: a mesh that cannot be shown, else one that is loading, else rviz's status of the position.
     pub(super) fn status(&self) -> (Level, StatusText) {
         let failed = self.missing.iter().find(|missing| matches!(missing, NotShown::Failed(_)));
         if let Some(missing) = failed.or(self.missing.first()) {
@@ -103,10 +101,10 @@ impl Shown {
         (Level::Ok, text.into())
     }
 
-    /// Follows the frame if it is to. Returns whether the marker moved, came or went.
+    /// Follows the frame of a locked marker. Returns whether the marker moved, came or went.
     ///
     /// # Errors
-    /// Why it is not known where the frame is, where it was known before.
+    /// The frame cannot be placed any more.
     pub(super) fn follow(&mut self, world: &World<'_>) -> Result<bool, LookupError> {
         if !self.is_locked {
             return Ok(false);
@@ -119,14 +117,13 @@ impl Shown {
         }
     }
 
-    /// Whether it is known where the marker is.
     pub(super) fn is_located(&self) -> bool {
         self.fixed_from_reference.is_some()
     }
 
     fn locate(&mut self, world: &World<'_>) -> Result<bool, LookupError> {
         let before = self.fixed_from_reference.take();
-        // A stamp other than zero has brought the marker to the fixed frame already.
+        // A marker with a stamp is in the fixed frame already.
         let place = if self.frame == world.fixed_frame {
             Isometry3::identity()
         } else {
