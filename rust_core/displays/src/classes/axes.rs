@@ -26,20 +26,14 @@ pub(crate) struct AxesDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &AxesSettings) -> AxesDisplay {
-    AxesDisplay::new(display, settings.clone())
-}
-
-impl AxesDisplay {
-    pub(crate) fn new(display: DisplayId, settings: AxesSettings) -> Self {
-        Self {
-            display,
-            materials: axes_materials(settings.alpha),
-            trail: settings.show_trail.then(Trail::default),
-            settings,
-            place: None,
-            drawables: Vec::new(),
-            statuses: Statuses::default(),
-        }
+    AxesDisplay {
+        display,
+        materials: axes_materials(settings.alpha),
+        trail: settings.show_trail.then(Trail::default),
+        settings: settings.clone(),
+        place: None,
+        drawables: Vec::new(),
+        statuses: Statuses::default(),
     }
 }
 

@@ -56,25 +56,21 @@ pub(crate) struct EffortDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &EffortSettings) -> EffortDisplay {
-    EffortDisplay::new(display, settings.clone())
+    let mut statuses = Statuses::default();
+    EffortDisplay {
+        display,
+        description: RobotDescription::new(&settings.robot_description, &mut statuses),
+        settings: settings.clone(),
+        joints: None,
+        received: 0,
+        shown: VecDeque::new(),
+        drawables: Vec::new(),
+        changed: false,
+        statuses,
+    }
 }
 
 impl EffortDisplay {
-    pub(crate) fn new(display: DisplayId, settings: EffortSettings) -> Self {
-        let mut statuses = Statuses::default();
-        Self {
-            display,
-            description: RobotDescription::new(&settings.robot_description, &mut statuses),
-            settings,
-            joints: None,
-            received: 0,
-            shown: VecDeque::new(),
-            drawables: Vec::new(),
-            changed: false,
-            statuses,
-        }
-    }
-
     fn show(&mut self, message: &JointState, world: &World<'_>) {
         let Some(joints) = &self.joints else { return };
         if message.name.len() != message.effort.len() {
@@ -228,7 +224,7 @@ mod tests {
         fn new(settings: EffortSettings) -> Self {
             let mut world = TestWorld::at(Time::ZERO);
             world.place_static("b", [1.0, 2.0, 3.0]);
-            Self { display: EffortDisplay::new(0, settings), world }
+            Self { display: create(0, &settings), world }
         }
 
         fn describe(&mut self) {

@@ -26,19 +26,13 @@ pub(crate) struct GridDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &GridSettings) -> GridDisplay {
-    GridDisplay::new(display, settings.clone())
-}
-
-impl GridDisplay {
-    pub(crate) fn new(display: DisplayId, settings: GridSettings) -> Self {
-        let count = line_count(&settings);
-        let geometry = (count <= MAX_LINES).then(|| geometry(&settings));
-        let mut statuses = Statuses::default();
-        if geometry.is_none() {
-            statuses.set(Level::Error, "Grid", format!("{count} lines are too many, at most {MAX_LINES} are drawn"));
-        }
-        Self { display, settings, geometry, place: None, drawables: Vec::new(), statuses }
+    let count = line_count(settings);
+    let geometry = (count <= MAX_LINES).then(|| geometry(settings));
+    let mut statuses = Statuses::default();
+    if geometry.is_none() {
+        statuses.set(Level::Error, "Grid", format!("{count} lines are too many, at most {MAX_LINES} are drawn"));
     }
+    GridDisplay { display, settings: settings.clone(), geometry, place: None, drawables: Vec::new(), statuses }
 }
 
 impl Display for GridDisplay {
@@ -179,7 +173,7 @@ mod tests {
             [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (10, 85_788), (2000, 1)]
         {
             let settings = GridSettings { plane_cell_count, normal_cell_count, ..GridSettings::default() };
-            let mut display = GridDisplay::new(0, settings);
+            let mut display = create(0, &settings);
             assert!(!display.update(&world.get()) && display.drawables().is_empty());
             let status = display.statuses().get("Grid").unwrap();
             assert!(status.level == Level::Error && status.text.contains("too many"), "{}", status.text);

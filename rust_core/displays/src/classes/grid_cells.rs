@@ -32,20 +32,16 @@ pub(crate) struct GridCellsDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &PlainColorSettings) -> GridCellsDisplay {
-    GridCellsDisplay::new(display, settings.clone())
+    GridCellsDisplay {
+        display,
+        incoming: WaitingMessages::new(settings.queue_size),
+        settings: settings.clone(),
+        drawables: Vec::new(),
+        statuses: Statuses::default(),
+    }
 }
 
 impl GridCellsDisplay {
-    pub(crate) fn new(display: DisplayId, settings: PlainColorSettings) -> Self {
-        Self {
-            display,
-            incoming: WaitingMessages::new(settings.queue_size),
-            settings,
-            drawables: Vec::new(),
-            statuses: Statuses::default(),
-        }
-    }
-
     /// Drawables of the cells; none, with a status, if a number is NaN or infinite.
     fn tiles(&mut self, cells: &GridCells, fixed_from_cells: &Isometry3<f64>) -> Vec<Drawable> {
         let is_finite = |cell: &Point| [cell.x, cell.y, cell.z].iter().all(|value| value.is_finite());
@@ -149,7 +145,7 @@ mod tests {
 
     #[test]
     fn cells_without_finite_positions_or_without_size_are_reported_as_in_rviz() {
-        let mut display = GridCellsDisplay::new(0, PlainColorSettings::default());
+        let mut display = create(0, &PlainColorSettings::default());
         let here = Isometry3::identity();
         assert_eq!(display.tiles(&cells(0.1, 0.2, 1.0), &here).len(), 1);
         assert_eq!(topic_status(&display), None);
@@ -167,7 +163,7 @@ mod tests {
 
     #[test]
     fn translucent_cells_are_drawn_twice() {
-        let mut display = GridCellsDisplay::new(0, PlainColorSettings { alpha: 0.5, ..PlainColorSettings::default() });
+        let mut display = create(0, &PlainColorSettings { alpha: 0.5, ..PlainColorSettings::default() });
         assert_eq!(display.tiles(&cells(0.1, 0.2, 1.0), &Isometry3::identity()).len(), 2);
     }
 }

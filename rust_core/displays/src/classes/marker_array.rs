@@ -6,5 +6,5 @@ use rcs_scene::DisplayId;
 use crate::classes::marker::MarkerDisplay;
 
 pub(crate) fn create(display: DisplayId, settings: &MarkerSettings) -> MarkerDisplay {
-    MarkerDisplay::array(display, settings.clone())
+    MarkerDisplay::new(display, settings.clone(), false)
 }

@@ -32,20 +32,16 @@ pub(crate) struct PathDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> PathDisplay {
-    PathDisplay::new(display, settings.clone())
+    PathDisplay {
+        display,
+        incoming: WaitingMessages::new(settings.queue_size),
+        history: MessageHistory::new(Some(settings.buffer_length)),
+        settings: settings.clone(),
+        statuses: Statuses::default(),
+    }
 }
 
 impl PathDisplay {
-    pub(crate) fn new(display: DisplayId, settings: PathSettings) -> Self {
-        Self {
-            display,
-            incoming: WaitingMessages::new(settings.queue_size),
-            history: MessageHistory::new(Some(settings.buffer_length)),
-            settings,
-            statuses: Statuses::default(),
-        }
-    }
-
     /// Poses in the fixed frame with the display's offset; `None` where a number is NaN or infinite.
     fn poses(&self, path: &Path, fixed_from_path: &Isometry3<f64>) -> Option<Vec<Isometry3<f64>>> {
         let offset = Translation3::from(Vector3::from(self.settings.offset_m).cast::<f64>());

@@ -95,7 +95,7 @@ impl Statuses {
     /// The name of the status of a display whose class is not drawn.
     pub const CLASS: &'static str = "Class";
     /// The name of the status of a display that panicked.
-    pub const FAULT: &'static str = "Fault";
+    pub(crate) const FAULT: &'static str = "Fault";
 
     /// Sets a status.
     pub fn set(&mut self, level: Level, name: &str, text: impl Into<StatusText>) {

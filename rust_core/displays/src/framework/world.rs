@@ -119,7 +119,7 @@ impl<'a> World<'a> {
     ///
     /// # Errors
     /// See [`LookupError`].
-    pub fn fixed_from_header(&self, header: &Header) -> Result<Isometry3<f64>, LookupError> {
+    pub(crate) fn fixed_from_header(&self, header: &Header) -> Result<Isometry3<f64>, LookupError> {
         self.fixed_from(&header.frame_id, stamp(header))
     }
 }

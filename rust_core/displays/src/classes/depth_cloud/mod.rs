@@ -11,7 +11,6 @@ mod tests;
 
 use std::sync::Arc;
 
-use nalgebra::Isometry3;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_rviz_config::DepthCloudSettings;
@@ -26,12 +25,6 @@ use crate::parts::compressed_image::unpack_image;
 use crate::{Level, Status, StatusText, Statuses, World};
 use pairs::{Pairs, COLOR, DEPTH};
 use projection::{Occlusion, Shadows};
-
-/// Motion of a camera after which its shadows are forgotten.
-const MOVED_M: f64 = 0.01;
-
-/// Like [`MOVED_M`], for rotation.
-const TURNED_DEG: f64 = 0.5;
 
 /// The smallest size of a point, in metres a metre of depth.
 const MIN_AUTO_SIZE: f32 = 0.0001;
@@ -49,7 +42,6 @@ pub(crate) struct DepthCloudDisplay {
     ready: Vec<(Arc<Image>, Option<Arc<Image>>)>,
     received: u64,
     shadows: Shadows,
-    shadows_seen_from: Option<Isometry3<f64>>,
     clouds: Clouds,
     statuses: Statuses,
 }
@@ -79,41 +71,36 @@ fn info_topic(image_topic: &str) -> String {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &DepthCloudSettings) -> DepthCloudDisplay {
-    DepthCloudDisplay::new(display, settings.clone())
+    let mut statuses = Statuses::default();
+    let queue_size = settings.cloud.queue_size;
+    let mut request = |topic: &str, transport: &str| {
+        transported(topic, transport, queue_size).unwrap_or_else(|text| {
+            statuses.set(Level::Error, "Message", text);
+            None
+        })
+    };
+    let depth = request(&settings.depth_topic, &settings.depth_transport);
+    let color = request(&settings.color_topic, &settings.color_transport).filter(|_| depth.is_some());
+    let info = depth
+        .as_ref()
+        .and_then(|_| TopicRequest::new(&info_topic(&settings.depth_topic), MessageKind::CameraInfo, queue_size));
+    DepthCloudDisplay {
+        depth,
+        color,
+        info,
+        waiting: WaitingQueue::new(bounded(queue_size)),
+        pairs: Pairs::new(queue_size),
+        last_info: None,
+        ready: Vec::new(),
+        received: 0,
+        shadows: Shadows::default(),
+        clouds: Clouds::new(display, settings.cloud.clone(), NonFinite::FarAway),
+        settings: settings.clone(),
+        statuses,
+    }
 }
 
 impl DepthCloudDisplay {
-    pub(crate) fn new(display: DisplayId, settings: DepthCloudSettings) -> Self {
-        let mut statuses = Statuses::default();
-        let queue_size = settings.cloud.queue_size;
-        let mut request = |topic: &str, transport: &str| {
-            transported(topic, transport, queue_size).unwrap_or_else(|text| {
-                statuses.set(Level::Error, "Message", text);
-                None
-            })
-        };
-        let depth = request(&settings.depth_topic, &settings.depth_transport);
-        let color = request(&settings.color_topic, &settings.color_transport).filter(|_| depth.is_some());
-        let info = depth
-            .as_ref()
-            .and_then(|_| TopicRequest::new(&info_topic(&settings.depth_topic), MessageKind::CameraInfo, queue_size));
-        Self {
-            depth,
-            color,
-            info,
-            waiting: WaitingQueue::new(bounded(queue_size)),
-            pairs: Pairs::new(queue_size),
-            last_info: None,
-            ready: Vec::new(),
-            received: 0,
-            shadows: Shadows::default(),
-            shadows_seen_from: None,
-            clouds: Clouds::new(display, settings.cloud.clone(), NonFinite::FarAway),
-            settings,
-            statuses,
-        }
-    }
-
     /// The image of a message, unpacked; `None` for one of another topic or transport, and with a status for one that
     /// cannot be unpacked.
     fn image(&mut self, is_depth: bool, topic: &str, message: &AnyMessage) -> Option<Arc<Image>> {
@@ -171,10 +158,7 @@ impl DepthCloudDisplay {
         let shadows = if self.settings.occlusion_compensation {
             let place = world.fixed_from_header(&depth.header);
             let place = place.map_err(|_| frame::transform_failed(&depth.header.frame_id, world))?;
-            if self.shadows_seen_from.is_none_or(|before| has_moved(&before, &place)) {
-                self.shadows_seen_from = Some(place);
-                self.shadows.clear();
-            }
+            self.shadows.follow(&place);
             let occlusion = Occlusion { now: world.now, timeout_secs: self.settings.occlusion_timeout_secs };
             Some((&mut self.shadows, occlusion))
         } else {
@@ -191,11 +175,6 @@ impl DepthCloudDisplay {
         }
         Ok(decoded)
     }
-}
-
-fn has_moved(before: &Isometry3<f64>, now: &Isometry3<f64>) -> bool {
-    (now.translation.vector - before.translation.vector).norm() > MOVED_M
-        || before.rotation.angle_to(&now.rotation).to_degrees() > TURNED_DEG
 }
 
 impl Display for DepthCloudDisplay {

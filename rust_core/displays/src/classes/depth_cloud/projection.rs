@@ -3,6 +3,7 @@
 //! A pixel's point lies on the ray of the CameraInfo's P, at the depth along z. With occlusion compensation each pixel
 //! also remembers the last occluded point, in half its brightness: its shadow.
 
+use nalgebra::Isometry3;
 use rcs_messages::sensor_msgs::{CameraInfo, PointField};
 use rcs_messages::{pooled_bytes, Image, PointCloud2};
 use rcs_transforms::Time;
@@ -16,6 +17,12 @@ const POINT_LEN: usize = 16;
 /// Distance by which a point must be nearer than the one before it to leave a shadow.
 const SHADOW_DISTANCE_M: f32 = 0.01;
 
+/// Motion of a camera after which its shadows are forgotten.
+const MOVED_M: f64 = 0.01;
+
+/// Like [`MOVED_M`], for rotation.
+const TURNED_DEG: f64 = 0.5;
+
 /// White, where there is no colour image.
 const WHITE: u32 = 0x00ff_ffff;
 
@@ -24,6 +31,7 @@ const WHITE: u32 = 0x00ff_ffff;
 pub(super) struct Shadows {
     size_px: [u32; 2],
     pixels: Vec<Option<Shadow>>,
+    fixed_from_camera: Option<Isometry3<f64>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +46,14 @@ impl Shadows {
         self.pixels.clear();
     }
 
+    /// Removes all shadows when the camera has moved.
+    pub(super) fn follow(&mut self, fixed_from_camera: &Isometry3<f64>) {
+        if self.fixed_from_camera.is_none_or(|before| has_moved(&before, fixed_from_camera)) {
+            self.fixed_from_camera = Some(*fixed_from_camera);
+            self.clear();
+        }
+    }
+
     fn fit(&mut self, size_px: [u32; 2], count: usize) {
         if self.size_px != size_px || self.pixels.len() != count {
             self.size_px = size_px;
@@ -45,6 +61,11 @@ impl Shadows {
             self.pixels.resize(count, None);
         }
     }
+}
+
+fn has_moved(before: &Isometry3<f64>, now: &Isometry3<f64>) -> bool {
+    (now.translation.vector - before.translation.vector).norm() > MOVED_M
+        || before.rotation.angle_to(&now.rotation).to_degrees() > TURNED_DEG
 }
 
 /// Lifetime of shadows, and the time now.

@@ -9,7 +9,7 @@ use rcs_rviz_config::DepthCloudSettings;
 use rcs_scene::{Geometry, PointStyle, Points};
 use rcs_transforms::Time;
 
-use super::DepthCloudDisplay;
+use super::{create, DepthCloudDisplay};
 use crate::framework::display::Display;
 use crate::framework::test_world::TestWorld;
 use crate::Level;
@@ -24,7 +24,7 @@ impl Bench {
     fn new(settings: DepthCloudSettings) -> Self {
         let settings = DepthCloudSettings { depth_topic: "/cam/depth/image".to_owned(), ..settings };
         let world = TestWorld::at(Time::from_secs_nanos(1, 0));
-        let mut bench = Self { display: DepthCloudDisplay::new(0, settings), world };
+        let mut bench = Self { display: create(0, &settings), world };
         bench.place(0, 0.0);
         bench
     }
@@ -222,9 +222,9 @@ fn hidden_points_stay_darkened_until_they_are_too_old_or_the_camera_moves() {
 #[test]
 fn transports_have_topics_of_their_own() {
     let topics = |depth_transport: &str, color_transport: &str| {
-        let display = DepthCloudDisplay::new(
+        let display = create(
             0,
-            DepthCloudSettings {
+            &DepthCloudSettings {
                 depth_topic: "/cam/depth/image".to_owned(),
                 depth_transport: depth_transport.to_owned(),
                 color_transport: color_transport.to_owned(),

@@ -14,7 +14,6 @@
 //! nothing until it is reset.
 
 mod batch;
-mod checks;
 mod client;
 mod complete;
 mod control;
@@ -60,27 +59,23 @@ pub(crate) struct InteractiveMarkersDisplay {
 struct Fatal(String, &'static str);
 
 pub(crate) fn create(display: DisplayId, settings: &InteractiveMarkersSettings) -> InteractiveMarkersDisplay {
-    InteractiveMarkersDisplay::new(display, settings.clone())
+    let mut statuses = Statuses::default();
+    let client = Client::new(settings.enable_transparency, &mut statuses);
+    let mut shown = InteractiveMarkersDisplay {
+        display,
+        settings: settings.clone(),
+        client,
+        markers: BTreeMap::new(),
+        drawables: Vec::new(),
+        statuses,
+        changed: false,
+        meshes_version: 0,
+    };
+    shown.check_topic();
+    shown
 }
 
 impl InteractiveMarkersDisplay {
-    pub(crate) fn new(display: DisplayId, settings: InteractiveMarkersSettings) -> Self {
-        let mut statuses = Statuses::default();
-        let client = Client::new(settings.enable_transparency, &mut statuses);
-        let mut shown = Self {
-            display,
-            settings,
-            client,
-            markers: BTreeMap::new(),
-            drawables: Vec::new(),
-            statuses,
-            changed: false,
-            meshes_version: 0,
-        };
-        shown.check_topic();
-        shown
-    }
-
     fn check_topic(&mut self) {
         let topic = &self.settings.update_topic;
         if self.settings.namespace().is_none() && !topic.is_empty() {
@@ -121,7 +116,7 @@ impl InteractiveMarkersDisplay {
     fn add(&mut self, server: &str, markers: &[InteractiveMarker], world: &World<'_>) -> Result<(), Fatal> {
         let shown = self.markers.entry(server.to_owned()).or_default();
         for marker in markers {
-            if !checks::is_finite(marker) {
+            if !complete::is_finite(marker) {
                 self.statuses.set(Level::Error, &marker.name, "Marker contains invalid floats!");
                 continue;
             }
@@ -142,9 +137,9 @@ impl InteractiveMarkersDisplay {
     fn set_poses(&mut self, server: &str, poses: &[InteractiveMarkerPose], world: &World<'_>) -> Result<(), Fatal> {
         let shown = self.markers.entry(server.to_owned()).or_default();
         for message in poses {
-            let refused = if !checks::is_finite_pose(&message.pose) {
+            let refused = if !complete::is_finite_pose(&message.pose) {
                 Some("Pose message contains invalid floats!")
-            } else if !checks::is_rotation(&message.pose.orientation) {
+            } else if !complete::is_rotation(&message.pose.orientation) {
                 Some("Pose message contains invalid quaternions (length not equal to 1)!")
             } else {
                 None

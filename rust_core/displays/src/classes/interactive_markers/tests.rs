@@ -14,7 +14,7 @@ use rcs_rviz_config::InteractiveMarkersSettings;
 use rcs_scene::{Blending, Geometry};
 use rcs_transforms::{Time, TransformTree};
 
-use super::InteractiveMarkersDisplay;
+use super::{create, InteractiveMarkersDisplay};
 use crate::framework::display::Display;
 use crate::framework::test_world::{TestWorld, STL};
 use crate::{Level, StatusCause, Statuses};
@@ -27,10 +27,7 @@ struct Bench {
 
 impl Bench {
     fn with(settings: InteractiveMarkersSettings) -> Self {
-        Self {
-            display: InteractiveMarkersDisplay::new(3, settings),
-            world: TestWorld::at(Time::from_secs_nanos(100, 0)),
-        }
+        Self { display: create(3, &settings), world: TestWorld::at(Time::from_secs_nanos(100, 0)) }
     }
 
     fn new() -> Self {

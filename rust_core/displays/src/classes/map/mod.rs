@@ -56,20 +56,24 @@ struct Map {
 struct Refusal(String);
 
 pub(crate) fn create(display: DisplayId, settings: &MapSettings) -> MapDisplay {
-    MapDisplay::new(display, settings.clone())
+    let mut statuses = Statuses::default();
+    statuses.set(Level::Warn, "Message", "No map received");
+    if !settings.topic.is_empty() {
+        statuses.set(Level::Ok, Statuses::TOPIC, "OK");
+        statuses.set(Level::Ok, "Update Topic", "OK");
+    }
+    MapDisplay {
+        display,
+        settings: settings.clone(),
+        shown: None,
+        is_latest: false,
+        is_new: false,
+        drawables: Vec::new(),
+        statuses,
+    }
 }
 
 impl MapDisplay {
-    pub(crate) fn new(display: DisplayId, settings: MapSettings) -> Self {
-        let mut statuses = Statuses::default();
-        statuses.set(Level::Warn, "Message", "No map received");
-        if !settings.topic.is_empty() {
-            statuses.set(Level::Ok, Statuses::TOPIC, "OK");
-            statuses.set(Level::Ok, "Update Topic", "OK");
-        }
-        Self { display, settings, shown: None, is_latest: false, is_new: false, drawables: Vec::new(), statuses }
-    }
-
     fn take_map(&mut self, grid: &OccupancyGrid) {
         self.is_latest = false;
         // rviz silently waits for a map with cells.

@@ -9,7 +9,7 @@ use rcs_rviz_config::{MapPalette, MapSettings};
 use rcs_scene::{Blending, CellSheet, Geometry, RenderGroup};
 use rcs_transforms::Time;
 
-use super::MapDisplay;
+use super::{create, MapDisplay};
 use crate::framework::display::Display;
 use crate::framework::test_world::TestWorld;
 use crate::{Level, Statuses};
@@ -24,7 +24,7 @@ impl Bench {
     fn new(mut settings: MapSettings) -> Self {
         "/map".clone_into(&mut settings.topic);
         let world = TestWorld::fixed_in("odom", Time::from_secs_nanos(9, 0));
-        let mut bench = Self { display: MapDisplay::new(0, settings), world };
+        let mut bench = Self { display: create(0, &settings), world };
         bench.place(1, 0.0);
         bench
     }
@@ -198,11 +198,11 @@ fn only_an_opaque_map_that_is_not_behind_hides_anything() {
 
 #[test]
 fn changes_come_on_a_topic_of_their_own() {
-    let display = MapDisplay::new(0, MapSettings { topic: "/map".to_owned(), ..MapSettings::default() });
+    let display = create(0, &MapSettings { topic: "/map".to_owned(), ..MapSettings::default() });
     let topics: Vec<_> = display.topics().into_iter().map(|request| (request.topic, request.kind)).collect();
     let expected = [("/map", MessageKind::OccupancyGrid), ("/map_updates", MessageKind::OccupancyGridUpdate)];
     assert_eq!(topics, expected.map(|(topic, kind)| (topic.to_owned(), kind)));
-    assert!(MapDisplay::new(0, MapSettings::default()).topics().is_empty());
+    assert!(create(0, &MapSettings::default()).topics().is_empty());
 }
 
 #[test]

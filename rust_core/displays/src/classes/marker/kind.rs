@@ -1,16 +1,20 @@
 //! The kinds of markers, and their primitives.
 
+use std::sync::Arc;
+
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_messages::PlainTransform;
 use rcs_resources::MeshStore;
+use rcs_scene::{HorizontalAlignment, Text, VerticalAlignment};
 
 use super::arrow::ArrowMarker;
 use super::mesh::{MeshMarker, NotShown};
+use super::message_fields::rgba;
 use super::primitive::Parts;
 use super::shape::SolidMarker;
 use super::triangles::TriangleMarker;
-use super::{lines, point_lists, text};
+use super::{lines, point_lists};
 use crate::framework::world::isometry;
 use crate::SolidShape;
 
@@ -62,7 +66,7 @@ impl MarkerKind {
             Self::LineStrip => Parts::of(lines::strip(marker)),
             Self::LineList => Parts::of(lines::list(marker)),
             Self::Points => Parts::of(point_lists::primitives(marker)),
-            Self::Text => text::parts(marker),
+            Self::Text => text_parts(marker),
             Self::Mesh(mesh) => Parts::of(mesh.primitives(marker, meshes)?),
             Self::Triangles(triangles) => Parts::of(triangles.primitives(marker)),
         })
@@ -89,4 +93,10 @@ impl MarkerKind {
         }
         isometry(&pose)
     }
+}
+
+/// TEXT_VIEW_FACING: text centred on the marker's position, `scale.z` high.
+fn text_parts(marker: &Marker) -> Parts {
+    let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
+    Parts::Text(Arc::new(Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment)))
 }

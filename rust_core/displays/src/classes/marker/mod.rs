@@ -21,7 +21,6 @@ mod point_lists;
 mod primitive;
 mod shape;
 mod store;
-mod text;
 mod triangles;
 
 #[cfg(test)]
@@ -84,19 +83,11 @@ pub(crate) struct MarkerDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &MarkerSettings) -> MarkerDisplay {
-    MarkerDisplay::single(display, settings.clone())
+    MarkerDisplay::new(display, settings.clone(), true)
 }
 
 impl MarkerDisplay {
-    fn single(display: DisplayId, settings: MarkerSettings) -> Self {
-        Self::new(display, settings, true)
-    }
-
-    pub(crate) fn array(display: DisplayId, settings: MarkerSettings) -> Self {
-        Self::new(display, settings, false)
-    }
-
-    fn new(display: DisplayId, settings: MarkerSettings, takes_single_markers: bool) -> Self {
+    pub(crate) fn new(display: DisplayId, settings: MarkerSettings, takes_single_markers: bool) -> Self {
         Self {
             display,
             takes_single_markers,

@@ -31,7 +31,7 @@ impl Bench {
     }
 
     fn new() -> Self {
-        Self::with(MarkerDisplay::array(3, MarkerSettings::array_default()))
+        Self::with(MarkerDisplay::new(3, MarkerSettings::array_default(), false))
     }
 
     /// Sends an array, without an update.
@@ -115,10 +115,10 @@ fn diffuse(drawable: &Drawable) -> [f32; 4] {
 
 #[test]
 fn a_marker_display_subscribes_to_markers_and_arrays_and_an_array_display_only_to_arrays() {
-    let single = MarkerDisplay::single(0, MarkerSettings { topic: "/m".to_owned(), ..MarkerSettings::default() });
+    let single = MarkerDisplay::new(0, MarkerSettings { topic: "/m".to_owned(), ..MarkerSettings::default() }, true);
     let subscribed: Vec<_> = single.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
     assert_eq!(subscribed, [("/m".into(), MessageKind::Marker), ("/m_array".into(), MessageKind::MarkerArray)]);
-    let array = MarkerDisplay::array(0, MarkerSettings::array_default());
+    let array = MarkerDisplay::new(0, MarkerSettings::array_default(), false);
     let subscribed: Vec<_> = array.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
     assert_eq!(subscribed, [("visualization_marker_array".to_owned(), MessageKind::MarkerArray)]);
 
@@ -422,7 +422,7 @@ fn delete_all_without_a_frame_comes_before_what_its_array_adds_and_after_earlier
 fn a_namespace_that_is_switched_off_is_not_shown() {
     let mut settings = MarkerSettings::array_default();
     settings.namespaces.insert("n".to_owned(), false);
-    let mut bench = Bench::with(MarkerDisplay::array(0, settings));
+    let mut bench = Bench::with(MarkerDisplay::new(0, settings, false));
     let other = Marker { ns: "new".to_owned(), ..marker(Marker::CUBE, 1) };
     assert_eq!(bench.show(&[marker(Marker::CUBE, 1), other]).len(), 1);
 }
@@ -470,7 +470,7 @@ fn a_locked_marker_follows_its_frame_and_another_stays() {
 #[test]
 fn markers_wait_for_their_frame_and_the_oldest_are_dropped_by_name() {
     let settings = MarkerSettings { queue_size: 2, ..MarkerSettings::array_default() };
-    let mut bench = Bench::with(MarkerDisplay::array(0, settings));
+    let mut bench = Bench::with(MarkerDisplay::new(0, settings, false));
     let waiting: Vec<Marker> = (1..=3)
         .map(|id| {
             let mut marker = marker(Marker::CUBE, id);

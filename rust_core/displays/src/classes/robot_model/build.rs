@@ -32,6 +32,13 @@ pub(super) struct LinkParts {
     pub(super) faults: Vec<String>,
 }
 
+#[derive(Clone, Copy)]
+struct LinkShape<'a> {
+    shape: &'a UrdfShape,
+    link_from_shape: &'a Isometry3<f64>,
+    material: Option<&'a UrdfMaterial>,
+}
+
 /// Material of a link before opacities.
 #[derive(Clone, Debug)]
 struct LinkMaterial {
@@ -88,30 +95,30 @@ impl<'a> Builder<'a> {
 
     /// Parts of a link; `alpha` is the product of the display's and the link's opacity.
     pub(super) fn link(&mut self, link: &Link, alpha: f32) -> LinkParts {
-        let mut pieces = LinkParts::default();
-        let mut look = None;
+        let mut parts = LinkParts::default();
+        let mut current = None;
         for visual in &link.visuals {
-            let material = visual.material.as_deref();
-            let made = self.pieces(&visual.shape, &visual.link_from_shape, material, link, &mut look, alpha);
-            add(made, &mut pieces.visuals, &mut pieces.faults);
+            let (shape, link_from_shape) = (&visual.shape, &visual.link_from_shape);
+            let source = LinkShape { shape, link_from_shape, material: visual.material.as_deref() };
+            add(self.shape_parts(&source, link, &mut current, alpha), &mut parts.visuals, &mut parts.faults);
         }
         for collision in &link.collisions {
-            let made = self.pieces(&collision.shape, &collision.link_from_shape, None, link, &mut look, alpha);
-            add(made, &mut pieces.collisions, &mut pieces.faults);
+            let (shape, link_from_shape) = (&collision.shape, &collision.link_from_shape);
+            let source = LinkShape { shape, link_from_shape, material: None };
+            add(self.shape_parts(&source, link, &mut current, alpha), &mut parts.collisions, &mut parts.faults);
         }
-        pieces
+        parts
     }
 
-    /// Parts of a shape. `look` is the link's last material.
-    fn pieces(
+    /// Parts of a shape. `current` is the link's last material.
+    fn shape_parts(
         &mut self,
-        shape: &UrdfShape,
-        link_from_shape: &Isometry3<f64>,
-        material: Option<&UrdfMaterial>,
+        source: &LinkShape<'_>,
         link: &Link,
-        look: &mut Option<LinkMaterial>,
+        current: &mut Option<LinkMaterial>,
         alpha: f32,
     ) -> Result<Vec<LinkPart>, MissingShape> {
+        let LinkShape { shape, link_from_shape, material } = *source;
         let (mesh, shape_from_object) = match shape {
             UrdfShape::Mesh { url, .. } if url.is_empty() => return Ok(Vec::new()),
             UrdfShape::Mesh { url, scale } => match self.meshes.mesh(url, Retry::No) {
@@ -130,29 +137,29 @@ impl<'a> Builder<'a> {
                 (None, UPRIGHT * scaling([radius_m * 2.0, *length_m, radius_m * 2.0]))
             }
         };
-        if look.is_none() || material.is_some() {
+        if current.is_none() || material.is_some() {
             let first = link.visuals.first().filter(|_| link.has_first_visual);
             let material = material.or_else(|| first?.material.as_deref());
-            *look = Some(self.look(material));
+            *current = Some(self.link_material(material));
         }
-        let look = look.as_ref();
-        if look.is_some_and(|look| look.is_loading) {
+        let current = current.as_ref();
+        if current.is_some_and(|material| material.is_loading) {
             return Err(MissingShape::Loading);
         }
-        let plain = || look.map_or_else(|| Material::lit(UNNAMED), LinkMaterial::material);
+        let plain = || current.map_or_else(|| Material::lit(UNNAMED), LinkMaterial::material);
         let link_from_object = link_from_shape.to_homogeneous() * shape_from_object;
-        let piece = |mesh: Arc<Mesh>, material: Material| LinkPart {
+        let part = |mesh: Arc<Mesh>, material: Material| LinkPart {
             link_from_object,
             mesh,
             material: Arc::new(faded(material, alpha)),
         };
         Ok(match mesh {
-            Some(mesh) => mesh_parts(&mesh, &plain).map(|(mesh, material)| piece(mesh, material)).collect(),
-            None => vec![piece(solid(shape).mesh(), plain())],
+            Some(mesh) => mesh_parts(&mesh, &plain).map(|(mesh, material)| part(mesh, material)).collect(),
+            None => vec![part(solid(shape).mesh(), plain())],
         })
     }
 
-    fn look(&mut self, material: Option<&UrdfMaterial>) -> LinkMaterial {
+    fn link_material(&mut self, material: Option<&UrdfMaterial>) -> LinkMaterial {
         match material {
             None => LinkMaterial { color: UNNAMED, texture: None, is_loading: false },
             Some(material) if material.texture.is_empty() => {
@@ -194,9 +201,9 @@ impl LinkMaterial {
     }
 }
 
-fn add(made: Result<Vec<LinkPart>, MissingShape>, pieces: &mut Vec<LinkPart>, faults: &mut Vec<String>) {
+fn add(made: Result<Vec<LinkPart>, MissingShape>, parts: &mut Vec<LinkPart>, faults: &mut Vec<String>) {
     match made {
-        Ok(made) => pieces.extend(made),
+        Ok(made) => parts.extend(made),
         Err(MissingShape::Loading) => {}
         Err(MissingShape::Failed(fault)) => faults.push(fault),
     }

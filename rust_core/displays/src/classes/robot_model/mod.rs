@@ -37,7 +37,7 @@ const TRAIL_COLOR: [u8; 4] = [0, 127, 127, 255];
 struct ShownLink {
     frame: String,
     settings: LinkSettings,
-    pieces: LinkParts,
+    parts: LinkParts,
     fixed_from_link: Isometry3<f64>,
     /// `true` if its frame is known; `None` before the first update.
     is_placed: Option<bool>,
@@ -47,19 +47,19 @@ struct ShownLink {
 impl ShownLink {
     /// A link without geometry cannot be switched off.
     fn is_shown(&self) -> bool {
-        self.settings.enabled || (self.pieces.visuals.is_empty() && self.pieces.collisions.is_empty())
+        self.settings.enabled || (self.parts.visuals.is_empty() && self.parts.collisions.is_empty())
     }
 
-    fn drawn_pieces<'a>(&'a self, settings: &'a RobotModelSettings) -> impl Iterator<Item = &'a LinkPart> {
+    fn drawn_parts<'a>(&'a self, settings: &'a RobotModelSettings) -> impl Iterator<Item = &'a LinkPart> {
         let is_shown = self.is_shown();
-        let visuals = self.pieces.visuals.iter().filter(move |_| is_shown && settings.visual_enabled);
-        visuals.chain(self.pieces.collisions.iter().filter(move |_| is_shown && settings.collision_enabled))
+        let visuals = self.parts.visuals.iter().filter(move |_| is_shown && settings.visual_enabled);
+        visuals.chain(self.parts.collisions.iter().filter(move |_| is_shown && settings.collision_enabled))
     }
 
     /// Follows its frame. Returns whether its place, or whether the frame is known, changed.
     fn follow(&mut self, settings: &RobotModelSettings, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let has_axes_or_trail = self.is_shown() && (self.settings.show_axes || self.trail.is_some());
-        let is_drawn = has_axes_or_trail || self.drawn_pieces(settings).next().is_some();
+        let is_drawn = has_axes_or_trail || self.drawn_parts(settings).next().is_some();
         // A link that is not drawn has a status only.
         let place = if is_drawn { world.fixed_from_moving(&self.frame) } else { world.fixed_from_now(&self.frame) };
         let place = place.ok();
@@ -104,28 +104,24 @@ pub(crate) struct RobotModelDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &RobotModelSettings) -> RobotModelDisplay {
-    RobotModelDisplay::new(display, settings.clone())
+    let mut statuses = Statuses::default();
+    RobotModelDisplay {
+        display,
+        description: RobotDescription::new(&settings.robot_description, &mut statuses),
+        settings: settings.clone(),
+        links: Vec::new(),
+        unfinished: None,
+        meshes_version: 0,
+        logged: BTreeSet::new(),
+        axes_materials: axes_materials(1.0),
+        unplaced_material: Arc::new(Material { vertex_colors: false, ..Material::unlit(false) }),
+        updated: None,
+        drawables: Vec::new(),
+        statuses,
+    }
 }
 
 impl RobotModelDisplay {
-    pub(crate) fn new(display: DisplayId, settings: RobotModelSettings) -> Self {
-        let mut statuses = Statuses::default();
-        Self {
-            display,
-            description: RobotDescription::new(&settings.robot_description, &mut statuses),
-            settings,
-            links: Vec::new(),
-            unfinished: None,
-            meshes_version: 0,
-            logged: BTreeSet::new(),
-            axes_materials: axes_materials(1.0),
-            unplaced_material: Arc::new(Material { vertex_colors: false, ..Material::unlit(false) }),
-            updated: None,
-            drawables: Vec::new(),
-            statuses,
-        }
-    }
-
     fn load(&mut self, robot: Robot, world: &World<'_>) {
         for name in robot.links.keys() {
             let settings = self.settings.link(name).clone();
@@ -133,7 +129,7 @@ impl RobotModelDisplay {
                 frame: link_frame(&self.settings.tf_prefix, name),
                 trail: settings.show_trail.then(trail_from_origin),
                 settings,
-                pieces: LinkParts::default(),
+                parts: LinkParts::default(),
                 fixed_from_link: Isometry3::identity(),
                 is_placed: None,
             });
@@ -147,10 +143,10 @@ impl RobotModelDisplay {
         let mut builder = Builder::new(&robot, world.meshes, retry, &mut self.logged);
         let mut faults = String::new();
         for (shown, (name, link)) in self.links.iter_mut().zip(&robot.links) {
-            shown.pieces = builder.link(link, self.settings.alpha * shown.settings.alpha);
-            if !shown.pieces.faults.is_empty() {
+            shown.parts = builder.link(link, self.settings.alpha * shown.settings.alpha);
+            if !shown.parts.faults.is_empty() {
                 // Writing to a text does not fail.
-                let _ = write!(faults, "\n• for link '{name}':\n{}", shown.pieces.faults.join("\n"));
+                let _ = write!(faults, "\n• for link '{name}':\n{}", shown.parts.faults.join("\n"));
             }
         }
         let loading = builder.loading();
@@ -191,9 +187,9 @@ impl RobotModelDisplay {
         for link in self.links.iter().filter(|link| link.is_shown()) {
             let fixed_from_link = link.fixed_from_link.to_homogeneous();
             let is_placed = link.is_placed == Some(true);
-            self.drawables.extend(link.drawn_pieces(settings).map(|piece| {
-                let material = if is_placed { &piece.material } else { &self.unplaced_material };
-                placed(display, &fixed_from_link, piece, material)
+            self.drawables.extend(link.drawn_parts(settings).map(|part| {
+                let material = if is_placed { &part.material } else { &self.unplaced_material };
+                placed(display, &fixed_from_link, part, material)
             }));
             if link.settings.show_axes {
                 let (length_m, diameter_m) = AXES_M;
@@ -211,9 +207,9 @@ fn trail_from_origin() -> Trail {
     trail
 }
 
-fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, piece: &LinkPart, material: &Arc<Material>) -> Drawable {
-    let geometry = Geometry::Mesh { mesh: piece.mesh.clone(), material: material.clone() };
-    drawable(display, fixed_from_link * piece.link_from_object, geometry)
+fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, part: &LinkPart, material: &Arc<Material>) -> Drawable {
+    let geometry = Geometry::Mesh { mesh: part.mesh.clone(), material: material.clone() };
+    drawable(display, fixed_from_link * part.link_from_object, geometry)
 }
 
 impl Display for RobotModelDisplay {

@@ -19,7 +19,7 @@ struct Bench {
 
 impl Bench {
     fn new(settings: RobotModelSettings) -> Self {
-        let mut display = RobotModelDisplay::new(0, settings);
+        let mut display = create(0, &settings);
         let world = TestWorld::at(Time::from_secs_f64(10.0));
         display.take_parameter("robot_description", Some(&ROBOT.into()), &world.get());
         Self { display, world }
@@ -138,7 +138,7 @@ fn links_appear_as_their_meshes_and_textures_are_loaded() {
     }
     // Links that move once in an hour appear all the same.
     let settings = RobotModelSettings { update_interval_secs: 3600.0, ..RobotModelSettings::default() };
-    let mut display = RobotModelDisplay::new(0, settings);
+    let mut display = create(0, &settings);
     display.take_parameter("robot_description", Some(&description.into()), &world.get());
     assert!(display.update(&world.get()));
     assert_eq!(display.drawables().len(), 1, "the sphere");

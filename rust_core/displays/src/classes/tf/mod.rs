@@ -79,22 +79,18 @@ pub(crate) struct TfDisplay {
 }
 
 pub(crate) fn create(display: DisplayId, settings: &TfSettings) -> TfDisplay {
-    TfDisplay::new(display, settings.clone())
+    TfDisplay {
+        display,
+        symbols: Symbols::new(settings),
+        settings: settings.clone(),
+        frames: BTreeMap::new(),
+        last_update: None,
+        drawables: Vec::new(),
+        statuses: Statuses::default(),
+    }
 }
 
 impl TfDisplay {
-    pub(crate) fn new(display: DisplayId, settings: TfSettings) -> Self {
-        Self {
-            display,
-            symbols: Symbols::new(&settings),
-            settings,
-            frames: BTreeMap::new(),
-            last_update: None,
-            drawables: Vec::new(),
-            statuses: Statuses::default(),
-        }
-    }
-
     /// Shortest time between two updates. Within the same instant all is updated again: there, a bag may hold many
     /// messages.
     fn interval(&self) -> Duration {

@@ -18,7 +18,7 @@ fn at(secs: f64) -> Time {
 
 impl Bench {
     fn new(settings: TfSettings) -> Self {
-        Self { display: TfDisplay::new(0, settings), world: TestWorld::at(at(0.0)) }
+        Self { display: create(0, &settings), world: TestWorld::at(at(0.0)) }
     }
 
     fn publish(&mut self, parent: &str, child: &str, secs: f64, x: f64, is_static: bool) {
