@@ -49,4 +49,4 @@ pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Facing, FacingPart, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
-pub use threads::{join_within, name_threads, wait_while, IDLE_PERIOD};
+pub use threads::{join_within, lock, name_threads, wait_timeout, wait_while, IDLE_PERIOD};

@@ -1,4 +1,4 @@
-//! Bounded waits of idle threads and for threads that were asked to end, and the names of the worker threads.
+//! Locks, bounded waits of idle threads and for threads that were asked to end, and the names of the worker threads.
 //!
 //! Should a wake-up ever be missed, the thread finds its work after [`IDLE_PERIOD`]: a minute late, and not never.
 
@@ -11,6 +11,16 @@ pub const IDLE_PERIOD: Duration = Duration::from_secs(60);
 
 /// Polling period while a thread is to end.
 const END_PERIOD: Duration = Duration::from_millis(2);
+
+/// Locks a mutex whose value is valid even after another thread panicked.
+pub fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Waits until `changed` is notified, at most for `timeout`; also after another thread panicked.
+pub fn wait_timeout<'a, T>(changed: &Condvar, guard: MutexGuard<'a, T>, timeout: Duration) -> MutexGuard<'a, T> {
+    changed.wait_timeout(guard, timeout).unwrap_or_else(PoisonError::into_inner).0
+}
 
 /// Waits while the guarded value is idle: until a wake-up through `changed`, or for [`IDLE_PERIOD`], and again.
 pub fn wait_while<'a, T>(
