@@ -1,5 +1,6 @@
 //! The programs. Those with a crate of their own are only named in [`all_programs`].
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod all_programs;
 pub mod projector;

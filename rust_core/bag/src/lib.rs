@@ -9,6 +9,7 @@
 //! do, is in the crate `rcs_test_support`.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod bounded_file;
 mod chunked;

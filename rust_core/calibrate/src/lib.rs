@@ -1,5 +1,6 @@
 //! `projector_calibrate`: a projector's intrinsics and pose, measured and checked. One file or folder for each command.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod arguments;
 mod clicks;

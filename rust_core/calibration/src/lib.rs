@@ -5,6 +5,7 @@
 //! y down). Transforms are named `target_from_source`.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod blend;
 mod crossings;

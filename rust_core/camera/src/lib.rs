@@ -11,6 +11,7 @@
 //! No messages, no topics, no windows and no drawing: plain numbers and bytes in and out. Pixels, lengths and frames
 //! are those of [`rcs_scene`] and [`rcs_calibration`].
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod call_pacing;
 mod depth_buffer;

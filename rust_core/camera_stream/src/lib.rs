@@ -1,4 +1,6 @@
 //! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod camera;
 pub mod check;

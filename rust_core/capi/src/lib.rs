@@ -14,7 +14,7 @@
 //! Numbers from C that stand for one of a few (an encoding, a truth value) are taken as numbers and checked: a Rust
 //! `enum` or `bool` of another value would be undefined behaviour.
 
-#![cfg_attr(not(test), warn(clippy::multiple_unsafe_ops_per_block, clippy::panic))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::multiple_unsafe_ops_per_block, clippy::panic))]
 
 mod camera;
 mod config_report;

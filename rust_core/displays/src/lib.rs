@@ -4,6 +4,7 @@
 //! displays, and hands out the [`rcs_scene::Scene`] that every camera looks at. Nothing here connects to
 //! ROS, reads a clock or draws: the picture is a function of the config, the messages and a time.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod classes;
 mod framework;

@@ -3,6 +3,7 @@
 //! clouds ([`pcd`]) and pictures ([`picture_file`], with marks drawn by [`canvas`]).
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod atomic_file;
 pub mod blend_file;

@@ -10,6 +10,7 @@
 //! This project's crates log information and worse, all others only errors. `RUST_LOG` overrides that in env_logger's
 //! syntax (`RUST_LOG=rcs_ros=debug`), and the node's service `~set_logger_level` overrides both.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod format;
 mod lines;

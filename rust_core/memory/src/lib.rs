@@ -12,6 +12,7 @@
 //!
 //! [`mallopt`]: https://man7.org/linux/man-pages/man3/mallopt.3.html
 //! [`malloc_trim`]: https://man7.org/linux/man-pages/man3/malloc_trim.3.html
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[path = "glibc.rs"]

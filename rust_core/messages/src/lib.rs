@@ -14,6 +14,7 @@
 //! the crate `rcs_ros`, which runs code for a type that is known at run time through [`MessageKind::visit`].
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod any;
 mod bayer;

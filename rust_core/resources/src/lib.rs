@@ -9,6 +9,7 @@
 //! Loading a mesh: [`MeshStore`] → `import/stl|obj|collada|ply|gltf` (polygons and materials) → `import/process`
 //! (triangles, normals, invalid data) → `assemble` (rviz's transforms and materials).
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod assemble;
 mod error;

@@ -4,6 +4,7 @@
 //! named `target_from_source`; a joint turns right-handed about its axis.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod aim;
 mod chain;

@@ -110,6 +110,7 @@ impl Warned {
     }
 }
 
+#[expect(clippy::disallowed_methods, reason = "the socket is non-blocking: `poll` has waited")]
 fn accept<S>(listener: &TcpListener, is_ended: &AtomicBool, name: &str, limits: Limits, serve: &Arc<S>)
 where
     S: Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,

@@ -42,6 +42,7 @@
 //! | `fuzzing` | the readers of foreign bytes by themselves, for `tests/fuzz_harness` |
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod acceptor;
 mod clock;

@@ -48,6 +48,7 @@ fn listening_address(host: &str, is_chosen: bool) -> IpAddr {
     if let Ok(ip) = host.parse::<IpAddr>() {
         return if is_own(&ip) { ip } else { every };
     }
+    #[expect(clippy::disallowed_methods, reason = "the resolver has limits, and the start can be cancelled")]
     let addresses = (host, 0).to_socket_addrs().map(Vec::from_iter).unwrap_or_default();
     // Other nodes use version 4.
     let reachable = addresses.iter().map(SocketAddr::ip).filter(|ip| ip.is_ipv4() && !ip.is_loopback());

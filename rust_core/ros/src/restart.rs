@@ -18,6 +18,7 @@ pub fn restart<V: AsRef<OsStr>>(arguments: impl IntoIterator<Item = OsString>, e
         Err(error) => return error,
     };
     let called = std::env::args_os().next().unwrap_or_default();
+    #[expect(clippy::disallowed_methods, reason = "this program again, without a shell")]
     let mut command = Command::new(by_its_name(program, Path::new(&called)));
     command.arg0(called);
     command.args(arguments).envs(environment.iter().map(|(name, value)| (name, value))).exec()

@@ -16,6 +16,7 @@
 //! Defaults, ranges and conversions are rviz 1.14.19's: a missing key leaves the display's default, a number out of
 //! range is clamped, text that is no number counts as 0, an unknown choice is the first of the list.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 #[macro_use]
 mod properties;

@@ -1,5 +1,6 @@
 //! The programs of the paper's samples: aim a turret, keep the line of sight free, draw a path as arrows, publish a cloud.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod line_of_sight;
 pub mod nav_path_markers;

@@ -5,6 +5,7 @@
 //! bring simulated ones. [`recorded::scan`] is the scan of a bag. Both share the checks of the images. No ROS master,
 //! no window.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod camera_messages;
 mod coarse_code;

@@ -9,6 +9,7 @@
 //! `f32` for geometry in an object's own frame, `f64` for where the object stands. The view frame is OpenGL's: x to
 //! the right, y up, looking along negative z.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod camera;
 mod cells;

@@ -105,6 +105,7 @@ impl VideoFile {
     /// # Errors
     /// [`VideoError`] if there is no ffmpeg.
     pub fn create(file: &Path, rate_hz: f64) -> Result<Self, VideoError> {
+        #[expect(clippy::disallowed_methods, reason = "the encoder, without a shell")]
         let mut version = Command::new(ENCODER);
         version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let mut child = version.spawn().map_err(|source| run_error(file, source))?;
@@ -116,6 +117,7 @@ impl VideoFile {
     }
 
     fn start(&self, size_px: [u32; 2], encoding: Encoding) -> Result<Running, VideoError> {
+        #[expect(clippy::disallowed_methods, reason = "the encoder, without a shell")]
         let mut command = Command::new(ENCODER);
         command.args(arguments(size_px, encoding, self.rate_hz, &self.unfinished));
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());

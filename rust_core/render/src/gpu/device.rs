@@ -85,6 +85,7 @@ impl Device {
         let name = format!("{}, {}", info.name, info.backend);
         let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
         let descriptor = wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };
+        #[expect(clippy::disallowed_methods, reason = "the driver's start; a second signal ends the program")]
         let (wgpu, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| RenderError::Gpu { adapter: name.clone(), reason: error.to_string() })?;
         let faults = Faults::default();
@@ -204,6 +205,7 @@ impl Device {
     }
 }
 
+#[expect(clippy::disallowed_methods, reason = "the driver's start; a second signal ends the program")]
 fn adapters(backends: Backends) -> Vec<Adapter> {
     if backends.is_empty() {
         return Vec::new();

@@ -353,6 +353,7 @@ fn connect_to(link: &Link, wanted: &Wanted, handler: &dyn Handler) -> Result<(Tc
     handler.contacted(&link.uri);
     let address = format!("{host}:{port}");
     let failed = |error| LinkError::Connect { address: address.clone(), error };
+    #[expect(clippy::disallowed_methods, reason = "the resolver has limits, and the caller is a thread of its own")]
     let addresses = in_order((host.as_str(), port).to_socket_addrs().map_err(failed)?);
     let mut stream = connect(&addresses, Instant::now() + ANSWER_TIMEOUT).map_err(failed)?;
     let request = Header::new([

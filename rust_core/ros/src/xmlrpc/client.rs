@@ -47,6 +47,7 @@ pub(crate) fn host_and_port(uri: &str) -> Option<(String, u16)> {
 ///
 /// # Errors
 /// [`CallError::Uri`], [`CallError::Host`].
+#[expect(clippy::disallowed_methods, reason = "the resolver has limits, and the caller is a thread of its own")]
 pub(crate) fn addresses(uri: &str) -> Result<Vec<SocketAddr>, CallError> {
     let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
     match (host.as_str(), port).to_socket_addrs() {
