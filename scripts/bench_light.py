@@ -2,7 +2,7 @@
 
 A virtual X server (Xvfb) keeps its screen in a file, which a thread here reads. That costs the server nothing, and sees a picture
 as soon as the server has drawn it: what follows on a real screen, its refresh and the projector's own delay, is not in it. The
-floor is the same with a thread in place of node and window, which takes in each cloud and then writes its colour into such a file.
+floor replaces node and window by a thread that receives each cloud and writes its colour into such a file.
 """
 
 import collections
@@ -22,13 +22,13 @@ from bench_probe import NEWEST, SIZE_PX, Drain, Program, Usage, colour_of_pixels
 
 # The topic of the probe that stands for the screen.
 LIGHT = 'light'
-# How often the screen is looked at: this much later a picture may be noticed.
+# Period of reading the screen, by which an image may be noticed late.
 PERIOD_S = 0.0002
-# Half the side of the part in the middle that is looked at, pixels.
+# Half the side of the region that is read in the middle, pixels.
 REACH_PX = 12
 
-# How a picture comes to the screen: a name, the node's further arguments, and the viewer's command, if there is one.
-Way = collections.namedtuple('Way', 'name node arguments viewer')
+# A route from the node to the screen: name, command, further arguments of the node, command of a viewer if it has one.
+Route = collections.namedtuple('Route', 'name node arguments viewer')
 
 
 class Screen:
@@ -68,9 +68,9 @@ class Watcher(threading.Thread):
         last = None
         while not self.is_ending:
             middle = self.screen.middle()
-            now, seen = time.monotonic(), middle.tobytes()
-            if seen != last:
-                last = seen
+            now, pixels = time.monotonic(), middle.tobytes()
+            if pixels != last:
+                last = pixels
                 self.probe.note(colour_of_pixels(middle.reshape(-1, 4)[:, 2::-1]), LIGHT, now)
             time.sleep(PERIOD_S)
 
@@ -92,17 +92,17 @@ class Usages:
         return sum(usage.peak_mb() for usage in self.usages)
 
 
-def ways(programs, rviz):
-    """How pictures come to the screen; with rviz where it can be compared."""
+def routes(programs, rviz):
+    """The routes to the screen, rviz's where it can be compared."""
     node = [os.path.join(programs, 'camera_stream'), '--renderer', 'cpu']
     window = [os.path.join(programs, 'projector_window'), '--topic', picture_topic(0)]
     found = [
-        Way('camera_stream --window', node, ['--window', 'auto'], None),
-        Way('camera_stream, projector_window', node, [], window),
+        Route('camera_stream --window', node, ['--window', 'auto'], None),
+        Route('camera_stream, projector_window', node, [], window),
     ]
     here = os.path.dirname(os.path.abspath(__file__))
     image_view = [os.path.join(here, '..', 'ros_pkg', 'nodes', 'image_view_anywhere'), 'image:=' + picture_topic(0)]
-    return found + [Way('rviz, image_view', camera.command, [], image_view) for camera in rviz]
+    return found + [Route('rviz, image_view', camera.command, [], image_view) for camera in rviz]
 
 
 @contextlib.contextmanager
@@ -118,12 +118,12 @@ def x_server(log):
             ready, _, _ = select.select([written], [], [], 20)
             number = written.readline().strip() if ready else ''
         if not number:
-            sys.exit('bench: the virtual screen did not start; its log: {}'.format(log))
+            sys.exit('bench: Xvfb did not start; log: {}'.format(log))
         yield ':' + number, Screen.of_server(os.path.join(folder, 'Xvfb_screen0')), server
 
 
-def measure(bench, way, config, cloud):
-    """The figures of one way to the screen."""
+def measure(bench, route, config, cloud):
+    """The figures of one route."""
     probe, given = bench.probe, bench.given
     file = os.path.join(bench.folder, 'light.rviz')
     with open(file, 'w') as out:
@@ -134,13 +134,13 @@ def measure(bench, way, config, cloud):
         environment = dict(outside, DISPLAY=display)
         probe.use(NEWEST, cloud, SIZE_PX)
         probe.send(0)
-        commands = [way.node + ['-d', file] + way.arguments] + ([way.viewer] if way.viewer else [])
+        commands = [route.node + ['-d', file] + route.arguments] + ([route.viewer] if route.viewer else [])
         processes = [stack.enter_context(Program(command, bench.log, environment=environment)) for command in commands]
         probe.watch(LIGHT)
         watcher = Watcher(screen, probe)
         stack.callback(watcher.end)
         if not probe.wait_for_colour(60):
-            sys.exit('bench: {} brought no picture to the screen; its log: {}'.format(way.name, bench.log))
+            sys.exit('bench: {} shows no image on the screen; log: {}'.format(route.name, bench.log))
         of_server = Usage(server.pid)
         cpu_s = of_server.cpu_s()
         figures = probe.measure(given.hz, given.seconds, Usages([process.pid for process in processes]))
@@ -149,7 +149,7 @@ def measure(bench, way, config, cloud):
 
 
 def floor(bench, cloud):
-    """The probe's own share: a thread takes in each cloud and then lights memory in its colour."""
+    """The probe's own share: a thread receives each cloud and fills memory with its colour."""
     probe, given = bench.probe, bench.given
     screen = Screen(numpy.zeros((64, 64, 4), numpy.uint8))
     probe.use(NEWEST, cloud, SIZE_PX)
@@ -166,9 +166,9 @@ def floor(bench, cloud):
 
 
 def section(bench, config, cloud):
-    """All ways to the screen."""
+    """The rows of the section."""
     result = {'floor': floor(bench, cloud), 'rows': []}
     print('floor: {latency_ms:.2f} / {latency_p95_ms:.2f} ms'.format(**result['floor']), flush=True)
-    for way in ways(bench.given.programs, bench.rviz):
-        result['rows'].append(bench.row(way, measure(bench, way, config, cloud)))
+    for route in routes(bench.given.programs, bench.rviz):
+        result['rows'].append(bench.row(route, measure(bench, route, config, cloud)))
     return result

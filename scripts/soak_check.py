@@ -18,9 +18,9 @@ from PIL import Image as Pillow
 
 import soak_scene
 from soak_processes import Failure, wait_until
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, THINGS
+from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 
-# So many equal pictures in a row, and no sooner than frames that were made up have disappeared.
+# Equal images in a row that end a check, and the earliest end: invented frames have expired by then.
 EQUAL, SETTLED_S = 5, soak_scene.FRAME_TIMEOUT_S + 1.0
 PATIENCE_S = 60.0
 RENDER_S = 300.0
@@ -90,17 +90,17 @@ class Checks:
     def check(self, seed):
         """One check; whether the pictures are equal."""
         begin, helpers = time.monotonic(), self.run.helpers
-        for group in (SENSORS, THINGS):
+        for group in (SENSORS, SCENE):
             helpers[group].ask('pause')
         # Rates and connections are those of before the faults again.
-        if not wait_until(lambda: not any(helpers[group].ask('unconnected') for group in (SENSORS, THINGS)), PATIENCE_S, 0.2):
-            missing = [topic for group in (SENSORS, THINGS) for topic in helpers[group].ask('unconnected')]
+        if not wait_until(lambda: not any(helpers[group].ask('unconnected') for group in (SENSORS, SCENE)), PATIENCE_S, 0.2):
+            missing = [topic for group in (SENSORS, SCENE) for topic in helpers[group].ask('unconnected')]
             self.run.watch.findings.add('the node has not subscribed to ' + ', '.join(missing))
         time.sleep(0.7)
         now = time.time()
         stamp = rospy.Time(int(now), int((now % 1) * 1e9))
         for part in (0, 1):
-            for group in (THINGS, SENSORS):
+            for group in (SCENE, SENSORS):
                 helpers[group].ask('check', part, seed, stamp.secs, stamp.nsecs)
             time.sleep(0.5)
         bag = os.path.join(self.folder, 'check.bag')
@@ -114,7 +114,7 @@ class Checks:
         else:
             self.failed += 1
             self.keep(seed, bag, expected)
-        for group in (SENSORS, THINGS):
+        for group in (SENSORS, SCENE):
             helpers[group].ask('resume')
         return is_equal
 

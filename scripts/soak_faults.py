@@ -22,7 +22,7 @@ from roscpp.srv import SetLoggerLevel
 from sensor_msgs.msg import Image
 from soak_damage import KINDS as DAMAGES
 from soak_processes import SCRIPTS, Failure, end, start
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, THINGS
+from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 from std_srvs.srv import Trigger
 
 FAULTS = {}
@@ -174,12 +174,12 @@ def sensors_killed(run, rng):
     run.helpers[SENSORS].restart(seconds)
 
 
-@fault('master', THINGS, 'lenses')
-def things_killed(run, rng):
+@fault('master', SCENE, 'lenses')
+def scene_killed(run, rng):
     """The process that publishes TF, the cameras' lenses and all small topics is killed and started again."""
     seconds = rng.uniform(0, 2)
     yield 'for {:.1f} s'.format(seconds)
-    run.helpers[THINGS].restart(seconds)
+    run.helpers[SCENE].restart(seconds)
 
 
 @fault('master', 'vandal')
@@ -198,12 +198,12 @@ def sensors_stopped(run, rng):
     stopped(run.helpers[SENSORS].process, seconds)
 
 
-@fault(THINGS, 'lenses')
-def things_stopped(run, rng):
+@fault(SCENE, 'lenses')
+def scene_stopped(run, rng):
     """The process that publishes TF and the cameras' lenses is stopped by SIGSTOP."""
     seconds = rng.uniform(1, 4)
     yield 'for {:.1f} s'.format(seconds)
-    stopped(run.helpers[THINGS].process, seconds)
+    stopped(run.helpers[SCENE].process, seconds)
 
 
 def stopped(process, seconds):
@@ -214,10 +214,10 @@ def stopped(process, seconds):
         process.send_signal(signal.SIGCONT)
 
 
-@fault(SENSORS, THINGS)
+@fault(SENSORS, SCENE)
 def connections_cut(run, rng):
     """Connections between publishers and the node break while both live."""
-    group, times = rng.choice([SENSORS, THINGS]), rng.randrange(1, 5)
+    group, times = rng.choice([SENSORS, SCENE]), rng.randrange(1, 5)
     yield 'all of {}, {} times'.format(group, times)
     for _ in range(times):
         run.helpers[group].ask('cut', 2, [])
@@ -362,7 +362,7 @@ def log_level_set(run, rng):
 
 # --- lenses -----------------------------------------------------------------------------------------------------------
 
-@fault('lenses', THINGS)
+@fault('lenses', SCENE)
 def lens_changed(run, rng):
     """A camera's CameraInfo changes its size several times."""
     name, times = camera(rng), rng.randrange(1, 6)
@@ -370,22 +370,22 @@ def lens_changed(run, rng):
     yield '{}: {}'.format(name, ', '.join('{}x{}'.format(*size) for size in sizes))
     with lens(run, name):
         for width, height in sizes:
-            run.helpers[THINGS].ask('set_info', name, width, height, None, None)
+            run.helpers[SCENE].ask('set_info', name, width, height, None, None)
             time.sleep(rng.uniform(0.1, 1))
 
 
-@fault('lenses', THINGS)
+@fault('lenses', SCENE)
 def lens_huge(run, rng):
     """A camera has a very large picture for a moment."""
     size = rng.choice([(4096, 3072), (5000, 1000), (300, 16384)])
     yield 'cam_c: {}x{}'.format(*size)
     # Until all viewers have received it.
     with run.watch.excuses.during('lens_huge', ('cam_c',)), lens(run, 'cam_c'):
-        run.helpers[THINGS].ask('set_info', 'cam_c', size[0], size[1], None, None)
+        run.helpers[SCENE].ask('set_info', 'cam_c', size[0], size[1], None, None)
         time.sleep(1)
 
 
-@fault('lenses', THINGS)
+@fault('lenses', SCENE)
 def lens_invalid(run, rng):
     """A camera's CameraInfo is invalid, or in a frame that does not exist: there is no picture meanwhile."""
     name, seconds = camera(rng), rng.uniform(0.5, 3)
@@ -393,7 +393,7 @@ def lens_invalid(run, rng):
     yield '{}: {} for {:.1f} s'.format(name, broken, seconds)
     with run.watch.excuses.during('lens_invalid', (name,)), lens(run, name):
         frame = 'no_such_frame' if broken == 'frame' else None
-        run.helpers[THINGS].ask('set_info', name, None, None, frame, broken)
+        run.helpers[SCENE].ask('set_info', name, None, None, frame, broken)
         time.sleep(seconds)
 
 
@@ -403,17 +403,17 @@ def lens(run, name):
     try:
         yield
     finally:
-        run.helpers[THINGS].ask('reset_info', name)
+        run.helpers[SCENE].ask('reset_info', name)
 
 
 # --- messages ---------------------------------------------------------------------------------------------------------
 
-@fault(THINGS)
+@fault(SCENE)
 def tf_silent(run, rng):
     """No transforms for a while."""
     seconds = rng.uniform(1, 6)
     yield 'for {:.1f} s'.format(seconds)
-    run.helpers[THINGS].ask('silence_tf', seconds)
+    run.helpers[SCENE].ask('silence_tf', seconds)
     time.sleep(seconds)
 
 

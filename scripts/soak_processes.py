@@ -24,7 +24,7 @@ LIBC = ctypes.CDLL(None)
 
 
 class Failure(Exception):
-    """Something that `./soak` needs did not do what it should."""
+    """A program that `./soak` needs failed."""
 
 
 def start(command, **options):

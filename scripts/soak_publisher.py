@@ -1,4 +1,4 @@
-"""A node of `./soak` that publishes: `sensors`, `things` (with TF and the cameras), or `vandal`, which publishes what is wrong.
+"""A node of `./soak` that publishes: `sensors`, `scene` (with TF and the cameras), or `vandal`, which publishes invalid messages.
 
     scripts/soak_publisher.py GROUP SEED
 
@@ -27,10 +27,10 @@ from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdat
 
 import soak_scene
 from soak_damage import damaged, serialized, with_stamp
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, THINGS
+from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 
 TF_HZ, INFO_HZ, HANDLES_HZ = 20, 1, 2
-# So many messages of each cloud are made beforehand and sent in turn.
+# Messages of each cloud, made beforehand and sent in rotation.
 CLOUDS = 6
 
 
@@ -148,11 +148,11 @@ class Sensors(Publisher):
             self.publishers[source.topic].publish(message)
 
 
-class Things(Publisher):
+class Scene(Publisher):
     """All that is small, TF and the cameras' lenses."""
 
     def prepare(self):
-        self.sources = [source for source in SOURCES if source.group == THINGS]
+        self.sources = [source for source in SOURCES if source.group == SCENE]
         self.begin, self.tf_silent_until, self.infos = time.monotonic(), 0.0, {}
         self.advertise('/tf', TFMessage)
         self.advertise('/tf_static', TFMessage, True).publish(soak_scene.static_frames())
@@ -316,7 +316,7 @@ def main():
     group, seed = sys.argv[1], int(sys.argv[2])
     rospy.init_node('soak_' + group, disable_signals=True)
     commands = queue.Queue()
-    publisher = {SENSORS: Sensors, THINGS: Things, 'vandal': Vandal}[group](seed)
+    publisher = {SENSORS: Sensors, SCENE: Scene, 'vandal': Vandal}[group](seed)
 
     def read():
         for line in sys.stdin:

@@ -10,7 +10,7 @@ from bench_page import machine, table
 from soak_plot import Panel, Series, draw, quoted
 from soak_scene import CAMERAS
 
-# What is measured of the process: heading, unit, and by how much the last quarter's median may exceed the first quarter's:
+# Measurements of the process: heading, unit, and the limit of growth from the first quarter's median to the last's:
 # an amount, or a share of the first quarter's if that is more.
 TRENDS = {
     'memory_mb': ('memory', 'MB', 24, 0.15),

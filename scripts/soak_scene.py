@@ -27,7 +27,7 @@ from visualization_msgs.msg import (
 import probe_messages
 from probe_messages import OPTICAL, point_cloud, transform
 
-SENSORS, THINGS = 'sensors', 'things'
+SENSORS, SCENE = 'sensors', 'scene'
 # Name: picture size in pixels, focal length, "Frame Rate", place in the map.
 CAMERAS = {
     'cam_a': ((640, 480), 500.0, -1, (-3.5, 0.0, 1.6)),
@@ -389,28 +389,28 @@ SOURCES = [
     Source('/soak/scan', LaserScan, scan, SENSORS, 12),
     Source('/soak/depth_camera/camera_info', CameraInfo, depth_info, SENSORS, 2),
     Source('/soak/depth_camera/image', Image, depth_image, SENSORS, 4),
-    Source('/soak/map', OccupancyGrid, occupancy, THINGS, 0.2, 1, True),
-    Source('/soak/cells', GridCells, cells, THINGS, 1),
-    Source('/soak/marker', Marker, marker, THINGS, 8, 6),
-    Source('/soak/markers', MarkerArray, marker_array, THINGS, 5),
-    Source('/soak/joints', JointState, joints, THINGS, 10),
-    Source('/soak/path', Path, path, THINGS, 1, 2),
-    Source('/soak/odometry', Odometry, odometry, THINGS, 5, 4),
-    Source('/soak/pose', PoseStamped, one_pose, THINGS, 2),
-    Source('/soak/poses', PoseArray, some_poses, THINGS, 2),
-    Source('/soak/uncertain', PoseWithCovarianceStamped, uncertain, THINGS, 2),
-    Source('/soak/points', PointStamped, point, THINGS, 2, 3),
-    Source('/soak/polygon', PolygonStamped, polygon, THINGS, 1),
-    Source('/soak/range', Range, distance, THINGS, 5, 2),
-    Source('/soak/wrench', WrenchStamped, vectors(WrenchStamped, 'force', 'torque'), THINGS, 3, 2),
-    Source('/soak/twist', TwistStamped, vectors(TwistStamped, 'linear', 'angular'), THINGS, 3),
-    Source('/soak/accel', AccelStamped, vectors(AccelStamped, 'linear', 'angular'), THINGS, 3),
-    Source('/soak/temperature', Temperature, scalar(Temperature, 'temperature', 0, 100), THINGS, 1),
-    Source('/soak/pressure', FluidPressure, scalar(FluidPressure, 'fluid_pressure', 98000, 105000), THINGS, 1),
-    Source('/soak/light', Illuminance, scalar(Illuminance, 'illuminance', 0, 1000), THINGS, 1),
-    Source('/soak/humidity', RelativeHumidity, scalar(RelativeHumidity, 'relative_humidity', 0, 1), THINGS, 1),
+    Source('/soak/map', OccupancyGrid, occupancy, SCENE, 0.2, 1, True),
+    Source('/soak/cells', GridCells, cells, SCENE, 1),
+    Source('/soak/marker', Marker, marker, SCENE, 8, 6),
+    Source('/soak/markers', MarkerArray, marker_array, SCENE, 5),
+    Source('/soak/joints', JointState, joints, SCENE, 10),
+    Source('/soak/path', Path, path, SCENE, 1, 2),
+    Source('/soak/odometry', Odometry, odometry, SCENE, 5, 4),
+    Source('/soak/pose', PoseStamped, one_pose, SCENE, 2),
+    Source('/soak/poses', PoseArray, some_poses, SCENE, 2),
+    Source('/soak/uncertain', PoseWithCovarianceStamped, uncertain, SCENE, 2),
+    Source('/soak/points', PointStamped, point, SCENE, 2, 3),
+    Source('/soak/polygon', PolygonStamped, polygon, SCENE, 1),
+    Source('/soak/range', Range, distance, SCENE, 5, 2),
+    Source('/soak/wrench', WrenchStamped, vectors(WrenchStamped, 'force', 'torque'), SCENE, 3, 2),
+    Source('/soak/twist', TwistStamped, vectors(TwistStamped, 'linear', 'angular'), SCENE, 3),
+    Source('/soak/accel', AccelStamped, vectors(AccelStamped, 'linear', 'angular'), SCENE, 3),
+    Source('/soak/temperature', Temperature, scalar(Temperature, 'temperature', 0, 100), SCENE, 1),
+    Source('/soak/pressure', FluidPressure, scalar(FluidPressure, 'fluid_pressure', 98000, 105000), SCENE, 1),
+    Source('/soak/light', Illuminance, scalar(Illuminance, 'illuminance', 0, 1000), SCENE, 1),
+    Source('/soak/humidity', RelativeHumidity, scalar(RelativeHumidity, 'relative_humidity', 0, 1), SCENE, 1),
     # Updates of the map, so that they come after it.
-    Source('/soak/map_updates', OccupancyGridUpdate, occupancy_update, THINGS, 2),
+    Source('/soak/map_updates', OccupancyGridUpdate, occupancy_update, SCENE, 2),
 ]
 HANDLES = '/soak/handles/update'
 

@@ -1,4 +1,4 @@
-"""Watches the node while `./soak` runs: pictures of its viewers, its process, its log. What is wrong becomes a finding."""
+"""Watches the node while `./soak` runs: the images of its viewers, its process, its log. Errors become findings."""
 
 import collections
 import contextlib
@@ -12,9 +12,9 @@ import time
 from soak_processes import SCRIPTS, Failure, start, wait_until
 from soak_scene import BEACON_CAMERA, CAMERAS
 
-# Within so many seconds no more log lines than that: the node limits each place in its program to 50 a second.
+# Most log lines in a window of this length: the node limits each place in its program to 50 a second.
 LOG_WINDOW_S, LOG_LINES = 10, 600
-# How long after a fault that stops pictures the first one may come.
+# Limit of the time between a fault that stops images and the next image.
 GRACE_S = 1.0
 EARLIEST_STALL_S = 0.1
 
@@ -22,7 +22,7 @@ Picture = collections.namedtuple('Picture', 'topic at width height crc')
 
 
 class Findings:
-    """What was wrong, in the order in which it was found."""
+    """Errors, in the order in which they were found."""
 
     def __init__(self, begin):
         self.begin, self.all, self.lock = begin, [], threading.Lock()

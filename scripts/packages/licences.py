@@ -121,7 +121,7 @@ def third_party(target):
     font = REPOSITORY / 'rust_core/scene/assets/LiberationSans-LICENSE.txt'
     users.setdefault(font.read_text().strip(), []).append('Liberation Sans, the font')
     line = '=' * 100
-    parts = [f'What is linked into the programs of rviz_camera_stream: {len(crates)} crates, and what is no crate.\n',
+    parts = [f'Linked into the programs of rviz_camera_stream: {len(crates)} crates, and the parts below them.\n',
              *rows, '', NOT_CRATES]
     parts += [f'{line}\n{", ".join(names)}\n{line}\n\n{text}\n' for text, names in users.items()]
     return '\n'.join(parts)
