@@ -2,7 +2,7 @@
 //! are clicked in rviz meanwhile.
 
 use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 
 use anyhow::{anyhow, Context as _};
 use nalgebra::{Isometry3, Point2, Point3};
@@ -15,7 +15,7 @@ use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKe
 
 use super::clicks::Clicks;
 use super::placing::Frames;
-use super::window_support::{check_monitor, close_on_end, join};
+use super::window_support::{check_monitor, close_on_end, join, spawn};
 use super::Failure;
 
 /// Pixels of a large step.
@@ -101,7 +101,7 @@ fn listen(
     end: &EndRequest,
     crosshair: &Arc<Mutex<Crosshair>>,
     sink: PictureSink,
-) -> std::io::Result<JoinHandle<anyhow::Result<Frames>>> {
+) -> anyhow::Result<JoinHandle<anyhow::Result<Frames>>> {
     let (end, crosshair) = (end.clone(), Arc::clone(crosshair));
     let listening = move || {
         let frames = clicks.listen(&end, |click| {
@@ -114,7 +114,7 @@ fn listen(
         }
         frames
     };
-    thread::Builder::new().name("clicks".to_owned()).spawn(listening)
+    spawn("clicks", listening)
 }
 
 /// The crosshair's pixel for each point.

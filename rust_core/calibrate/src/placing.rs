@@ -126,8 +126,7 @@ impl Frames {
 }
 
 /// Reads a projector's file and its lens, and logs the file's warnings.
-pub(super) fn read_projector(path: impl AsRef<Path>) -> Result<(ProjectorFile, Lens), Failure> {
-    let path = path.as_ref();
+pub(super) fn read_projector(path: &Path) -> Result<(ProjectorFile, Lens), Failure> {
     let file = ProjectorFile::read(path).map_err(Failure::unreadable)?;
     for warning in file.warnings() {
         log::warn!("{}: {warning}", path.display());

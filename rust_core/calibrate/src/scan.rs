@@ -9,7 +9,9 @@ use rcs_calibration::patterns::Pattern;
 use rcs_files::capture::CAPTURE_FILE;
 use rcs_files::picture_file::{self, PictureFormat};
 use rcs_scan::recorded::{self, BagFootage, Footage, RecordedOptions};
-use rcs_scan::{patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanOptions, ScanResult, ScanSession};
+use rcs_scan::{
+    patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanEvent, ScanOptions, ScanResult, ScanSession,
+};
 
 use super::arguments::{check_folder, seconds, size_px};
 use super::live::{DeviceArguments, ImageTopic, LiveSession, LiveSetup, Progress};
@@ -103,7 +105,7 @@ fn scan_live(session: &mut LiveSession<'_>, arguments: &ScanArguments) -> Result
     let topic = ImageTopic::new(session.node, PREVIEW_TOPIC, session.camera.frame_id()).map_err(Failure::unreadable)?;
     let camera_px = session.camera.lens().size_px;
     let mut progress = Progress::new("looking for the projector's light", Some(topic), camera_px, projector_px);
-    let mut observe = |event| progress.show(&event);
+    let mut observe = |event: ScanEvent<'_>| progress.show(&event);
     let scanned = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe).scan();
     progress.finish();
     let scanned = scanned?;

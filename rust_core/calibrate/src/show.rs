@@ -1,12 +1,11 @@
 //! `projector_calibrate show`: patterns and test pictures full screen on the projector, pixel for pixel.
 
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{anyhow, Context as _};
+use anyhow::Context as _;
 use clap::builder::PossibleValuesParser;
 use clap::Args;
 use rcs_calibration::patterns::Pattern;
@@ -20,7 +19,7 @@ use rcs_window::test_pictures::TestPicture;
 use rcs_window::{self as window, MonitorInfo, PictureSink, ScreenPicture, UserEvent, WindowKey};
 
 use super::arguments::{positive_seconds, size_px};
-use super::window_support::close_on_end;
+use super::window_support::{close_on_end, spawn};
 use super::Failure;
 
 /// Shows patterns or test pictures full screen on the projector
@@ -135,7 +134,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
         }
     });
     shown.map_err(Failure::refused)?;
-    failure.map_or(Ok(()), |error| Err(Failure::Refused(anyhow!("cannot start a thread: {error}"))))
+    failure.map_or(Ok(()), |error| Err(Failure::Refused(error)))
 }
 
 /// Times to show pictures.
@@ -148,7 +147,7 @@ struct SlideTimes {
 }
 
 /// Steps to the next picture after the time of each, and closes the window after the last.
-fn start_timer(show: Arc<Mutex<SlideShow>>, times: SlideTimes, sink: PictureSink) -> io::Result<()> {
+fn start_timer(show: Arc<Mutex<SlideShow>>, times: SlideTimes, sink: PictureSink) -> anyhow::Result<()> {
     let stepping = move || {
         loop {
             let is_checkerboard = lock(&show).is_checkerboard();
@@ -161,7 +160,7 @@ fn start_timer(show: Arc<Mutex<SlideShow>>, times: SlideTimes, sink: PictureSink
         }
         sink.close();
     };
-    thread::Builder::new().name("slides".to_owned()).spawn(stepping).map(drop)
+    spawn("slides", stepping).map(drop)
 }
 
 /// The pictures of a show.

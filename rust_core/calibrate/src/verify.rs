@@ -12,6 +12,7 @@ use rcs_files::picture_file::{self, PictureFormat};
 use rcs_files::projector::ProjectorFile;
 use rcs_files::verification;
 use rcs_scan::{ScanCamera, ScanOptions, ScanSession, Verification};
+use rcs_scan::{ScanCamera, ScanEvent, ScanOptions, ScanSession, Verification};
 
 use super::arguments::{check_folder, seconds};
 use super::correspondences::Correspondences;
@@ -145,7 +146,7 @@ fn measure(
     let options = ScanOptions { projector_px, step: 1, frames, is_cancelled: &|| end.is_requested() };
     let camera_px = session.camera.lens().size_px;
     let mut progress = Progress::new("looking for the projector's light", None, camera_px, projector_px);
-    let mut observe = |event| progress.show(&event);
+    let mut observe = |event: ScanEvent<'_>| progress.show(&event);
     let verified = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe)
         .verify(lens, projector_from_camera);
     progress.finish();

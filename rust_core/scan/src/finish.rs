@@ -112,9 +112,7 @@ pub(crate) fn check_orientation(
     screen: &str,
     warn: &mut dyn FnMut(&str),
 ) -> Result<(), ScanFailure> {
-    let pictures: Vec<(Pattern, &[u8])> =
-        pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice())).collect();
-    match orientation::judge(&pictures, &light.lit, camera_px, projector_px) {
+    match orientation::judge(pictures, &light.lit, camera_px, projector_px) {
         PictureOrientation::Right => Ok(()),
         PictureOrientation::Mirrored => Err(ScanFailure::Mirrored),
         PictureOrientation::OtherPicture(share) => {

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rcs_calibration::patterns::{Axis, Pattern, Stripes};
+use rcs_files::capture::PatternPicture;
 
 use crate::coarse_code::CoarseCode;
 
@@ -51,13 +52,12 @@ pub(crate) fn is_coarse(pattern: &Pattern, bits: u32) -> bool {
 
 /// Judges the images taken so far, white and black among them; `lit` is a sample of the lit pixels.
 pub(crate) fn judge(
-    pictures: &[(Pattern, &[u8])],
+    pictures: &[PatternPicture],
     lit: &[usize],
     camera_px: [u32; 2],
     projector_px: [u32; 2],
 ) -> PictureOrientation {
-    let find = |wanted: Pattern| pictures.iter().find(|(pattern, _)| *pattern == wanted).map(|(_, grey)| *grey);
-    let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else {
+    let (Some(white), Some(black)) = (grey_of(pictures, Pattern::White), grey_of(pictures, Pattern::Black)) else {
         return PictureOrientation::Right;
     };
     let [bits_x, bits_y] = Axis::ALL.map(|axis| coarse_bits(pictures, axis));
@@ -99,20 +99,23 @@ pub(crate) fn judge(
 }
 
 /// The coarse bits of an axis from the most significant on, with the images of the stripes and of their inverse.
-fn coarse_bits<'a>(pictures: &[(Pattern, &'a [u8])], axis: Axis) -> Vec<(Stripes, &'a [u8], &'a [u8])> {
+fn coarse_bits(pictures: &[PatternPicture], axis: Axis) -> Vec<(Stripes, &[u8], &[u8])> {
     let find = |bit: u32| {
-        pictures.iter().find_map(|(pattern, grey)| match pattern {
+        pictures.iter().find_map(|picture| match picture.pattern {
             Pattern::GrayCode(stripes)
                 if stripes.axis == axis && stripes.bit == bit && !stripes.inverted && stripes.offset == 0 =>
             {
-                let inverse = Pattern::GrayCode(stripes.inverse());
-                let (_, inverse) = pictures.iter().find(|(pattern, _)| *pattern == inverse)?;
-                Some((*stripes, *grey, *inverse))
+                Some((stripes, &*picture.grey, grey_of(pictures, Pattern::GrayCode(stripes.inverse()))?))
             }
             _ => None,
         })
     };
     (0..BITS).map_while(find).collect()
+}
+
+/// The image of a pattern.
+pub(crate) fn grey_of(pictures: &[PatternPicture], wanted: Pattern) -> Option<&[u8]> {
+    pictures.iter().find(|picture| picture.pattern == wanted).map(|picture| picture.grey.as_slice())
 }
 
 /// The determinant of d(u, v)/d(x, y) by a linear fit; `None` for a bad fit.
@@ -188,10 +191,11 @@ mod tests {
                 20
             }
         };
-        let pictures: Vec<Vec<u8>> =
-            patterns.iter().map(|pattern| all.iter().map(|pixel| level(pattern, pixel)).collect()).collect();
-        let pictures: Vec<(Pattern, &[u8])> =
-            patterns.iter().zip(&pictures).map(|(pattern, grey)| (*pattern, grey.as_slice())).collect();
+        let picture = |pattern: &Pattern| {
+            let grey = all.iter().map(|pixel| level(pattern, pixel)).collect();
+            PatternPicture { pattern: *pattern, grey }
+        };
+        let pictures: Vec<PatternPicture> = patterns.iter().map(picture).collect();
         let lit: Vec<usize> = all.iter().copied().filter(|pixel| is_in(place(pixel))).collect();
         judge(&pictures, &lit, CAMERA_PX, size_px)
     }

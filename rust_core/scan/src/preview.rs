@@ -9,6 +9,7 @@ use rcs_files::capture::PatternPicture;
 use rcs_scene::{Encoding, Picture};
 
 use crate::coarse_code::CoarseCode;
+use crate::orientation::grey_of;
 
 /// The blue of decoded pixels: the projector's first pixel is not black.
 const BLUE: u8 = 128;
@@ -57,8 +58,9 @@ impl PreviewDecoder {
 
     /// Finds the lit pixels once white and black are there.
     fn start(&mut self, pictures: &[PatternPicture]) {
-        let find = |wanted| pictures.iter().find(|picture| picture.pattern == wanted).map(|picture| &picture.grey);
-        let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else { return };
+        let (Some(white), Some(black)) = (grey_of(pictures, Pattern::White), grey_of(pictures, Pattern::Black)) else {
+            return;
+        };
         let contrast = white.iter().zip(black).map(|(white, black)| white.saturating_sub(*black));
         self.contrast = contrast.map(|levels| if levels > LIT_LEVELS { levels } else { 0 }).collect();
         self.axes.iter_mut().for_each(|axis| axis.codes = vec![CoarseCode::default(); self.contrast.len()]);

@@ -12,7 +12,7 @@ use rcs_files::capture::PatternPicture;
 use crate::failure::ScanFailure;
 use crate::finish::{check_keystone, check_orientation, ScanImages, ScanResult, KEYSTONE_BITS};
 use crate::light::Illumination;
-use crate::orientation::{self, is_coarse};
+use crate::orientation::{self, grey_of, is_coarse};
 use crate::session::{ScanEvent, ScanSession};
 
 /// Least difference of a stripe and its inverse that can be read: levels, and a multiple of the noise.
@@ -71,8 +71,7 @@ impl ScanSession<'_> {
                 check_keystone(pictures, &self.depth, &camera, projector_px, &mut warn)?;
             }
         }
-        let Some(first) = pictures.iter().find(|picture| picture.pattern == Pattern::White) else { return Ok(()) };
-        self.check_unchanged(&first.grey, light)
+        grey_of(pictures, Pattern::White).map_or(Ok(()), |first| self.check_unchanged(first, light))
     }
 }
 

@@ -8,10 +8,9 @@ mod progress;
 mod ros_camera;
 mod screens;
 
-use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 
 use anyhow::{anyhow, Context};
 use clap::Args;
@@ -21,7 +20,7 @@ use rcs_ros::RosNode;
 use rcs_scan::{CameraTopics, DepthTopic, ProjectorScreen};
 use rcs_window::{self as window, MonitorChoice, PictureSink, UserEvent, WindowOptions};
 
-use super::window_support::{check_monitor, join};
+use super::window_support::{check_monitor, join, spawn};
 use super::Failure;
 pub(super) use progress::Progress;
 pub(super) use ros_camera::RosCamera;
@@ -117,10 +116,10 @@ impl LiveState {
         &self,
         sink: PictureSink,
         work: impl FnOnce(&Self) -> Result<(), Failure> + Send + 'static,
-    ) -> io::Result<JoinHandle<Result<(), Failure>>> {
+    ) -> anyhow::Result<JoinHandle<Result<(), Failure>>> {
         let state = self.clone();
         state.is_working.store(true, Ordering::Release);
-        thread::Builder::new().name("scan".to_owned()).spawn(move || {
+        spawn("scan", move || {
             let result = work(&state);
             state.is_working.store(false, Ordering::Release);
             sink.close();
@@ -172,7 +171,7 @@ impl LiveSetup {
                 let Some((setup, work)) = start.take() else { return Ok(()) };
                 let screen = WindowScreen { sink: sink.clone(), monitor: monitor.name.clone(), size_px };
                 let work = move |state: &LiveState| setup.connect(state, |_| Ok(Box::new(screen)), work);
-                working = Some(state.spawn(sink.clone(), work).context("cannot start a thread")?);
+                working = Some(state.spawn(sink.clone(), work)?);
                 Ok(())
             });
             if let Err(error) = started {

@@ -46,9 +46,9 @@ pub(crate) fn find(
 /// Flags the segments of the picture that recurs most often.
 fn marks(timeline: &Timeline, segments: &[Segment]) -> Vec<bool> {
     let between = |pair: &[Segment]| timeline.difference(&pair[0].levels, &pair[1].levels);
-    let mut median: Vec<f64> = segments.windows(2).map(between).collect();
-    median.sort_by(f64::total_cmp);
-    let median = median.get(median.len() / 2).copied().unwrap_or_default();
+    let mut differences: Vec<f64> = segments.windows(2).map(between).collect();
+    differences.sort_by(f64::total_cmp);
+    let median = differences.get(differences.len() / 2).copied().unwrap_or_default();
     let limit = (ALIKE * median).max(timeline.limit());
     let alike_to = |one: &Segment| -> Vec<bool> {
         segments.iter().map(|other| timeline.difference(&one.levels, &other.levels) <= limit).collect()

@@ -26,15 +26,11 @@ const MIN_CLEAR: f64 = 0.5;
 /// # Errors
 /// [`PatternSequenceError::NoPair`].
 pub(crate) fn check(patterns: &[Pattern], levels: &[&[u8]]) -> Result<(), PatternSequenceError> {
-    let wrong = |stripes: &Stripes, share| PatternSequenceError::NoPair { axis: stripes.axis.name(), share };
     let Some(lit) = LitPixels::new(patterns, levels) else { return Ok(()) };
-    for (index, pattern) in patterns.iter().enumerate() {
-        let Pattern::GrayCode(stripes) = pattern else { continue };
-        let inverse = patterns.iter().position(|other| *other == Pattern::GrayCode(stripes.inverse()));
-        let Some(inverse) = inverse.filter(|_| !stripes.inverted) else { continue };
-        let dark = lit.share(levels[index], levels[inverse], |one, other| one < DARK && other < DARK);
-        if dark > MAX_DARK {
-            return Err(wrong(stripes, dark));
+    for (stripes, index, inverse) in pairs(patterns) {
+        let share = lit.share(levels[index], levels[inverse], |one, other| one < DARK && other < DARK);
+        if share > MAX_DARK {
+            return Err(PatternSequenceError::NoPair { axis: stripes.axis.name(), share });
         }
     }
     Ok(())
@@ -43,16 +39,20 @@ pub(crate) fn check(patterns: &[Pattern], levels: &[&[u8]]) -> Result<(), Patter
 /// `true` if images match the patterns: white is brighter than black, coarse stripes are clear, pairs match.
 pub(crate) fn are_plausible(patterns: &[Pattern], levels: &[&[u8]]) -> bool {
     let Some(lit) = LitPixels::new(patterns, levels) else { return false };
-    let is_clear = |(index, pattern): (usize, &Pattern)| {
-        let Pattern::GrayCode(stripes) = pattern else { return true };
-        if stripes.inverted || stripes.bit >= COARSE_BITS || stripes.offset > 0 {
-            return true;
-        }
-        let inverse = patterns.iter().position(|other| *other == Pattern::GrayCode(stripes.inverse()));
-        let is_apart = |one: f64, other: f64| (one - other).abs() > CLEAR;
-        inverse.is_none_or(|inverse| lit.share(levels[index], levels[inverse], is_apart) > MIN_CLEAR)
+    let is_clear = |(stripes, index, inverse): (&Stripes, usize, usize)| {
+        let share = || lit.share(levels[index], levels[inverse], |one, other| (one - other).abs() > CLEAR);
+        stripes.bit >= COARSE_BITS || stripes.offset > 0 || share() > MIN_CLEAR
     };
-    lit.is_plausible() && patterns.iter().enumerate().all(is_clear) && check(patterns, levels).is_ok()
+    lit.is_plausible() && pairs(patterns).all(is_clear) && check(patterns, levels).is_ok()
+}
+
+/// The stripes that are not inverted, with their index and their inverse's.
+fn pairs(patterns: &[Pattern]) -> impl Iterator<Item = (&Stripes, usize, usize)> {
+    patterns.iter().enumerate().filter_map(move |(index, pattern)| {
+        let Pattern::GrayCode(stripes) = pattern else { return None };
+        let inverse = patterns.iter().position(|other| *other == Pattern::GrayCode(stripes.inverse()))?;
+        (!stripes.inverted).then_some((stripes, index, inverse))
+    })
 }
 
 /// Pixels that are brighter in white than in black.
