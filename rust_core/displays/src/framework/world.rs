@@ -133,6 +133,21 @@ pub(crate) fn stamp(header: &Header) -> Time {
     time_from_stamp(header.stamp)
 }
 
+/// Transforms of a message, unchecked.
+pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
+    message.transforms.iter().map(|stamped| {
+        let PlainTransform { translation, rotation_xyzw } = (&stamped.transform).into();
+        let stamp = time_from_stamp(stamped.header.stamp);
+        RawTransform {
+            parent: &stamped.header.frame_id,
+            child: &stamped.child_frame_id,
+            stamp,
+            translation,
+            rotation_xyzw,
+        }
+    })
+}
+
 /// A pose as rviz reads it: the quaternion is normalised; one of zero length is no rotation.
 ///
 /// `None` when a number is NaN or infinite.
