@@ -17,7 +17,6 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod content;
-mod coverage;
 mod error;
 mod identify;
 mod keys;
