@@ -1,19 +1,19 @@
-//! Correspondences as text: which projector pixel lights which point, or which of the camera's pixels.
+//! Correspondences of projector pixels and points, or camera pixels, as CSV.
 //!
-//! `points.csv` has a header and a row for each point; the camera's optical frame, metres, and the projector's pixels:
+//! `points.csv` has a header and a row for each point, in the camera's optical frame, metres, and projector pixels:
 //!
 //! ```csv
 //! u_px,v_px,x_m,y_m,z_m,scan,sigma_px,sigma_m
 //! 612.2500,388.7500,-0.041250,0.102310,1.254000,0,0.2500,0.0012
 //! ```
 //!
-//! Columns come in any order; `scan`, `sigma_px` and `sigma_m` (see [`rcs_calibration::Sample`]) may be missing. Blank
-//! lines and those that begin with `#` are skipped; quotes are not known. `pixels.csv` has the columns
+//! Columns may have any order; `scan`, `sigma_px` and `sigma_m` (see [`rcs_calibration::Sample`]) are optional. Blank
+//! lines and those that begin with `#` are skipped; quotes are unsupported. `pixels.csv` has the columns
 //! `cam_u_px,cam_v_px,u_px,v_px`.
 //!
-//! **Numbers of scans belong to their file.** A file without the column is one scan, number 0. If several files are
-//! read, a number that two of them have means two scans: the numbers of a file that shares one with the files before
-//! are shifted, all by the same, so that they begin after the largest. [`Points::scans`] says what became of which.
+//! **Scan numbers belong to their file.** A file without the column is one scan, number 0. A number in two files means
+//! two scans: all numbers of a file that shares one with the files before are shifted to begin after the largest.
+//! [`Points::scans`] has the mapping.
 
 mod error;
 mod parse;
@@ -30,34 +30,34 @@ use rcs_calibration::Sample;
 pub use error::{PointsError, RowProblem};
 pub use write::{write_pixels, write_points, PointColumns};
 
-/// The most bytes of a file.
+/// Maximum bytes of a file.
 pub const MOST_BYTES: u64 = 4 << 30;
-/// The most points of all files together.
+/// Maximum points of all files together.
 pub const MOST_POINTS: usize = 50_000_000;
 
-/// The points of one or several files.
+/// Points of one or several files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Points {
-    /// All points, in the order of the files and their rows.
+    /// Points in the order of files and rows.
     pub samples: Vec<Sample>,
-    /// Where each scan is from, in rising order of [`Scan::number`].
+    /// Origin of each scan, by rising [`Scan::number`].
     pub scans: Vec<Scan>,
-    /// Columns that have no meaning; each is a phrase that names the file.
+    /// Messages about unknown columns, with the file.
     pub warnings: Vec<String>,
 }
 
-/// A scan among the points.
+/// Origin of a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scan {
-    /// Its number in the samples.
+    /// Number in the samples.
     pub number: u32,
-    /// The file that it is from.
+    /// File.
     pub path: PathBuf,
-    /// Its number in that file; 0 if that has no numbers.
+    /// Number in the file; 0 if it has no numbers.
     pub number_in_file: u32,
 }
 
-/// Reads places of things: a file with the columns `x_m`, `y_m` and `z_m`; pixels in it are not looked at.
+/// Reads places of objects: a file with the columns `x_m`, `y_m` and `z_m`; pixels are ignored.
 ///
 /// # Errors
 /// [`PointsError`] with the file and, where there is one, the line.
@@ -82,7 +82,7 @@ impl Points {
         Ok(points)
     }
 
-    /// Reads the text of one file; `path` only names it in errors.
+    /// Parses the text of one file; `path` only names it in errors.
     ///
     /// # Errors
     /// [`PointsError`] with the file and, where there is one, the line.
@@ -110,39 +110,26 @@ impl Points {
                 .iter()
                 .map(|name| format!("{}: column '{name}' is not known and is ignored", path.display())),
         );
-        if self.samples.is_empty() {
-            self.samples = samples;
-        } else {
-            self.samples.append(&mut samples);
-        }
+        self.samples.append(&mut samples);
         Ok(())
     }
 
-    /// What to add to a file's numbers so that none is that of an earlier file; none if they would be too large.
+    /// Shift of a file's numbers past those of the files before; `None` on overflow.
     fn shift_of(&self, numbers: &BTreeSet<u32>) -> Option<u32> {
         if !self.scans.iter().any(|scan| numbers.contains(&scan.number)) {
             return Some(0);
         }
         let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return Some(0) };
         let next = self.scans.iter().map(|scan| scan.number).max()?.checked_add(1)?;
-        // A number that is taken is not above the largest one, so the first is not above the next.
+        // A shared number is at most the largest one, so `first` is below `next`.
         let shift = next - first;
         last.checked_add(shift).map(|_| shift)
     }
 }
 
-/// The numbers of the scans.
+/// Scan numbers of samples.
 fn distinct_scans(samples: &[Sample]) -> BTreeSet<u32> {
-    let mut numbers = BTreeSet::new();
-    let mut before = None;
-    for sample in samples {
-        // Mostly, those of one scan follow one another.
-        if before != Some(sample.scan) {
-            before = Some(sample.scan);
-            numbers.insert(sample.scan);
-        }
-    }
-    numbers
+    samples.chunk_by(|a, b| a.scan == b.scan).map(|run| run[0].scan).collect()
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, PointsError> {

@@ -1,4 +1,4 @@
-//! Writing correspondences: pixels with four digits behind the point, metres with six.
+//! Writer of correspondences: pixels with four decimals, metres with six.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use rcs_calibration::Sample;
 use super::{distinct_scans, PointsError};
 use crate::atomic_file::write_atomically;
 
-/// Which columns a file of points has beside the five.
+/// Optional columns of a file of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PointColumns {
     /// `scan` if there are several.
@@ -19,7 +19,7 @@ pub enum PointColumns {
     WithSigmas,
 }
 
-/// Writes `points.csv`, whole or not at all, replacing one that is there. The folder must exist.
+/// Writes `points.csv` atomically, replacing an existing file. The folder must exist.
 ///
 /// # Errors
 /// [`PointsError::Write`].
@@ -37,7 +37,7 @@ pub fn write_points(path: &Path, samples: &[Sample], columns: PointColumns) -> R
                 write!(file, ",{scan}")?;
             }
             if has_sigmas {
-                // Never rounded to zero, which is no deviation.
+                // Zero would be no valid deviation.
                 write!(file, ",{:.4},{sigma_m:.6}", sigma_px.max(0.0001))?;
             }
             file.write_all(b"\n")?;
@@ -46,8 +46,8 @@ pub fn write_points(path: &Path, samples: &[Sample], columns: PointColumns) -> R
     })
 }
 
-/// Writes `pixels.csv`, whole or not at all, replacing one that is there: for each of the camera's pixels (u, v) the
-/// projector's pixel that lights it. The folder must exist.
+/// Writes `pixels.csv` atomically, replacing an existing file: camera pixels (u, v) with the projector pixels that
+/// light them. The folder must exist.
 ///
 /// # Errors
 /// [`PointsError::Write`].
