@@ -1,4 +1,4 @@
-//! Solving 200,000 points: lens, distortion chosen by left-out points, pose and covariance.
+//! Solving 200,000 points: lens, distortion selected by held-out points, pose and covariance.
 
 use std::hint::black_box;
 
@@ -9,13 +9,13 @@ use rcs_calibration::{solve, Distortion, Lens, Report, Sample, SolveOptions};
 const POINTS: usize = 200_000;
 const SIZE_PX: [u32; 2] = [1280, 800];
 
-/// A number from -1 to 1 of a simple generator.
+/// Pseudo-random number from -1 to 1.
 fn next(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// A wall with boxes before it, as a camera of 640×480 pixels sees it, with a tenth of gross errors.
+/// Wall with boxes before it, with a tenth of gross errors.
 fn samples() -> Vec<Sample> {
     let distortion = Distortion::plumb_bob([-0.1, 0.0, 0.0, 0.0, 0.0]);
     let lens = Lens { distortion, ..Lens::pinhole(SIZE_PX, [1410.0, 1400.0], [645.0, 817.0]) };

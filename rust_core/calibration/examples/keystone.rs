@@ -1,18 +1,18 @@
-//! How often a keystone correction is noticed, and how often one is suspected that is not there: by the first stripes,
-//! and by the whole scan. `cargo run --release -p rcs_calibration --example keystone [ROOMS [FIRST_SEED]]`
+//! Rates of detected keystone corrections and of false alarms, by the first stripes and by the whole scan.
+//! `cargo run --release -p rcs_calibration --example keystone [ROOMS [FIRST_SEED]]`
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Matrix3;
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::{decode, points, solve, Keystone, Pictures, Report, SolveOptions};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, SmoothError, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
-/// Bits of each axis that are coarse.
+/// Coarse bits of each axis.
 const COARSE_BITS: u32 = 5;
 /// Smooth errors of the depth at 1 m, metres.
 const SMOOTH_M: [f64; 3] = [0.0, 0.001, 0.002];
 
-/// How often a keystone correction was reported.
+/// Reports of keystone corrections.
 #[derive(Default)]
 struct Counts {
     rooms: u32,
@@ -31,11 +31,11 @@ fn main() {
         ("10 degrees vertically", [10.0, 0.0]),
         ("20 degrees both ways", [20.0, -20.0]),
     ];
-    for (name, degrees) in corrections {
+    for (name, [about_rows, about_columns]) in corrections {
         let mut counts = Counts::default();
         for seed in first..first + rooms {
             let smooth_m = SMOOTH_M[seed as usize % SMOOTH_M.len()];
-            counts.add(seed, smooth_m, &turned(degrees), name == "none");
+            counts.add(seed, smooth_m, Conditions::keystone(about_rows, about_columns), name == "none");
         }
         let [skewed, stretched] = counts.early;
         let [skewed_late, stretched_late] = counts.late;
@@ -47,25 +47,15 @@ fn main() {
     }
 }
 
-/// A correction for a wall that is turned by these angles about the picture's rows and columns, degrees.
-fn turned(degrees: [f64; 2]) -> Matrix3<f64> {
-    let lens = Matrix3::new(1400.0, 0.0, 639.5, 0.0, 1400.0, 399.5, 0.0, 0.0, 1.0);
-    let [about_rows, about_columns] = degrees.map(f64::to_radians);
-    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), about_rows)
-        * Rotation3::from_axis_angle(&Vector3::y_axis(), about_columns);
-    lens * turn.into_inner() * lens.try_inverse().unwrap_or_else(Matrix3::identity)
-}
-
 impl Counts {
-    fn add(&mut self, seed: u64, smooth_m: f64, picture_from_panel: &Matrix3<f64>, names: bool) {
+    fn add(&mut self, seed: u64, smooth_m: f64, picture_from_panel: Matrix3<f64>, names: bool) {
         let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
         let view = View::new(&room, &rig);
         let patterns = gray_code(PROJECTOR_PX);
-        let conditions = Conditions { picture_from_panel: *picture_from_panel, ..Conditions::random(seed) };
+        let conditions = Conditions { picture_from_panel, ..Conditions::random(seed) };
         let pictures = Scan::new(&view, conditions).capture_all(&patterns);
         let smooth_error = (smooth_m > 0.0).then_some(SmoothError { rms_m: smooth_m, seed });
-        let depth = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
-        let depth_m: Vec<f32> = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+        let depth_m = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
         let is_coarse =
             |pattern: &Pattern| !matches!(pattern, Pattern::GrayCode(stripes) if stripes.bit >= COARSE_BITS);
         let coarse: Vec<(Pattern, &[u8])> = (patterns.iter().zip(&pictures))

@@ -1,8 +1,9 @@
-//! How well simulated scans are decoded: `cargo run --release -p rcs_calibration --example scan_accuracy [SEED...]`.
+//! Accuracy of decoded simulated scans: `cargo run --release -p rcs_calibration --example scan_accuracy [SEED...]`.
 
 use std::time::Instant;
 
 use rcs_calibration::patterns::gray_code;
+use rcs_calibration::statistics::median;
 use rcs_calibration::{decode, Pictures};
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
 
@@ -36,19 +37,16 @@ fn main() {
                 unlit += 1;
                 continue;
             };
-            let miss = [f64::from(pixel.at[0]) - truth.x, f64::from(pixel.at[1]) - truth.y];
-            if miss.iter().all(|miss| miss.abs() <= 1.0) {
+            let error = [f64::from(pixel.at[0]) - truth.x, f64::from(pixel.at[1]) - truth.y];
+            if error.iter().all(|error| error.abs() <= 1.0) {
                 right += 1;
-                squares += miss[0] * miss[0] + miss[1] * miss[1];
+                squares += error[0] * error[0] + error[1] * error[1];
                 for axis in 0..2 {
-                    pulls[axis].push((miss[axis] / f64::from(pixel.sigma[axis])).abs());
+                    pulls[axis].push((error[axis] / f64::from(pixel.sigma[axis])).abs());
                 }
             }
         }
-        let pull = pulls.map(|mut pulls| {
-            pulls.sort_by(f64::total_cmp);
-            pulls[pulls.len() / 2] / 0.6745
-        });
+        let pull = pulls.map(|mut pulls| median(&mut pulls) / 0.6745);
         println!(
             "{seed:4} {lit:6} {:10.1} {:8.2} {:14.2} {:7.3} {:7.2} {:7.2} {:6.2} {:9.2} {:11.2} {:8}",
             100.0 * f64::from(count - unlit) / f64::from(lit),

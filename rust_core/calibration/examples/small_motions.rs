@@ -1,4 +1,4 @@
-//! How often a small motion during a scan is noticed, and how often one is suspected where nothing moved.
+//! Rates of detected small motions during a scan, and of false alarms.
 //! `cargo run --release -p rcs_calibration --example small_motions still|moved [ROOMS [FIRST_SEED]]`
 
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
@@ -10,17 +10,17 @@ use rcs_scan_simulator::{Conditions, DepthCamera, Random, Rig, Room, Scan, Smoot
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const CENTER: Vector2<f64> = Vector2::new(639.5, 399.5);
-/// Samples of most scans, about.
+/// Approximate number of samples of a scan.
 const SAMPLES: usize = 6000;
 
-/// A scan of a room, decoded, whose depth may be seen by several cameras.
-struct Seen {
+/// Decoded scan of a room, for several depth cameras.
+struct DecodedRoom {
     view: View,
     rig: Rig,
     decoded: Decoded,
 }
 
-/// How often a motion was noticed.
+/// Results of one variant.
 #[derive(Debug, Default)]
 struct Counts {
     name: String,
@@ -37,8 +37,8 @@ fn main() {
     let mut all: Vec<Counts> = Vec::new();
     for seed in first..first + rooms {
         eprintln!("room {seed}");
-        let Some(seen) = Seen::new(seed) else { continue };
-        let variants = if is_still { still(&seen, seed) } else { moved(&seen, seed) };
+        let Some(room) = DecodedRoom::new(seed) else { continue };
+        let variants = if is_still { still(&room, seed) } else { moved(&room, seed) };
         for (index, (name, samples, options)) in variants.into_iter().enumerate() {
             if all.len() == index {
                 all.push(Counts { name: name.clone(), ..Counts::default() });
@@ -72,7 +72,7 @@ impl Counts {
     }
 }
 
-impl Seen {
+impl DecodedRoom {
     fn new(seed: u64) -> Option<Self> {
         let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
         let view = View::new(&room, &rig);
@@ -84,14 +84,14 @@ impl Seen {
     }
 
     fn depth_m(&self, camera: &DepthCamera) -> Vec<f32> {
-        camera.capture(&self.view).into_iter().map(|depth| f32::from(depth) * 1e-4).collect()
+        camera.capture(&self.view)
     }
 
     fn samples(&self, camera: &DepthCamera) -> Vec<Sample> {
         points(&self.decoded, &self.depth_m(camera), &self.rig.camera).unwrap_or_default()
     }
 
-    /// Points as another tool makes them: every pixel's own depth, of one image, and no deviations.
+    /// Points as by another tool: each pixel's own depth of one image, without deviations.
     fn raw(&self, camera: &DepthCamera) -> Vec<Sample> {
         let width = self.decoded.size_px[0] as usize;
         let depth_m = self.depth_m(camera);
@@ -107,14 +107,14 @@ impl Seen {
 
 type Variant = (String, Vec<Sample>, SolveOptions);
 
-/// Scans during which nothing moved.
-fn still(seen: &Seen, seed: u64) -> Vec<Variant> {
+/// Scans without motion.
+fn still(room: &DecodedRoom, seed: u64) -> Vec<Variant> {
     let kinect = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) };
     let smooth = |rms_m| DepthCamera { smooth_error: Some(SmoothError { rms_m, seed }), frames: 3, ..kinect.clone() };
     let noisy = |noise_m| DepthCamera { noise_m, frames: 1, ..DepthCamera::kinect(seed) };
     let options = SolveOptions::new(PROJECTOR_PX);
     let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options.clone() };
-    let plain = seen.samples(&kinect);
+    let plain = room.samples(&kinect);
     let mut random = Random::new(&[seed, 1]);
     let gross = |samples: &[Sample], random: &mut Random| {
         let mut samples = thinned(samples);
@@ -134,51 +134,51 @@ fn still(seen: &Seen, seed: u64) -> Vec<Variant> {
         samples
     };
     let variant = |name: &str, samples: Vec<Sample>| (name.to_owned(), samples, options.clone());
-    let smooth_2mm = seen.samples(&smooth(0.002));
+    let smooth_2mm = room.samples(&smooth(0.002));
     vec![
         variant("still", thinned(&plain)),
         variant("still, shuffled", shuffled(thinned(&plain), seed)),
         variant("still, 30 % gross errors", gross(&plain, &mut random)),
-        variant("still, smooth error of 1 mm", thinned(&seen.samples(&smooth(0.001)))),
+        variant("still, smooth error of 1 mm", thinned(&room.samples(&smooth(0.001)))),
         variant("still, smooth error of 2 mm", thinned(&smooth_2mm)),
         variant("still, smooth error of 2 mm, 30 % gross errors", gross(&smooth_2mm, &mut random)),
-        variant("still, depth noise of 5 mm", thinned(&seen.samples(&noisy(0.005)))),
-        variant("still, raw depth, whole pixels", thinned(&seen.raw(&noisy(0.0014)))),
-        variant("still, raw depth without noise, whole pixels", thinned(&seen.raw(&noisy(0.0)))),
-        variant("still, raw depth, noise of 5 mm", thinned(&seen.raw(&noisy(0.005)))),
+        variant("still, depth noise of 5 mm", thinned(&room.samples(&noisy(0.005)))),
+        variant("still, raw depth, whole pixels", thinned(&room.raw(&noisy(0.0014)))),
+        variant("still, raw depth without noise, whole pixels", thinned(&room.raw(&noisy(0.0)))),
+        variant("still, raw depth, noise of 5 mm", thinned(&room.raw(&noisy(0.005)))),
         ("still, distortion not modelled".to_owned(), distorted(&plain), pinhole),
-        variant("still, two places, numbered", two_places(seen, seed)),
-        wall_with_steps(seen, seed),
+        variant("still, two places, numbered", two_places(room, seed)),
+        wall_with_steps(room, seed),
     ]
 }
 
-/// What two cameras at different places see, each with its number.
-fn two_places(seen: &Seen, seed: u64) -> Vec<Sample> {
+/// Numbered scans from two camera poses.
+fn two_places(room: &DecodedRoom, seed: u64) -> Vec<Sample> {
     let camera = |place| DepthCamera { frames: 3, ..DepthCamera::kinect(seed + u64::from(place)) };
     let scan = |place| {
-        let view = View::new(seen.view.room(), &seen.rig.at_place(place));
+        let view = View::new(room.view.room(), &room.rig.at_place(place));
         let samples = exact_pixels(&view, &camera(place), seed);
         samples.into_iter().map(move |sample| Sample { scan: place, ..sample })
     };
     scan(0).chain(scan(1)).collect()
 }
 
-/// A wall before a known projector, whose depth is seen in coarse steps and nearly without noise.
-fn wall_with_steps(seen: &Seen, seed: u64) -> Variant {
-    let view = View::new(&Room::wall(1.3, [0.0, 0.0]), &seen.rig);
+/// Wall before a known projector, with quantised depth nearly without noise.
+fn wall_with_steps(room: &DecodedRoom, seed: u64) -> Variant {
+    let view = View::new(&Room::wall(1.3, [0.0, 0.0]), &room.rig);
     let camera = DepthCamera { noise_m: 0.0003, ..DepthCamera::kinect(seed) };
-    let options = SolveOptions { known_lens: Some(seen.rig.projector), ..SolveOptions::new(PROJECTOR_PX) };
+    let options = SolveOptions { known_lens: Some(room.rig.projector), ..SolveOptions::new(PROJECTOR_PX) };
     ("still, a wall in steps of depth, known lens".to_owned(), exact_pixels(&view, &camera, seed), options)
 }
 
-/// Points of every sixth pixel with its depth as it is; the projector's pixels err by 0.2 px.
+/// Points of every sixth pixel with its own depth, and projector pixels with errors of 0.2 px.
 fn exact_pixels(view: &View, camera: &DepthCamera, seed: u64) -> Vec<Sample> {
     let mut random = Random::new(&[seed, 4]);
     let depths = camera.capture(view);
     let [width, height] = view.size_px();
     let pixels = (0..height).step_by(6).flat_map(|v| (0..width).step_by(6).map(move |u| (u, v)));
     let sample = |(u, v)| {
-        let depth_m = f64::from(depths[(v * width + u) as usize]) * 1e-4;
+        let depth_m = f64::from(depths[(v * width + u) as usize]);
         let ray = view.rig().camera.ray(Point2::new(f64::from(u), f64::from(v))).filter(|_| depth_m > 0.0)?;
         let noise = Vector2::new(random.normal(), random.normal()) * 0.2;
         Some(Sample::new(view.truth(u, v)? + noise, Point3::from(ray * depth_m)))
@@ -190,27 +190,27 @@ fn is_inside(sample: &Sample) -> bool {
     sample.pixel.x > -0.5 && sample.pixel.x < 1279.5 && sample.pixel.y > -0.5 && sample.pixel.y < 799.5
 }
 
-/// Scans during which half of the samples moved, as they are and with noisy depth.
-fn moved(seen: &Seen, seed: u64) -> Vec<Variant> {
+/// Scans with a motion of part of the samples.
+fn moved(room: &DecodedRoom, seed: u64) -> Vec<Variant> {
     let kinect = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) };
     let smooth = DepthCamera { smooth_error: Some(SmoothError { rms_m: 0.001, seed }), ..kinect.clone() };
     let options = SolveOptions::new(PROJECTOR_PX);
     let cameras = [
-        ("", thinned(&seen.samples(&kinect))),
-        (", smooth error of 1 mm", thinned(&seen.samples(&smooth))),
-        (", raw depth, whole pixels", thinned(&seen.raw(&DepthCamera::kinect(seed)))),
+        ("", thinned(&room.samples(&kinect))),
+        (", smooth error of 1 mm", thinned(&room.samples(&smooth))),
+        (", raw depth, whole pixels", thinned(&room.raw(&DepthCamera::kinect(seed)))),
     ];
     let mut variants = Vec::new();
     for (camera, samples) in &cameras {
-        let lots = [("any half", false, 0.5), ("any quarter", false, 0.25), ("second half", true, 0.5)];
-        let lots = if camera.is_empty() {
-            &lots[..]
+        let clusters = [("any half", false, 0.5), ("any quarter", false, 0.25), ("second half", true, 0.5)];
+        let clusters = if camera.is_empty() {
+            &clusters[..]
         } else if camera.contains("raw") {
-            &lots[2..]
+            &clusters[2..]
         } else {
-            &lots[..1]
+            &clusters[..1]
         };
-        for &(name, in_order, share) in lots {
+        for &(name, in_order, share) in clusters {
             for (what, degrees, mm, zoom) in MOTIONS {
                 let mut random = Random::new(&[seed, 2]);
                 let mut direction = || Vector3::new(random.normal(), random.normal(), random.normal()).normalize();

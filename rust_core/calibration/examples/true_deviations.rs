@@ -1,5 +1,5 @@
-//! Whether the standard deviations of whole calibrations are true: over many simulated scans, errors divided by them
-//! have a spread of one. `cargo run --release -p rcs_calibration --example true_deviations [COUNT [FIRST_SEED]]`
+//! Correctness of the standard deviations of calibrations: errors over deviations of many simulated scans should have
+//! an RMS of one. `cargo run --release -p rcs_calibration --example true_deviations [COUNT [FIRST_SEED]]`
 
 use rcs_calibration::patterns::gray_code;
 use rcs_calibration::{decode, points, solve, Parameter, Pictures, SolveOptions};
@@ -8,7 +8,7 @@ use rcs_scan_simulator::{Conditions, DepthCamera, LightError, Rig, Room, Scan, V
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const NAMES: [&str; 10] = ["fx", "fy", "cx", "cy", "x", "y", "z", "about x", "about y", "about z"];
 
-/// Calibrations with an error of so many deviations are printed.
+/// Calibrations with an error above this number of deviations are printed.
 const REMARKABLE: f64 = 3.5;
 
 fn main() {
@@ -64,7 +64,7 @@ fn below_one(values: &[f64]) -> f64 {
     values.iter().filter(|value| value.abs() < 1.0).count() as f64 / values.len().max(1) as f64
 }
 
-/// Errors over deviations, and where light lands (RMS in pixels and millimetres).
+/// Errors over deviations, and projection error (RMS in pixels and millimetres).
 fn calibrate(seed: u64) -> Result<([f64; 10], [f64; 2]), String> {
     let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
     let view = View::new(&room, &rig);
@@ -73,8 +73,7 @@ fn calibrate(seed: u64) -> Result<([f64; 10], [f64; 2]), String> {
     let levels = pictures.iter().map(Vec::as_slice).collect();
     let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX)
         .map_err(|error| error.to_string())?;
-    let depth = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
-    let depth_m: Vec<f32> = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+    let depth_m = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
     let samples = points(&decoded, &depth_m, &rig.camera).map_err(|error| error.to_string())?;
     let solution = solve(&samples, &SolveOptions::new(PROJECTOR_PX)).map_err(|error| error.to_string())?;
     let (lens, truth) = (&solution.lens, &rig.projector);

@@ -8,6 +8,8 @@ use std::fmt;
 
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
 
+use crate::statistics::bisect;
+
 /// Maximum distance from the optical axis on the plane z = 1: 87° off the axis.
 const FARTHEST: f64 = 20.0;
 /// Maximum Newton steps of an inverse; real lenses need four.
@@ -44,7 +46,8 @@ impl DistortionModel {
         Self::ALL.into_iter().find(|model| model.name() == name)
     }
 
-    /// Model that OpenCV uses for this number of coefficients, which alone tells a plumb bob from a rational polynomial.
+    /// Model that OpenCV uses for this number of coefficients, which alone tells a plumb bob from a rational
+    /// polynomial.
     fn with_coefficients(self, count: usize) -> Self {
         match (self, count) {
             (Self::PlumbBob, 8 | 12 | 14) => Self::RationalPolynomial,
@@ -135,8 +138,8 @@ impl Distortion {
     pub const NONE: Self =
         Self { model: DistortionModel::PlumbBob, coefficients: [0.0; 14], is_none: true, valid_radius: f64::INFINITY };
 
-    /// Creates the distortion of a CameraInfo's `distortion_model` and `D`. There is none without coefficients, whatever
-    /// the model, and none if all are zero, except for equidistant lenses, whose radius then is the angle.
+    /// Creates the distortion of a CameraInfo's `distortion_model` and `D`. There is none without coefficients,
+    /// whatever the model, and none if all are zero, except for equidistant lenses, whose radius then is the angle.
     ///
     /// # Errors
     /// [`DistortionProblem`]: unknown model or invalid coefficients.
@@ -257,19 +260,12 @@ impl Distortion {
         if distorted_radius == 0.0 {
             return Some(Vector2::zeros());
         }
-        let (mut near, mut far) = (0.0, self.valid_radius.min(FARTHEST));
+        let far = self.valid_radius.min(FARTHEST);
         if self.radius(far) < distorted_radius {
             // The other terms may still reach it.
             return Some(target * (far / distorted_radius));
         }
-        for _ in 0..40 {
-            let middle = 0.5 * (near + far);
-            if self.radius(middle) < distorted_radius {
-                near = middle;
-            } else {
-                far = middle;
-            }
-        }
+        let [near, far] = bisect([0.0, far], 40, |radius| self.radius(radius) < distorted_radius);
         Some(target * (0.5 * (near + far) / distorted_radius))
     }
 
@@ -294,16 +290,7 @@ impl Distortion {
         let at = |step: u32| (f64::from(step) / f64::from(STEPS) * FARTHEST.atan()).tan();
         let is_fine = |r: f64| slope(r) > 0.0 && self.radius(r).is_finite() && self.is_before_pole(r * r);
         let Some(folded) = (1..=STEPS).find(|step| !is_fine(at(*step))) else { return f64::INFINITY };
-        let (mut fine, mut folded) = (at(folded - 1), at(folded));
-        for _ in 0..60 {
-            let middle = 0.5 * (fine + folded);
-            if is_fine(middle) {
-                fine = middle;
-            } else {
-                folded = middle;
-            }
-        }
-        fine
+        bisect([at(folded - 1), at(folded)], 60, is_fine)[0]
     }
 
     /// Radial factor at a squared radius, and its derivative by it.

@@ -41,8 +41,8 @@ impl Keystone {
                 Refusal::Moved { .. }
                 | Refusal::TwoPoses { .. }
                 | Refusal::FewInliers { .. }
-                | Refusal::Inconsistent { .. }
-                | Refusal::NoSolution { .. }
+                | Refusal::Inconsistent(_)
+                | Refusal::NoSolution(_)
                 | Refusal::Unpredictive { .. },
             ) => {
                 let (skew, typical_px) = skew_of_all(&samples, projector_px)?;

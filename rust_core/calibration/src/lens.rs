@@ -49,8 +49,8 @@ impl Lens {
         Matrix2::new(self.focal_px.x, self.skew_px.x, self.skew_px.y, self.focal_px.y)
     }
 
-    /// Pixel of a point of the optical frame, in or outside of the image. `None` if the point is not in front of the lens
-    /// or beyond the distortion's valid radius.
+    /// Pixel of a point of the optical frame, in or outside of the image. `None` if the point is not in front of the
+    /// lens or beyond the distortion's valid radius.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         if point.z > 0.0 {
             self.pixel(Point2::new(point.x / point.z, point.y / point.z))
@@ -167,13 +167,13 @@ mod tests {
         #[test]
         fn derivatives_are_the_differences(lens in lenses(), x in -0.4..0.4, y in -0.6..0.2, z in 0.6..3.0) {
             let point = Point3::new(x, y, z);
-            let landing = lens.project_with_jacobian(&point).unwrap();
-            prop_assert!((landing.pixel - lens.project(&point).unwrap()).norm() < 1e-9);
+            let projected = lens.project_with_jacobian(&point).unwrap();
+            prop_assert!((projected.pixel - lens.project(&point).unwrap()).norm() < 1e-9);
             for axis in 0..3 {
                 let mut step = Vector3::zeros();
                 step[axis] = 1e-6;
                 let change = lens.project(&(point + step)).unwrap() - lens.project(&(point - step)).unwrap();
-                prop_assert!((change / 2e-6 - landing.by_point.column(axis)).norm() < 1e-3);
+                prop_assert!((change / 2e-6 - projected.by_point.column(axis)).norm() < 1e-3);
             }
         }
     }

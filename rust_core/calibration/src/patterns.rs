@@ -18,18 +18,12 @@ impl Axis {
 
     /// 0 for x, 1 for y.
     pub const fn index(self) -> usize {
-        match self {
-            Self::X => 0,
-            Self::Y => 1,
-        }
+        self as usize
     }
 
     /// `x` or `y`.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::X => "x",
-            Self::Y => "y",
-        }
+        ["x", "y"][self as usize]
     }
 }
 
@@ -54,8 +48,8 @@ impl Stripes {
     /// Maximum bits of a code.
     pub const MOST_BITS: u32 = 16;
 
-    /// `true` if column or row `at` is lit: code c = (at + offset) div step, Gray g = c xor (c >> 1), lit where bit `bit`
-    /// of g is 1.
+    /// `true` if column or row `at` is lit: code c = (at + offset) div step, Gray g = c xor (c >> 1), lit where bit
+    /// `bit` of g is 1.
     pub fn is_lit(&self, at: u32) -> bool {
         let code = (u64::from(at) + u64::from(self.offset)) / u64::from(self.step.max(1));
         let gray = code ^ (code >> 1);

@@ -26,6 +26,16 @@ pub(crate) struct Plane {
 impl Plane {
     /// Placeholder where no plane was fitted.
     pub(crate) const NONE: Self = Self { at: 0.0, by_x: 0.0, by_y: 0.0, variance: f32::INFINITY, support: 0.0 };
+
+    /// Residual of a pixel: x, y and height.
+    pub(crate) fn residual(&self, [x, y, a]: &[f32; 3]) -> f32 {
+        a - self.at - self.by_x * x - self.by_y * y
+    }
+}
+
+/// Weight under Cauchy's loss; `ratio` is the residual over the one that halves the weight.
+pub(crate) fn robust_weight(weight: f32, ratio: f32) -> f32 {
+    weight / (1.0 + ratio * ratio)
 }
 
 /// Weighted moments of a window; coordinates are relative to its centre.
@@ -43,9 +53,17 @@ pub(crate) struct PlaneSums {
     aa: f32,
 }
 
+impl FromIterator<(f32, [f32; 3])> for PlaneSums {
+    /// Sums weights with x, y and height.
+    fn from_iter<T: IntoIterator<Item = (f32, [f32; 3])>>(entries: T) -> Self {
+        let mut sums = Self::default();
+        entries.into_iter().for_each(|(weight, [x, y, a])| sums.add(weight, x, y, a));
+        sums
+    }
+}
+
 impl PlaneSums {
-    /// Adds a pixel with height `a`.
-    pub(crate) fn add(&mut self, weight: f32, x: f32, y: f32, a: f32) {
+    fn add(&mut self, weight: f32, x: f32, y: f32, a: f32) {
         let (wx, wy, wa) = (weight * x, weight * y, weight * a);
         self.one += weight;
         self.x += wx;

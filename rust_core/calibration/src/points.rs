@@ -8,7 +8,7 @@
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use crate::plane::{means_around, Plane, PlaneSums};
+use crate::plane::{means_around, robust_weight, PlaneSums};
 use crate::statistics::median_f32;
 use crate::{Decoded, Lens, Sample};
 
@@ -137,18 +137,14 @@ impl DepthWindow {
         if own <= 0.0 {
             return None;
         }
-        let mut window = [(0.0_f32, 0.0_f32, 0.0_f32); SIDE * SIDE];
+        let mut window = [[0.0_f32; 3]; SIDE * SIDE];
         let mut count = 0;
-        let mut sums = PlaneSums::default();
         for row in y - RADIUS..=y + RADIUS {
             for column in x - RADIUS..=x + RADIUS {
                 let value = inverse[row * width + column];
                 if value > 0.0 {
-                    let entry = (column as f32 - x as f32, row as f32 - y as f32, value - own);
-                    window[count] = entry;
+                    window[count] = [column as f32 - x as f32, row as f32 - y as f32, value - own];
                     count += 1;
-                    let far = entry.2 / (0.03 * own);
-                    sums.add(1.0 / (1.0 + far * far), entry.0, entry.1, entry.2);
                 }
             }
         }
@@ -156,19 +152,18 @@ impl DepthWindow {
         if (count as f32) < least {
             return None;
         }
-        let mut plane = sums.plane(4.0)?;
+        let window = &window[..count];
+        let first = window.iter().map(|entry| (robust_weight(1.0, entry[2] / (0.03 * own)), *entry));
+        let mut plane = first.collect::<PlaneSums>().plane(4.0)?;
         let mut noise = 0.0;
         for _ in 0..3 {
-            let mut distances = window.map(|entry| off(&plane, &entry).abs());
+            let mut distances = [0.0; SIDE * SIDE];
+            distances.iter_mut().zip(window).for_each(|(distance, entry)| *distance = plane.residual(entry).abs());
             noise = 1.4826 * median_f32(&mut distances[..count]) + LEAST_NOISE_SHARE * own;
-            let mut sums = PlaneSums::default();
-            for entry in &window[..count] {
-                let far = off(&plane, entry) / (HALF_WEIGHT_NOISE * noise);
-                sums.add(1.0 / (1.0 + far * far), entry.0, entry.1, entry.2);
-            }
-            plane = sums.plane(4.0)?;
+            let weight = |entry: &[f32; 3]| robust_weight(1.0, plane.residual(entry) / (HALF_WEIGHT_NOISE * noise));
+            plane = window.iter().map(|entry| (weight(entry), *entry)).collect::<PlaneSums>().plane(4.0)?;
         }
-        let on_plane = window[..count].iter().filter(|entry| off(&plane, entry).abs() < 4.0 * noise).count();
+        let on_plane = window.iter().filter(|entry| plane.residual(entry).abs() < 4.0 * noise).count();
         let is_whole = on_plane == SIDE * SIDE;
         if (on_plane as f32) < least || plane.at.abs() > 4.0 * noise || noise > MOST_NOISE_SHARE * own {
             return None;
@@ -176,11 +171,6 @@ impl DepthWindow {
         let sigma_per_noise = (CORRELATED / plane.support).sqrt();
         Some(Self { inverse: own + plane.at, by_px: [plane.by_x, plane.by_y], sigma_per_noise, noise, is_whole })
     }
-}
-
-/// Residual of a window's entry.
-fn off(plane: &Plane, (dx, dy, value): &(f32, f32, f32)) -> f32 {
-    value - plane.at - plane.by_x * dx - plane.by_y * dy
 }
 
 #[cfg(test)]

@@ -59,10 +59,10 @@ mod tests {
             Sample::new(lens.project(&(pose * point)).unwrap() + shift, point)
         };
         let shifted: Vec<Sample> = (0..200).map(|index| sample(index, Vector2::new(3.0, 4.0))).collect();
-        let landed = ReprojectionError::measure(&shifted, &lens, &pose);
-        assert_eq!(landed.count, 200);
-        assert!((landed.rms_px - 5.0).abs() < 1e-9 && (landed.median_px - 5.0).abs() < 1e-9);
-        assert!((landed.rms_m - 0.01).abs() < 1e-9, "5 px of f 1000 at 2 m");
+        let error = ReprojectionError::measure(&shifted, &lens, &pose);
+        assert_eq!(error.count, 200);
+        assert!((error.rms_px - 5.0).abs() < 1e-9 && (error.median_px - 5.0).abs() < 1e-9);
+        assert!((error.rms_m - 0.01).abs() < 1e-9, "5 px of f 1000 at 2 m");
         // A few gross errors of decoding do not count.
         let mut with_errors = shifted.clone();
         with_errors[7].pixel = Point2::new(1e4, 0.0);

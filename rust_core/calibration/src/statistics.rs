@@ -1,4 +1,4 @@
-//! Medians and quantiles by selection, and root mean squares.
+//! Medians and quantiles by selection, root mean squares, and bisection.
 
 /// Quantile at a share from 0 to 1; NaN without values. Reorders the values.
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
@@ -27,4 +27,13 @@ pub(crate) fn median_f32(values: &mut [f32]) -> f32 {
 pub(crate) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// Halves an interval `[low, high]` in a number of steps around where `is_low` becomes false.
+pub(crate) fn bisect([mut low, mut high]: [f64; 2], steps: u32, mut is_low: impl FnMut(f64) -> bool) -> [f64; 2] {
+    for _ in 0..steps {
+        let middle = 0.5 * (low + high);
+        *(if is_low(middle) { &mut low } else { &mut high }) = middle;
+    }
+    [low, high]
 }

@@ -1,8 +1,8 @@
-//! Decoding simulated scans, whose truth is known: how many lit pixels are decoded, how many of those are right, and
-//! what is noticed when a scan was not taken well.
+//! Decoding of simulated scans: completeness, accuracy, and detection of bad scans.
 
 use nalgebra::Vector2;
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern, Stripes};
+use rcs_calibration::statistics::median;
 use rcs_calibration::{decode, Decoded, Pictures, ScanProblem};
 use rcs_scan_simulator::{seeds, Conditions, Motion, Rig, Room, Scan, View};
 
@@ -22,15 +22,15 @@ fn decoded_as(view: &View, pictures: &[Vec<u8>], patterns: &[Pattern], projector
     decoded.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// How a decoded scan compares with the truth.
+/// Comparison of a decoded scan with the truth.
 struct Score {
-    /// The share of lit pixels that are decoded.
+    /// Share of lit pixels that are decoded.
     decoded: f64,
-    /// The share of decoded pixels that are right within a pixel along both axes.
+    /// Share of decoded pixels that are right within a pixel along both axes.
     right: f64,
-    /// Root mean square of the errors of those, projector pixels.
+    /// RMS error of the right pixels, projector pixels.
     rms_px: f64,
-    /// The middle one of the errors divided by their standard deviations; 0.67 if they are true.
+    /// Median of the errors over their standard deviations; 0.67 if these are correct.
     pull: f64,
 }
 
@@ -41,19 +41,18 @@ fn score(view: &View, decoded: &Decoded) -> Score {
         lit += usize::from(truth.is_some());
         count += usize::from(pixel.is_decoded() && truth.is_some());
         let Some(truth) = truth.filter(|_| pixel.is_decoded()) else { continue };
-        let miss = Vector2::new(f64::from(pixel.at[0]) - truth.x, f64::from(pixel.at[1]) - truth.y);
-        if miss.amax() <= 1.0 {
-            squares += miss.norm_squared();
-            pulls.extend([0, 1].map(|axis| (miss[axis] / f64::from(pixel.sigma[axis])).abs()));
+        let error = Vector2::new(f64::from(pixel.at[0]) - truth.x, f64::from(pixel.at[1]) - truth.y);
+        if error.amax() <= 1.0 {
+            squares += error.norm_squared();
+            pulls.extend([0, 1].map(|axis| (error[axis] / f64::from(pixel.sigma[axis])).abs()));
         }
     }
-    pulls.sort_by(f64::total_cmp);
     let right = (pulls.len() / 2) as f64;
     Score {
         decoded: f64::from(count as u32) / f64::from(lit as u32),
         right: right / decoded.count() as f64,
         rms_px: (squares / right).sqrt(),
-        pull: pulls[pulls.len() / 2],
+        pull: median(&mut pulls),
     }
 }
 
@@ -73,7 +72,7 @@ fn cluttered_rooms_are_decoded_whatever_the_seed() {
         assert!(score.decoded > 0.90, "seed {seed}: {:.3} decoded", score.decoded);
         assert!(score.right > 0.99, "seed {seed}: {:.4} right", score.right);
         assert!(score.rms_px < 0.2, "seed {seed}: {:.3} px", score.rms_px);
-        // Deviations are rather too large than too small: by three times at most.
+        // Deviations may be up to three times too large.
         assert!((0.2..1.0).contains(&score.pull), "seed {seed}: pull {:.2}", score.pull);
         assert_eq!(decoded.quality.problems(), [], "seed {seed}");
     }
@@ -145,7 +144,7 @@ fn patterns_of_another_projector_are_noticed() {
 }
 
 #[test]
-fn what_is_dark_is_not_decoded() {
+fn dark_pixels_are_not_decoded() {
     let view = view(36);
     let patterns = gray_code(PROJECTOR_PX);
     let black = vec![Pattern::Black; patterns.len()];

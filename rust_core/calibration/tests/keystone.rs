@@ -1,22 +1,13 @@
-//! A keystone correction is found by the first stripes of a scan, and none is suspected that is not there.
+//! Detection of keystone corrections by the first stripes of a scan, without false alarms.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Matrix3;
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::{Keystone, Pictures};
 use rcs_scan_simulator::{seeds, Conditions, DepthCamera, Rig, Room, Scan, SmoothError, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 
-/// A correction for a wall that is turned by these angles about the picture's rows and columns, degrees.
-fn correction(about_rows: f64, about_columns: f64) -> Matrix3<f64> {
-    let lens = Matrix3::new(1400.0, 0.0, 639.5, 0.0, 1400.0, 399.5, 0.0, 0.0, 1.0);
-    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), about_rows.to_radians())
-        * Rotation3::from_axis_angle(&Vector3::y_axis(), about_columns.to_radians());
-    let inverse = lens.try_inverse().unwrap_or_else(|| panic!("a lens is invertible"));
-    lens * turn.into_inner() * inverse
-}
-
-/// What the first stripes of a scan of a room tell, with a Kinect's depth and a smooth error of it.
+/// Keystone by the first stripes of a scan of a room, with a Kinect's depth and a smooth error.
 fn first_stripes(room: &Room, seed: u64, picture_from_panel: Matrix3<f64>) -> Option<Keystone> {
     let rig = Rig::random(seed);
     let view = View::new(room, &rig);
@@ -27,8 +18,7 @@ fn first_stripes(room: &Room, seed: u64, picture_from_panel: Matrix3<f64>) -> Op
     let levels = pictures.iter().map(Vec::as_slice).collect();
     let pictures = Pictures { size_px: view.size_px(), patterns: &patterns, levels };
     let smooth_error = Some(SmoothError { rms_m: 0.001, seed });
-    let depth = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
-    let depth_m: Vec<f32> = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+    let depth_m = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
     Keystone::find(&pictures, &depth_m, &rig.camera, PROJECTOR_PX)
 }
 
@@ -39,13 +29,13 @@ fn a_picture_that_is_not_corrected_raises_no_alarm() {
     }
 }
 
-/// More than half of each kind: the example `keystone` counts over more rooms. Where few crossings are seen, the whole
-/// scan decides.
+/// More than half of each kind; the example `keystone` counts over more rooms. With few crossings, the whole scan
+/// decides.
 #[test]
 fn most_corrections_are_found() {
     let rooms = seeds(300, 2, 4);
     let count = |about_rows: f64, about_columns: f64, is_found: fn(&Keystone) -> bool| {
-        let found = |seed| first_stripes(&Room::cluttered(seed), seed, correction(about_rows, about_columns));
+        let found = |seed| first_stripes(&Room::cluttered(seed), seed, Conditions::keystone(about_rows, about_columns));
         rooms.clone().filter_map(found).filter(is_found).count()
     };
     let is_skewed = |found: &Keystone| matches!(found, Keystone::Skewed(_));
@@ -57,5 +47,5 @@ fn most_corrections_are_found() {
 
 #[test]
 fn a_flat_wall_tells_nothing() {
-    assert_eq!(first_stripes(&Room::wall(1.4, [0.1, -0.05]), 310, correction(0.0, 8.0)), None);
+    assert_eq!(first_stripes(&Room::wall(1.4, [0.1, -0.05]), 310, Conditions::keystone(0.0, 8.0)), None);
 }

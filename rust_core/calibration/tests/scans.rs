@@ -1,4 +1,4 @@
-//! Whole calibrations of simulated scans: decoding, points, solving. What counts is where the light lands.
+//! Whole calibrations of simulated scans: decoding, points, solving, judged by the projection error.
 
 use nalgebra::Isometry3;
 use rcs_calibration::patterns::gray_code;
@@ -9,7 +9,7 @@ use rcs_scan_simulator::{
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 
-/// The samples of a scan, with their scan's number.
+/// Samples of a scan with its number.
 fn scan(room: &Room, rig: &Rig, depth_camera: &DepthCamera, number: u32) -> Vec<Sample> {
     let view = View::new(room, rig);
     let patterns = gray_code(PROJECTOR_PX);
@@ -17,8 +17,7 @@ fn scan(room: &Room, rig: &Rig, depth_camera: &DepthCamera, number: u32) -> Vec<
     let levels = pictures.iter().map(Vec::as_slice).collect();
     let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX);
     let decoded = decoded.unwrap_or_else(|error| panic!("{error}"));
-    let depth_m: Vec<f32> = depth_camera.capture(&view).into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
-    let samples = points(&decoded, &depth_m, &rig.camera).unwrap_or_else(|error| panic!("{error}"));
+    let samples = points(&decoded, &depth_camera.capture(&view), &rig.camera).unwrap_or_else(|error| panic!("{error}"));
     samples.into_iter().map(|sample| Sample { scan: number, ..sample }).collect()
 }
 
@@ -26,7 +25,7 @@ fn light_error(rig: &Rig, lens: &Lens, pose: &Isometry3<f64>) -> LightError {
     LightError::between((&rig.projector, &rig.projector_from_camera()), (lens, pose))
 }
 
-/// Angle between two orientations, degrees, and distance of the projector's places in the camera's frame, metres.
+/// Angle between two orientations, degrees, and distance of the positions in the camera's frame, metres.
 fn pose_error(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
     let (a, b) = (a.inverse(), b.inverse());
     (a.rotation.angle_to(&b.rotation).to_degrees(), (a.translation.vector - b.translation.vector).norm())
@@ -116,9 +115,7 @@ fn a_mirrored_picture_is_refused() {
     let pictures = Scan::new(&view, conditions).capture_all(&patterns);
     let levels = pictures.iter().map(Vec::as_slice).collect();
     let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
-    let depth_m: Vec<f32> =
-        DepthCamera::kinect(230).capture(&view).into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
-    let samples = points(&decoded, &depth_m, &rig.camera).unwrap();
+    let samples = points(&decoded, &DepthCamera::kinect(230).capture(&view), &rig.camera).unwrap();
     let refusal = solve(&samples, &SolveOptions::new(PROJECTOR_PX)).unwrap_err().to_string();
     assert!(refusal.contains("mirrored"), "{refusal}");
 }

@@ -9,7 +9,7 @@ use rcs_calibration::{
 };
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, View};
 
-/// A room with a camera and a projector, and what is seen of black and white.
+/// Room with a camera and a projector.
 struct World {
     view: View,
     conditions: Conditions,
@@ -19,12 +19,11 @@ struct World {
 impl World {
     fn new(seed: u64, room: &Room) -> Self {
         let view = View::new(room, &Rig::random(seed));
-        let depth = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
-        let depth_m = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+        let depth_m = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
         Self { view, conditions: Conditions::random(seed), depth_m }
     }
 
-    /// Shows what a file's pose plans, and measures.
+    /// Verifies a file's pose.
     fn verify(&self, projector_from_camera: &Isometry3<f64>) -> Result<VerificationResult, VerificationProblem> {
         let scan = Scan::new(&self.view, self.conditions.clone());
         let rig = self.view.rig();
@@ -43,9 +42,9 @@ impl World {
         plan.measure(&seen)
     }
 
-    /// How far light lands from a place of the camera's picture by a file's pose, pixels.
-    fn true_miss_px(&self, miss: &VerifiedPoint, projector_from_camera: &Isometry3<f64>) -> Option<f64> {
-        let [u, v] = [miss.expected.x, miss.expected.y].map(|at| at.round() as u32);
+    /// True error of a target under a file's pose, pixels.
+    fn true_error_px(&self, target: &VerifiedPoint, projector_from_camera: &Isometry3<f64>) -> Option<f64> {
+        let [u, v] = [target.expected.x, target.expected.y].map(|at| at.round() as u32);
         let sight = self.view.sight(u, v)?;
         let pixel = self.view.rig().projector.project(&(projector_from_camera * sight.point))?;
         Some((pixel - sight.lit_by?).norm())
@@ -58,7 +57,7 @@ fn bump() -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(0.005, 0.0, 0.0), turned)
 }
 
-/// A true file is verified, and a bumped one is off by the right amount.
+/// Verifies a true file, and measures the error of a bumped one.
 fn check_room(seed: u64) {
     let world = World::new(seed, &Room::cluttered(seed));
     let file = world.view.rig().projector_from_camera();
@@ -71,11 +70,11 @@ fn check_room(seed: u64) {
 
     let file = bump() * file;
     let verified = world.verify(&file).unwrap();
-    let misses: Vec<[f64; 2]> =
-        verified.spots.iter().filter_map(|miss| Some([miss.px, world.true_miss_px(miss, &file)?])).collect();
-    let near = misses.iter().filter(|[px, truth]| (px - truth).abs() < 0.8).count();
+    let errors: Vec<[f64; 2]> =
+        verified.spots.iter().filter_map(|spot| Some([spot.px, world.true_error_px(spot, &file)?])).collect();
+    let near = errors.iter().filter(|[px, truth]| (px - truth).abs() < 0.8).count();
     let (spots, edges) = (ErrorStatistics::of(&verified.spots), ErrorStatistics::of(&verified.edges));
-    assert!(misses.len() > 40 && near * 10 > 8 * misses.len(), "seed {seed}: {near} of {misses:?}");
+    assert!(errors.len() > 40 && near * 10 > 8 * errors.len(), "seed {seed}: {near} of {errors:?}");
     assert!((10.0..30.0).contains(&spots.median[0]) && spots.median[1] > 0.008, "seed {seed}: {spots:?}");
     assert!(edges.count > 10 && edges.median[0] > 5.0 && edges.worst[0] < 40.0, "seed {seed}: {edges:?}");
 }

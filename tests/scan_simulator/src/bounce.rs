@@ -1,22 +1,22 @@
-//! Light that surfaces throw onto each other, once: a gather between coarse patches of the picture.
+//! Interreflections with one bounce: a gather between coarse patches of the image.
 //!
-//! A patch of 16×16 camera pixels stands for the surface at its middle. What arrives at a patch is the sum over all
-//! others that it sees, by their form factors; between the patches' middles it is interpolated, because it is smooth.
-//! Surfaces beside the picture contribute nothing.
+//! A patch of 16×16 camera pixels represents the surface at its centre. The light at a patch is the sum over all
+//! visible others by their form factors, interpolated between the patches' centres. Surfaces outside of the image
+//! contribute nothing.
 
 use rayon::prelude::*;
 
 use crate::View;
 
-/// The edge of a patch, camera pixels.
+/// Side of a patch, camera pixels.
 const PATCH_PX: usize = 16;
 
-/// The form factors between the patches of a view.
+/// Form factors between the patches of a view.
 #[derive(Debug, Clone)]
 pub(crate) struct Bounce {
     columns: usize,
     rows: usize,
-    /// For each patch, what it receives of each other one.
+    /// Form factors from each patch to all others.
     factors: Vec<Vec<f32>>,
 }
 
@@ -30,7 +30,7 @@ impl Bounce {
             .map(|index| {
                 let middle = |patch: usize, size: usize| (patch * PATCH_PX + PATCH_PX / 2).min(size - 1) as u32;
                 let sight = view.sight(middle(index % columns, width), middle(index / columns, height))?;
-                // The surface that the patch covers; at a grazing angle it hardly ever is all one.
+                // The patch's area; at grazing angles it is hardly ever one surface.
                 let facing = -sight.normal.dot(&sight.point.coords.normalize());
                 let pixel_m2 = sight.point.z.powi(2) / (focal_px.x * focal_px.y);
                 let area_m2 = pixel_m2 * (PATCH_PX * PATCH_PX) as f64 / facing.max(0.2);
@@ -44,7 +44,7 @@ impl Bounce {
                 let towards = source - point;
                 let squared = towards.norm_squared();
                 let cosines = normal.dot(&towards).max(0.0) * source_normal.dot(&-towards).max(0.0) / squared;
-                // Below 1e-5, what all patches together throw is less than noise.
+                // Factors below 1e-5 together contribute less than noise.
                 let factor = cosines * area_m2 / (std::f64::consts::PI * squared + area_m2);
                 if factor < 1e-5 || view.room().is_blocked(&point, &source) {
                     return 0.0;
@@ -56,7 +56,7 @@ impl Bounce {
         Self { columns, rows, factors: (0..patches.len()).into_par_iter().map(received).collect() }
     }
 
-    /// The light that arrives at each patch when the picture shows this light, row by row; in the same unit.
+    /// Light that arrives at each patch for an image of light, row by row; in the same unit.
     pub(crate) fn gather(&self, picture: &[f32], width_px: usize) -> Gathered<'_> {
         let mut sums = vec![(0.0_f32, 0.0_f32); self.columns * self.rows];
         for (v, row) in picture.chunks(width_px).enumerate() {
@@ -72,14 +72,14 @@ impl Bounce {
     }
 }
 
-/// The light that arrives at the patches.
+/// Light that arrives at the patches.
 pub(crate) struct Gathered<'a> {
     bounce: &'a Bounce,
     light: Vec<f32>,
 }
 
 impl Gathered<'_> {
-    /// What arrives at the pixels of a row, from left to right.
+    /// Light that arrives at the pixels of a row, from left to right.
     pub(crate) fn row(&self, v: usize) -> impl Iterator<Item = f32> + '_ {
         let columns = self.bounce.columns;
         let (upper, lower, down) = neighbours(v, self.bounce.rows);
@@ -95,7 +95,7 @@ impl Gathered<'_> {
     }
 }
 
-/// The patches whose middles are before and after a pixel, and the weight of the latter.
+/// Patches whose centres are before and after a pixel, and the weight of the latter.
 fn neighbours(pixel: usize, patches: usize) -> (usize, usize, f32) {
     let place = ((pixel as f32 + 0.5) / PATCH_PX as f32 - 0.5).clamp(0.0, (patches - 1) as f32);
     let before = place as usize;

@@ -1,62 +1,60 @@
-//! What makes pictures of a scan worse than the patterns: light, lenses, sensor, and what people do wrong.
+//! Imperfections of a scan: light, lenses, sensor, and user errors.
 
-use nalgebra::{Matrix3, Vector2};
+use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 
 use crate::Random;
 
-/// The conditions of a scan.
+/// Conditions of a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
-    /// At which depth the projector's picture is sharp, metres.
+    /// Focus distance of the projector, metres.
     pub focus_m: f64,
-    /// The projector's blur there: standard deviation, projector pixels.
+    /// Projector blur in focus: standard deviation, projector pixels.
     pub sharpest_px: f64,
-    /// How much blur there is out of focus: standard deviation, projector pixels for each dioptre (1/m) off the focus.
+    /// Projector blur out of focus: standard deviation, projector pixels per dioptre (1/m).
     pub defocus_px: f64,
-    /// The light of a black projector pixel as a share of a white one's.
+    /// Light of a black projector pixel as a share of a white one's.
     pub black_level: f64,
-    /// The room's own light as a share of the projector's white 1 m away.
+    /// Ambient light as a share of the projector's white at 1 m.
     pub ambient: f64,
-    /// How much of the light between surfaces counts: 1 for what physics says, 0 for none.
+    /// Strength of interreflections: 1 is physical, 0 is none.
     pub interreflection: f64,
-    /// The mean light of the picture that the camera's lens scatters everywhere, as a share.
+    /// Share of the image's mean light that the camera's lens scatters everywhere.
     pub scatter: f64,
-    /// The camera's blur besides its pixels' extent: standard deviation, camera pixels.
+    /// Camera blur without its pixels' extent: standard deviation, camera pixels.
     pub camera_blur_px: f64,
-    /// Electrons of a pixel that is just white: shot noise is their square root.
+    /// Electrons of a just white pixel; shot noise is their square root.
     pub full_well: f64,
-    /// The sensor's read noise: standard deviation, electrons.
+    /// Read noise: standard deviation, electrons.
     pub read_noise: f64,
-    /// A level is light to the power of 1/gamma.
+    /// Gamma: level = light ^ (1 / gamma).
     pub gamma: f64,
-    /// How much of the full well the brightest places fill when the projector is white; the brightest 0.5 % of the
-    /// picture are not looked at. Above 1 they clip.
+    /// Share of the full well at the 99.5th percentile of the white image; values above 1 clip.
     pub exposure: f64,
-    /// By which share the camera's exposure grows from each picture to the next.
+    /// Relative growth of the exposure from each image to the next.
     pub drift_per_picture: f64,
-    /// By which share the brightness of a picture differs at random: standard deviation.
+    /// Relative random change of an image's brightness: standard deviation.
     pub flicker: f64,
-    /// The camera moves during the scan.
+    /// Motion of the camera during the scan.
     pub motion: Option<Motion>,
-    /// Takes pixels of the projector's panel to those of the picture that it shows, where a mirrored,
-    /// keystone-corrected or scaled picture differs from the panel: a homography. A [`View`](crate::View) tells pixels
-    /// of the panel.
+    /// Homography from pixels of the projector's panel, as in a [`View`](crate::View), to those of the displayed image,
+    /// for mirrored or keystone-corrected images.
     pub picture_from_panel: Matrix3<f64>,
-    /// The noise follows from it.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
-/// The camera moves once.
+/// Single motion of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// The first picture taken from the other place.
+    /// First image after the motion.
     pub from_picture: u32,
-    /// By how much everything in the picture has moved then, camera pixels.
+    /// Shift of the image's content, camera pixels.
     pub shift_px: Vector2<f64>,
 }
 
 impl Conditions {
-    /// Sharp, dark and without noise; only levels are still 8 bits.
+    /// Sharp, dark and noise-free; levels have 8 bits.
     pub fn ideal() -> Self {
         Self {
             focus_m: 1.3,
@@ -79,7 +77,7 @@ impl Conditions {
         }
     }
 
-    /// What a room with some daylight, a cheap projector and a Kinect's camera may be like.
+    /// Random conditions of a room with some daylight, a cheap projector and a Kinect's camera.
     pub fn random(seed: u64) -> Self {
         let random = &mut Random::new(&[seed, 0x434f_4e44]);
         let mut uniform = |low, high| random.uniform(low, high);
@@ -102,21 +100,23 @@ impl Conditions {
         }
     }
 
-    /// The picture shown mirrored left to right, as for rear projection, by a projector so many pixels wide.
+    /// Mirrors left to right, as for rear projection, for a projector of a width.
     pub fn mirrored(width_px: u32) -> Matrix3<f64> {
         Matrix3::new(-1.0, 0.0, f64::from(width_px) - 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     }
 
-    /// A picture of one size shown on all of a panel of another one.
-    pub fn scaled(picture_px: [u32; 2], panel_px: [u32; 2]) -> Matrix3<f64> {
-        let scale = |axis: usize| f64::from(picture_px[axis]) / f64::from(panel_px[axis]);
-        let (x, y) = (scale(0), scale(1));
-        Matrix3::new(x, 0.0, 0.5 * x - 0.5, 0.0, y, 0.5 * y - 0.5, 0.0, 0.0, 1.0)
+    /// Keystone correction of a 1280×800 projector for a wall rotated about the image's rows and columns, degrees, by
+    /// electronics that know the throw but not the principal point.
+    pub fn keystone(about_rows: f64, about_columns: f64) -> Matrix3<f64> {
+        let lens = Matrix3::new(1400.0, 0.0, 639.5, 0.0, 1400.0, 399.5, 0.0, 0.0, 1.0);
+        let [about_rows, about_columns] = [about_rows, about_columns].map(f64::to_radians);
+        let rotation = Rotation3::from_axis_angle(&Vector3::x_axis(), about_rows)
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), about_columns);
+        lens * rotation.into_inner() * lens.try_inverse().unwrap_or_else(Matrix3::identity)
     }
 
-    /// A keystone correction: the picture's lower edge fills the panel, the upper one a share of it in the middle
-    /// (above 0, up to 1).
-    pub fn keystone(size_px: [u32; 2], upper: f64) -> Matrix3<f64> {
+    /// Keystone correction that keeps the image's lower edge and narrows the upper one to a share above 0, up to 1.
+    pub fn trapezoid(size_px: [u32; 2], upper: f64) -> Matrix3<f64> {
         let [right, bottom] = size_px.map(|size| f64::from(size) - 1.0);
         let left = 0.5 * (1.0 - upper) * right;
         let panel_from_picture =
@@ -132,15 +132,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn corners_of_the_picture_are_where_they_should_be() {
-        let keystone = Conditions::keystone([1280, 800], 0.8);
+    fn homographies_map_the_corners() {
+        let keystone = Conditions::trapezoid([1280, 800], 0.8);
         let at = |matrix: &Matrix3<f64>, x, y| matrix.transform_point(&Point2::new(x, y));
         assert!((at(&keystone, 0.0, 799.0) - Point2::new(0.0, 799.0)).norm() < 1e-9);
         assert!((at(&keystone, 1279.0, 799.0) - Point2::new(1279.0, 799.0)).norm() < 1e-9);
         assert!((at(&keystone, 127.9, 0.0) - Point2::new(0.0, 0.0)).norm() < 1e-9);
         assert!((at(&keystone, 1151.1, 0.0) - Point2::new(1279.0, 0.0)).norm() < 1e-9);
-        let scaled = Conditions::scaled([1024, 768], [1280, 800]);
-        assert!((at(&scaled, -0.5, 799.5) - Point2::new(-0.5, 767.5)).norm() < 1e-9);
         assert!((at(&Conditions::mirrored(1280), 0.0, 7.0) - Point2::new(1279.0, 7.0)).norm() < 1e-9);
     }
 }

@@ -1,9 +1,9 @@
-//! The depth image of a camera that works like the first Kinect, registered to the colour picture.
+//! Depth image of a camera like the first Kinect, registered to the colour image.
 //!
-//! It finds disparities between an infrared projector and its camera, 7.5 cm apart, in eighths of a pixel; so noise and
-//! steps of depth grow with its square (Khoshelham, Elberink: "Accuracy and resolution of Kinect depth data", 2012). At
-//! edges depths belong to places a little beside, or are missing; in the shadow of the infrared light they always are.
-//! What is not modelled is that registering one picture to another moves pixels at edges.
+//! It measures disparities between an infrared projector and its camera, 7.5 cm apart, in eighths of a pixel; so noise
+//! and quantisation grow with the squared depth (Khoshelham, Elberink: "Accuracy and resolution of Kinect depth data",
+//! 2012). At edges depths come from nearby pixels or are missing, as in the shadow of the infrared light. Errors of the
+//! registration at edges are not modelled.
 
 use std::f64::consts::TAU;
 
@@ -12,49 +12,49 @@ use rayon::prelude::*;
 
 use crate::{Random, View};
 
-/// The distance of the infrared projector from its camera, metres, along x.
+/// Baseline of the infrared projector, metres, along x.
 const BASELINE_M: f64 = 0.075;
-/// Depths at which it works, metres.
+/// Range of depths, metres.
 const RANGE_M: std::ops::Range<f64> = 0.5..6.5;
-/// A surface that is hit at a smaller cosine gives no depth.
+/// Minimum cosine of the angle of incidence.
 const GRAZING: f64 = 0.17;
-/// Depths of neighbours that differ by a larger share belong to different surfaces.
+/// Maximum relative depth difference of neighbours on one surface.
 const EDGE: f64 = 0.03;
-/// Waves of a smooth error.
+/// Number of waves of a smooth error.
 const WAVES: usize = 6;
 
-/// How a depth camera errs.
+/// Depth camera with its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCamera {
     /// Focal length of the infrared camera times the baseline, pixels times metres.
     pub disparity_px_m: f64,
-    /// The step of disparities, pixels; 0 for none.
+    /// Disparity step, pixels; 0 for none.
     pub step_px: f64,
     /// Noise: standard deviation at 1 m, metres; it grows with the square of depth.
     pub noise_m: f64,
-    /// How far beside a pixel its depth may be taken: standard deviation, pixels.
+    /// Lateral error at edges: standard deviation, pixels.
     pub lateral_px: f64,
-    /// The probability that a pixel next to an edge has no depth.
+    /// Probability that a pixel next to an edge has no depth.
     pub missing_at_edges: f64,
-    /// How many depth images are averaged.
+    /// Number of averaged depth images.
     pub frames: u32,
-    /// An error that stays the same from frame to frame.
+    /// Error that is equal in all frames.
     pub smooth_error: Option<SmoothError>,
-    /// The noise follows from it.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
-/// A depth error that changes slowly over the picture.
+/// Depth error that changes slowly over the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothError {
     /// Root mean square at 1 m, metres; it grows with the square of depth.
     pub rms_m: f64,
-    /// Which error of this kind it is: a camera keeps its own.
+    /// Seed of the error: a camera keeps its own.
     pub seed: u64,
 }
 
 impl DepthCamera {
-    /// Like a Kinect's.
+    /// Kinect's camera.
     pub fn kinect(seed: u64) -> Self {
         Self {
             disparity_px_m: 575.0 * BASELINE_M,
@@ -68,14 +68,14 @@ impl DepthCamera {
         }
     }
 
-    /// Without any error but that of the unit.
+    /// Camera without errors but rounding to 0.1 mm.
     pub fn ideal() -> Self {
         Self { step_px: 0.0, noise_m: 0.0, lateral_px: 0.0, missing_at_edges: 0.0, ..Self::kinect(0) }
     }
 
-    /// The depth image of a view, row by row: tenths of a millimetre along the optical axis, 0 where there is none.
-    /// Where fewer than half of the frames have a depth, there is none.
-    pub fn capture(&self, view: &View) -> Vec<u16> {
+    /// Depth image of a view, row by row: metres along the optical axis, rounded to 0.1 mm, 0 where missing in more
+    /// than half of the frames.
+    pub fn capture(&self, view: &View) -> Vec<f32> {
         let [width, height] = view.size_px().map(|size| size as usize);
         let reach = self.reachable(view);
         let smooth = self.smooth_error.map(|error| error.waves());
@@ -91,12 +91,14 @@ impl DepthCamera {
                     let is_missing = random.happens(self.missing_at_edges);
                     let source = beside(v, height - 1, dv) * width + beside(u, width - 1, du);
                     let (own, other) = (reach[v * width + u], reach[source]);
-                    // Only at edges does it matter that the depth belongs elsewhere; surfaces are seen as they are.
-                    let Some(seen) = (if own.is_some_and(|own| !own.is_edge) { own } else { other }) else { continue };
-                    if seen.is_edge && is_missing {
+                    // The lateral error matters at edges only.
+                    let Some(reached) = (if own.is_some_and(|own| !own.is_edge) { own } else { other }) else {
+                        continue;
+                    };
+                    if reached.is_edge && is_missing {
                         continue;
                     }
-                    let z = seen.depth_m;
+                    let z = reached.depth_m;
                     let mut error_m = noise[v * width + u] * self.noise_m;
                     if let Some(waves) = &smooth {
                         error_m += waves.at(u as f64 / width as f64, v as f64 / width as f64);
@@ -109,14 +111,14 @@ impl DepthCamera {
         let half = self.frames.div_ceil(2).max(1);
         let encoded = |(sum, count): &(f64, u32)| {
             if *count < half {
-                return 0;
+                return 0.0;
             }
-            (sum / f64::from(*count) * 1e4).round().clamp(0.0, f64::from(u16::MAX)) as u16
+            (sum / f64::from(*count) * 1e4).round().clamp(0.0, f64::from(u16::MAX)) as f32 * 1e-4
         };
         sums.iter().map(encoded).collect()
     }
 
-    /// The nearest depth that a step of disparity stands for.
+    /// Depth of the nearest disparity step.
     fn quantised(&self, depth_m: f64) -> f64 {
         if self.step_px <= 0.0 || depth_m <= 0.0 {
             return depth_m;
@@ -125,7 +127,7 @@ impl DepthCamera {
         self.disparity_px_m / (steps * self.step_px)
     }
 
-    /// The depths of the pixels that the infrared light reaches.
+    /// Depths of the pixels that the infrared light reaches.
     fn reachable(&self, view: &View) -> Vec<Option<Reached>> {
         let width = view.size_px()[0] as usize;
         let sights = view.sights();
@@ -155,7 +157,7 @@ impl DepthCamera {
         (0..sights.len()).into_par_iter().map(reached).collect()
     }
 
-    /// Normal deviates that are alike in neighbouring pixels, as the correlation windows overlap.
+    /// Normal deviates that are correlated between neighbouring pixels, as correlation windows overlap.
     fn noise(&self, frame: u32, width: usize, height: usize) -> Vec<f64> {
         if self.noise_m == 0.0 {
             return vec![0.0; width * height];
@@ -176,15 +178,15 @@ impl DepthCamera {
     }
 }
 
-/// A pixel that has a depth, or may have one.
+/// Pixel that the infrared light reaches.
 #[derive(Debug, Clone, Copy)]
 struct Reached {
     depth_m: f64,
-    /// Whether a surface of another depth is within two pixels.
+    /// `true` if a surface of another depth is within two pixels.
     is_edge: bool,
 }
 
-/// A few slow waves.
+/// Sum of slow waves.
 struct Waves {
     /// Waves in u and v, per picture width, and a phase, radians.
     waves: [(f64, f64, f64); WAVES],
@@ -200,7 +202,7 @@ impl SmoothError {
 }
 
 impl Waves {
-    /// The error at 1 m, metres, at a place in picture widths.
+    /// Error at 1 m, metres, at a place in image widths.
     fn at(&self, u: f64, v: f64) -> f64 {
         self.amplitude_m * self.waves.iter().map(|(by_u, by_v, phase)| (by_u * u + by_v * v + phase).sin()).sum::<f64>()
     }
@@ -219,10 +221,11 @@ mod tests {
 
     fn deviation(view: &View, camera: &DepthCamera) -> (f64, f64) {
         let depths = camera.capture(view);
-        let errors =
-            depths.iter().zip(view.sights()).filter(|(depth, _)| **depth > 0).map(|(depth, sight)| {
-                f64::from(*depth) * 1e-4 - sight.as_ref().map_or(f64::NAN, |sight| sight.point.z)
-            });
+        let errors = depths
+            .iter()
+            .zip(view.sights())
+            .filter(|(depth, _)| **depth > 0.0)
+            .map(|(depth, sight)| f64::from(*depth) - sight.as_ref().map_or(f64::NAN, |sight| sight.point.z));
         let errors: Vec<f64> = errors.collect();
         assert!(errors.len() > 250_000, "{}", errors.len());
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
@@ -260,7 +263,7 @@ mod tests {
             let view = View::new(&Room::cluttered(seed), &Rig::random(seed));
             let depths = DepthCamera::kinect(seed).capture(&view);
             assert!(depths == DepthCamera::kinect(seed).capture(&view));
-            let missing = depths.iter().filter(|depth| **depth == 0).count() as f64 / depths.len() as f64;
+            let missing = depths.iter().filter(|depth| **depth == 0.0).count() as f64 / depths.len() as f64;
             assert!((0.01..0.35).contains(&missing), "seed {seed}: {missing}");
         }
     }

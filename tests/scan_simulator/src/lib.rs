@@ -1,13 +1,12 @@
-//! Simulated scans, to test the calibration of a projector by an RGB-D camera with.
+//! Simulated scans, for testing the calibration of a projector with an RGB-D camera.
 //!
-//! A [`Room`] of simple solids is lit by the projector of a [`Rig`] and seen by its camera. Ray casting tells once what
-//! each camera pixel sees ([`View`]); from that follow the pictures that the camera takes of patterns ([`Scan`]), with
-//! what goes wrong in them ([`Conditions`]), and a depth image ([`DepthCamera`]). [`LightError`] says by how much a
-//! calibration misses over the whole working volume.
+//! A [`Room`] of simple solids is lit by the projector of a [`Rig`] and seen by its camera. Rays are cast once
+//! ([`View`]); from these follow the camera's images of patterns ([`Scan`]) under [`Conditions`], and a depth image
+//! ([`DepthCamera`]). [`LightError`] is the error of a calibration over the working volume.
 //!
-//! Everything follows from seeds: the same ones give the same bytes. Frames are those of `rcs_calibration`: optical
-//! frames have x right, y down, z along the view or light; the room's frame has the same axes as seen from the rig, so
-//! y points at the floor and z at the back wall. Lengths are metres.
+//! Everything is reproducible by seeds, byte by byte. Frames are those of `rcs_calibration`: optical frames have x
+//! right, y down, z along the view or light; the room's frame has the same axes from the rig, so y points at the floor
+//! and z at the back wall. Lengths are metres.
 
 #![forbid(unsafe_code)]
 
@@ -15,13 +14,14 @@ mod bounce;
 mod conditions;
 mod depth_camera;
 mod light_error;
+mod projected_image;
 mod random;
 mod rig;
 mod room;
 mod scan;
 mod seeds;
 mod sensor;
-mod shown;
+
 mod stripes;
 mod surface;
 mod view;

@@ -1,36 +1,35 @@
-//! By how much a calibrated projector misses, over the volume in which it works.
+//! Projection error of a calibration over the working volume.
 
 use nalgebra::{Isometry3, Point2, Point3};
 use rcs_calibration::Lens;
 
-/// Depths before the projector that are looked at, metres.
+/// Depths before the projector, metres.
 const DEPTHS_M: [f64; 8] = [0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0];
-/// Columns and rows of the grid over the projector's picture.
+/// Columns and rows of the grid over the projector's image.
 const GRID: [u32; 2] = [17, 11];
 
-/// How far from where it should be the light of a calibrated projector falls.
+/// Projection error of a calibrated projector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightError {
-    /// Root mean square over the picture and depths from 0.6 to 2 m, projector pixels; infinite if all places are lost.
+    /// RMS over the image and depths from 0.6 to 2 m, projector pixels; infinite if all places are lost.
     pub rms_px: f64,
-    /// The largest, projector pixels.
+    /// Maximum, projector pixels.
     pub max_px: f64,
-    /// Root mean square at the depth of each place, metres.
+    /// RMS at the depth of each place, metres.
     pub rms_m: f64,
-    /// The largest, metres.
+    /// Maximum, metres.
     pub max_m: f64,
-    /// How many places were looked at.
+    /// Number of places.
     pub count: usize,
-    /// How many of them the calibration puts behind the lens, or where its distortion is not valid; they do not count
-    /// in the rest.
+    /// Number of places that the calibration cannot project; they do not count in the errors.
     pub lost: usize,
 }
 
 impl LightError {
     /// Compares a calibration with the truth: lenses, and the poses `projector_from_camera`.
     ///
-    /// For points in space, as the camera knows them, the calibration says which projector pixel lights each. The
-    /// error is how far that pixel is from the one that truly does, and how far from the point its light passes.
+    /// For points in the camera's frame, the error is the distance between the projector pixels by the calibration and
+    /// by the truth, and the distance of the former's light from the point.
     pub fn between(truth: (&Lens, &Isometry3<f64>), calibrated: (&Lens, &Isometry3<f64>)) -> Self {
         let (true_lens, true_pose) = truth;
         let (lens, pose) = calibrated;
@@ -49,7 +48,7 @@ impl LightError {
                     continue;
                 };
                 let off_px = (lit - pixel).norm();
-                // Where the true lens has no ray, its focal length has to do.
+                // Where the true lens has no ray, its focal length gives an approximation.
                 let off = true_lens.plane(lit).map(|lit| (lit - place).norm());
                 let off_m = depth_m * off.unwrap_or_else(|| (lit - pixel).component_div(&true_lens.focal_px).norm());
                 error.rms_px += off_px * off_px;

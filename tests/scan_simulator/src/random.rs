@@ -1,23 +1,23 @@
-//! Random numbers that follow from seeds alone, on every machine and in any order of threads.
+//! Reproducible random numbers, on every machine and in any order of threads.
 //!
 //! SplitMix64 (Steele, Lea, Flood: "Fast splittable pseudorandom number generators", 2014), and normal deviates by Box
 //! and Muller's method.
 
 use std::f64::consts::TAU;
 
-/// A generator of random numbers.
+/// Random number generator.
 #[derive(Debug, Clone)]
 pub struct Random {
     state: u64,
-    /// The second normal deviate of a pair.
-    spare: Option<f64>,
+    /// Second normal deviate of a pair.
+    second: Option<f64>,
 }
 
 impl Random {
-    /// The generator that belongs to these numbers, such as a seed, a picture and a row; others belong to others.
+    /// Creates the generator of a list of numbers, such as a seed, an image and a row.
     pub fn new(seeds: &[u64]) -> Self {
         let state = seeds.iter().fold(0x9e37_79b9_7f4a_7c15, |state: u64, seed| mixed(state ^ mixed(*seed)));
-        Self { state, spare: None }
+        Self { state, second: None }
     }
 
     /// 64 random bits.
@@ -26,36 +26,36 @@ impl Random {
         mixed(self.state)
     }
 
-    /// A number from `low` up to, but without, `high`.
+    /// Number from `low` to `high`, exclusive.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * unit(self.bits())
     }
 
-    /// An integer from `low` to `high`, both included.
+    /// Integer from `low` to `high`, inclusive.
     pub fn integer(&mut self, low: u32, high: u32) -> u32 {
         let count = f64::from(high.saturating_sub(low)) + 1.0;
         (low + self.uniform(0.0, count) as u32).min(high)
     }
 
-    /// Whether something of this probability happens.
+    /// `true` with a probability.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.uniform(0.0, 1.0) < probability
     }
 
-    /// A normal deviate: mean 0, standard deviation 1.
+    /// Normal deviate: mean 0, standard deviation 1.
     pub fn normal(&mut self) -> f64 {
-        if let Some(spare) = self.spare.take() {
-            return spare;
+        if let Some(second) = self.second.take() {
+            return second;
         }
         // 1 - x is never 0.
         let radius = (-2.0 * (1.0 - self.uniform(0.0, 1.0)).ln()).sqrt();
         let (sine, cosine) = self.uniform(0.0, TAU).sin_cos();
-        self.spare = Some(radius * sine);
+        self.second = Some(radius * sine);
         radius * cosine
     }
 }
 
-/// 0 to 1, the latter excluded.
+/// Number from 0 to 1, exclusive.
 pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -1,35 +1,35 @@
-//! A camera and a projector, how their lenses are and where they stand in the room.
+//! Camera and projector with their lenses and poses.
 
 use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use rcs_calibration::{Distortion, Lens};
 
 use crate::Random;
 
-/// Picture size of the camera, pixels.
+/// Image size of the camera, pixels.
 const CAMERA_SIZE_PX: [u32; 2] = [640, 480];
-/// Picture size of the projector, pixels.
+/// Image size of the projector, pixels.
 const PROJECTOR_SIZE_PX: [u32; 2] = [1280, 800];
 
-/// A camera and a projector in a room.
+/// Camera and projector in a room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
-    /// The camera's colour lens, to which its depth image is registered.
+    /// Colour lens of the camera, to which its depth image is registered.
     pub camera: Lens,
-    /// The projector's lens.
+    /// Projector lens.
     pub projector: Lens,
-    /// Where the camera stands.
+    /// Camera pose.
     pub room_from_camera: Isometry3<f64>,
-    /// Where the projector stands.
+    /// Projector pose.
     pub room_from_projector: Isometry3<f64>,
-    /// What both look at, in the room's frame, metres.
+    /// Common target, in the room's frame, metres.
     pub target: Point3<f64>,
-    /// From which the rig and its other places follow.
+    /// Seed of the rig and its other places.
     pub seed: u64,
 }
 
 impl Rig {
-    /// A camera of 640×480 pixels like a Kinect's and, 0.1 to 0.35 m beside it, a projector of 1280×800 pixels that
-    /// mostly throws its picture upwards. Both look at about the same place, 1.3 m away.
+    /// Random rig: a camera of 640×480 pixels like a Kinect's and, 0.1 to 0.35 m beside it, a projector of 1280×800
+    /// pixels that mostly throws upwards. Both look at about the same place, 1.3 m away.
     pub fn random(seed: u64) -> Self {
         let random = &mut Random::new(&[seed, 0x0052_4947]);
         let (camera, projector) = (camera_lens(random), projector_lens(random));
@@ -54,8 +54,7 @@ impl Rig {
         }
     }
 
-    /// The same with the camera at another place of the room, from which it sees about the same part of it; the
-    /// projector stays. Place 0 is the first one.
+    /// Rig with the camera at another place with about the same view; the projector stays. Place 0 is the first one.
     pub fn at_place(&self, place: u32) -> Self {
         if place == 0 {
             return self.clone();
@@ -68,13 +67,13 @@ impl Rig {
         Self { room_from_camera: looking_at(&self.camera, &from, &seen, roll), ..self.clone() }
     }
 
-    /// The projector's pose as seen by the camera: takes points of the camera's optical frame to the projector's.
+    /// Projector pose, from the camera's optical frame.
     pub fn projector_from_camera(&self) -> Isometry3<f64> {
         self.room_from_projector.inv_mul(&self.room_from_camera)
     }
 }
 
-/// A colour camera's lens with little distortion or none.
+/// Random lens of a colour camera with little or no distortion.
 fn camera_lens(random: &mut Random) -> Lens {
     let fx = random.uniform(525.0, 570.0);
     let fy = fx * random.uniform(0.997, 1.003);
@@ -88,7 +87,7 @@ fn camera_lens(random: &mut Random) -> Lens {
     Lens { distortion, ..pinhole }
 }
 
-/// A projector's lens; its distortion is valid in all of its picture and around it.
+/// Random lens of a projector, with a distortion that is valid in and around the image.
 fn projector_lens(random: &mut Random) -> Lens {
     loop {
         let mut uniform = |low, high| random.uniform(low, high);
@@ -112,8 +111,7 @@ fn projector_lens(random: &mut Random) -> Lens {
     }
 }
 
-/// The pose from which the middle of a lens's picture is at a point: `room_from_lens`. The roll about that line is in
-/// radians.
+/// Pose `room_from_lens` with the image's centre at a target; roll about that line in radians.
 fn looking_at(lens: &Lens, from: &Point3<f64>, target: &Point3<f64>, roll: f64) -> Isometry3<f64> {
     let middle = Point2::from(lens.size_px.map(|size| 0.5 * (f64::from(size) - 1.0)));
     let ray = lens.ray(middle).unwrap_or_else(Vector3::z);

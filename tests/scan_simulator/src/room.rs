@@ -1,22 +1,22 @@
-//! A room to project into: planes, boxes and balls with diffuse surfaces, and the rays that hit them.
+//! Room to project into: planes, boxes and balls with diffuse surfaces, and ray casting.
 //!
-//! There are about twenty solids, so a ray simply asks each of them.
+//! There are about twenty solids, so rays test each of them.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::surface::Surface;
 use crate::Random;
 
-/// What a ray hits.
+/// Intersection of a ray and a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// How far away it is, in lengths of the ray's direction: metres for a unit vector, the depth for one with z = 1.
+    /// Distance in lengths of the ray's direction: metres for a unit vector, the depth for one with z = 1.
     pub distance: f64,
-    /// Where, in the room's frame, metres.
+    /// Point in the room's frame, metres.
     pub point: Point3<f64>,
-    /// The surface's normal there, a unit vector in the room's frame that points out of the solid.
+    /// Unit normal in the room's frame, pointing out of the solid.
     pub normal: Vector3<f64>,
-    /// The share of light that the surface reflects there, 0 to 1.
+    /// Albedo, 0 to 1.
     pub albedo: f64,
 }
 
@@ -28,11 +28,11 @@ pub struct Room {
 
 #[derive(Debug, Clone, Copy)]
 enum Shape {
-    /// The plane z = 0 of the solid's frame, endless, lit from where z is positive.
+    /// Infinite plane z = 0 of the solid's frame, lit from positive z.
     Plane,
-    /// A box around the origin, by half its size, metres.
+    /// Box around the origin, by half its size, metres.
     Cuboid(Vector3<f64>),
-    /// A ball around the origin, by its radius, metres.
+    /// Ball around the origin, by its radius, metres.
     Ball(f64),
 }
 
@@ -40,17 +40,17 @@ enum Shape {
 struct Solid {
     shape: Shape,
     solid_from_room: Isometry3<f64>,
-    /// The rotation of `solid_from_room`, which is faster to apply as a matrix.
+    /// Rotation of `solid_from_room`, faster as a matrix.
     rotation: Matrix3<f64>,
-    /// A ball around the solid: its centre in the room's frame and its squared radius, metres; infinite for a plane.
+    /// Bounding sphere: centre in the room's frame and squared radius, metres; infinite for a plane.
     centre: Point3<f64>,
     squared_radius: f64,
     surface: Surface,
 }
 
 impl Room {
-    /// A back wall, a floor and a side wall, and 8 to 20 boxes, balls and slanted panels before them: from 0.6 to about
-    /// 2 m from the origin. Everything follows from the seed.
+    /// Random room: a back wall, a floor and a side wall, and 8 to 20 boxes, balls and slanted panels before them, from
+    /// 0.6 to about 2 m from the origin.
     pub fn cluttered(seed: u64) -> Self {
         let random = &mut Random::new(&[seed, 0x0726_006d]);
         let mut solids = walls(random);
@@ -60,13 +60,13 @@ impl Room {
         Self { solids }
     }
 
-    /// One flat wall of an even albedo 0.8 at a distance along z, metres, turned about x and y, radians.
+    /// Flat wall of albedo 0.8 at a distance along z, metres, rotated about x and y, radians.
     pub fn wall(distance_m: f64, tilt_rad: [f64; 2]) -> Self {
         let turned = UnitQuaternion::from_euler_angles(tilt_rad[0], tilt_rad[1], 0.0);
         Self { solids: vec![Solid::plane(Vector3::new(0.0, 0.0, distance_m), turned, Surface::plain(0.8))] }
     }
 
-    /// What a ray hits first; it starts at a point of the room's frame.
+    /// First intersection of a ray from a point of the room's frame.
     pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
         let mut nearest: Option<(f64, &Solid)> = None;
         for solid in &self.solids {
@@ -81,7 +81,7 @@ impl Room {
         Some(Hit { distance, point, normal, albedo })
     }
 
-    /// Whether anything lies between two points; what is within half a millimetre of either does not count.
+    /// `true` if anything lies between two points, more than half a millimetre from both.
     pub fn is_blocked(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
         let direction = to - from;
         let margin = 5e-4 / direction.norm();
@@ -91,7 +91,7 @@ impl Room {
     }
 }
 
-/// The back wall, the floor and a side wall.
+/// Back wall, floor and a side wall.
 fn walls(random: &mut Random) -> Vec<Solid> {
     let mut turned = || UnitQuaternion::from_euler_angles(random.uniform(-0.1, 0.1), random.uniform(-0.15, 0.15), 0.0);
     let (back, floor, side) = (turned(), turned(), turned());
@@ -109,7 +109,7 @@ fn walls(random: &mut Random) -> Vec<Solid> {
 }
 
 impl Solid {
-    /// A solid whose origin is at a place of the room.
+    /// Creates a solid with its origin at a place of the room.
     fn new(shape: Shape, place: Vector3<f64>, room_from_solid: UnitQuaternion<f64>, surface: Surface) -> Self {
         let solid_from_room = Isometry3::from_parts(Translation3::from(place), room_from_solid).inverse();
         let squared_radius = match shape {
@@ -121,19 +121,19 @@ impl Solid {
         Self { shape, solid_from_room, rotation, centre: place.into(), squared_radius, surface }
     }
 
-    /// A plane through a point that faces the rig before it is turned.
+    /// Creates a plane through a point, rotated from facing the rig.
     fn plane(through: Vector3<f64>, turned: UnitQuaternion<f64>, surface: Surface) -> Self {
-        // The plane's own z points back at the rig.
+        // The plane's z points back at the rig.
         let facing = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         Self::new(Shape::Plane, through, turned * facing, surface)
     }
 
-    /// A box, ball or panel before the walls.
+    /// Random box, ball or panel before the walls.
     fn random(random: &mut Random) -> Self {
         let mut uniform = |low, high| random.uniform(low, high);
         let depth = uniform(0.85, 1.7);
         let place = Vector3::new(uniform(-0.5, 0.5) * depth, uniform(-0.4, 0.35) * depth, depth);
-        // What is near is small, so that it does not hide the rest.
+        // Near solids are small, so that they do not occlude the rest.
         let size = depth * uniform(0.03, 0.11);
         let axis = Vector3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
         let stretch = Vector3::new(uniform(0.6, 1.5), uniform(0.6, 1.5), uniform(0.6, 1.5));
@@ -147,10 +147,10 @@ impl Solid {
         Self::new(shape, place, turned, Surface::random(random, 0.0))
     }
 
-    /// Where a ray enters, in lengths of its direction; only what lies ahead, and for a plane only its lit side.
+    /// Entry of a ray ahead, in lengths of its direction; planes have one side.
     fn distance(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<f64> {
         let from_centre = origin - self.centre;
-        // A quarter of the discriminant of where the ray meets the ball around the solid.
+        // A quarter of the discriminant for the bounding sphere.
         let (a, b) = (direction.norm_squared(), from_centre.dot(direction));
         let discriminant = b * b - a * (from_centre.norm_squared() - self.squared_radius);
         if discriminant <= 0.0 {
@@ -176,7 +176,7 @@ impl Solid {
         }
     }
 
-    /// The normal and the albedo at a point on the surface.
+    /// Normal and albedo at a point on the surface.
     fn surface_at(&self, point: &Point3<f64>) -> (Vector3<f64>, f64) {
         let local = self.solid_from_room * point;
         let normal = match self.shape {

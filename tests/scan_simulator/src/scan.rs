@@ -1,62 +1,62 @@
-//! The pictures that the camera takes of patterns.
+//! Camera images of projected patterns.
 //!
-//! Light that comes straight from the projector is looked up in tables of the blurred stripes, for each ray of each
-//! pixel, or in any other picture that it shows. Black pixels leak, surfaces light each other, the camera's lens
-//! scatters, the room has light of its own; then the sensor makes bytes of it.
+//! Direct light comes from tables of blurred stripes, or from any displayed image, for each ray of each pixel. Black
+//! pixels leak, surfaces light each other, the camera's lens scatters, the room has ambient light; then the sensor
+//! converts it to bytes.
 
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use rcs_calibration::patterns::{Axis, Pattern};
 
 use crate::bounce::Bounce;
+use crate::projected_image::ProjectedImage;
 use crate::sensor::Sensor;
-use crate::shown::Shown;
-use crate::stripes::{strength, Stripes};
+use crate::stripes::{strength, BlurredStripes};
 use crate::view::{Ray, RAYS};
 use crate::{Conditions, Random, View};
 
-/// How far from the edge of the projector's picture blur still carries light, projector pixels.
+/// Reach of blur at the edge of the projector's image, projector pixels.
 const EDGE_PX: f32 = 24.0;
 
-/// A ray with everything that a picture asks of it.
+/// Ray with its direct light.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lit {
-    /// The place in the picture that the projector shows, pixels.
+    /// Place in the displayed image, pixels.
     place: [f32; 2],
-    /// The blur along u and v: numbers of tables.
+    /// Blur along u and v: table numbers.
     blur: [u8; 2],
-    /// The light when everything is white.
+    /// Light when everything is white.
     light: f32,
 }
 
-/// A view under some conditions, ready to have pictures taken of it.
+/// Scan of a view under conditions.
 #[derive(Debug, Clone)]
 pub struct Scan<'a> {
     view: &'a View,
     conditions: Conditions,
-    /// Four for each pixel.
+    /// Four rays for each pixel.
     rays: Vec<Lit>,
-    /// The strengths of blur that occur.
+    /// Blur strengths in use.
     is_used: Vec<bool>,
-    /// The edges of the projector's picture, across u and v.
-    edges: [Stripes; 2],
+    /// Edges of the projector's image, across u and v.
+    edges: [BlurredStripes; 2],
     bounce: Option<Bounce>,
     sensor: Sensor,
-    /// What light is multiplied by.
+    /// Factor of the light.
     exposure: f32,
 }
 
 impl<'a> Scan<'a> {
-    /// Prepares pictures and sets the exposure, for a white picture.
+    /// Prepares images and sets the exposure for a white image.
     pub fn new(view: &'a View, conditions: Conditions) -> Self {
         let rays = lit_rays(view, &conditions);
-        let mut is_used = vec![false; Stripes::strengths()];
+        let mut is_used = vec![false; BlurredStripes::strengths()];
         for blur in rays.iter().filter(|ray| ray.light > 0.0).flat_map(|ray| ray.blur) {
             is_used[usize::from(blur)] = true;
         }
         let size_px = view.rig().projector.size_px;
         let mut scan = Self {
-            edges: Axis::ALL.map(|axis| Stripes::new(&Pattern::White, axis, size_px, &is_used)),
+            edges: Axis::ALL.map(|axis| BlurredStripes::new(&Pattern::White, axis, size_px, &is_used)),
             bounce: (conditions.interreflection > 0.0).then(|| Bounce::new(view)),
             sensor: Sensor::new(&conditions),
             exposure: 1.0,
@@ -72,22 +72,16 @@ impl<'a> Scan<'a> {
         scan
     }
 
-    /// What the camera sees.
-    pub fn view(&self) -> &View {
-        self.view
-    }
-
-    /// The picture of a pattern, the one with this number in the scan: grey levels, row by row.
+    /// Image of a pattern with its number in the scan: grey levels, row by row.
     pub fn capture(&self, pattern: &Pattern, picture: u32) -> Vec<u8> {
         self.expose(&self.light(self.direct(pattern)), picture)
     }
 
-    /// The light of all camera pixels, row by row, while the projector shows any picture: grey levels of its size, row
-    /// by row. For [`Self::expose`].
-    pub fn light_of(&self, shown: &[u8]) -> Vec<f32> {
+    /// Light of all camera pixels for a displayed image of grey levels, both row by row, for [`Self::expose`].
+    pub fn light_of(&self, levels: &[u8]) -> Vec<f32> {
         let size_px = self.view.rig().projector.size_px;
-        let shown = Shown::new(shown, size_px, self.conditions.black_level as f32);
-        let brightness = |ray: &Lit| if ray.light > 0.0 { ray.light * shown.at(ray.place, ray.blur) } else { 0.0 };
+        let image = ProjectedImage::new(levels, size_px, self.conditions.black_level as f32);
+        let brightness = |ray: &Lit| if ray.light > 0.0 { ray.light * image.at(ray.place, ray.blur) } else { 0.0 };
         let mut light = vec![0.0; self.rays.len() / RAYS];
         light.par_iter_mut().zip(self.rays.par_chunks(RAYS)).for_each(|(light, rays)| {
             *light = rays.iter().map(brightness).sum();
@@ -95,7 +89,7 @@ impl<'a> Scan<'a> {
         self.light(light)
     }
 
-    /// The picture of light, the one with this number: grey levels, row by row.
+    /// Image of light with its number in the scan: grey levels, row by row.
     pub fn expose(&self, light: &[f32], picture: u32) -> Vec<u8> {
         let conditions = &self.conditions;
         let flicker = Random::new(&[conditions.seed, u64::from(picture), 0x464c_4943]).normal();
@@ -107,7 +101,7 @@ impl<'a> Scan<'a> {
         self.sensor.expose(&light, self.width(), shift_px, picture)
     }
 
-    /// The pictures of all patterns, in their order.
+    /// Images of all patterns, in their order.
     pub fn capture_all(&self, patterns: &[Pattern]) -> Vec<Vec<u8>> {
         patterns.par_iter().enumerate().map(|(picture, pattern)| self.capture(pattern, picture as u32)).collect()
     }
@@ -116,7 +110,7 @@ impl<'a> Scan<'a> {
         self.view.size_px()[0] as usize
     }
 
-    /// All light, by that which comes straight from the projector.
+    /// All light, from the direct light.
     fn light(&self, direct: Vec<f32>) -> Vec<f32> {
         let conditions = &self.conditions;
         let mean = direct.iter().sum::<f32>() / direct.len().max(1) as f32;
@@ -139,7 +133,7 @@ impl<'a> Scan<'a> {
         light
     }
 
-    /// The light that comes straight from the projector.
+    /// Direct light of the projector.
     fn direct(&self, pattern: &Pattern) -> Vec<f32> {
         let axis = match pattern {
             Pattern::GrayCode(stripes) => stripes.axis,
@@ -147,10 +141,10 @@ impl<'a> Scan<'a> {
         };
         let (along, across) = (axis.index(), 1 - axis.index());
         let size_px = self.view.rig().projector.size_px;
-        let stripes = Stripes::new(pattern, axis, size_px, &self.is_used);
+        let stripes = BlurredStripes::new(pattern, axis, size_px, &self.is_used);
         let [edge_along, edge_across] = [along, across].map(|axis| (&self.edges[axis], axis, size_px[axis] as f32));
         let black = self.conditions.black_level as f32;
-        let edge = |(edge, axis, size): (&Stripes, usize, f32), ray: &Lit| {
+        let edge = |(edge, axis, size): (&BlurredStripes, usize, f32), ray: &Lit| {
             let place = ray.place[axis];
             if (EDGE_PX..size - EDGE_PX).contains(&place) {
                 1.0
@@ -176,7 +170,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The rays of all pixels, with the blur of the projector's lens at their depth.
+/// Rays of all pixels, with the projector's blur at their depth.
 fn lit_rays(view: &View, conditions: &Conditions) -> Vec<Lit> {
     let lit = |ray: &Ray, extent_px: [f32; 2]| {
         let [u, v] = ray.lit_by.map(f64::from);

@@ -1,19 +1,19 @@
-//! From light to bytes: lens blur, a shift, shot and read noise, gamma and 8 bits.
+//! Camera sensor: lens blur, shift, shot and read noise, gamma and quantisation to 8 bits.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use crate::{Conditions, Random};
 
-/// Steps of light between black and white that the table of levels distinguishes.
+/// Light steps of the level table.
 const STEPS: usize = 1 << 16;
 
-/// A camera's sensor.
+/// Camera sensor.
 #[derive(Debug, Clone)]
 pub(crate) struct Sensor {
-    /// The lens's blur: its middle tap and those to one side.
+    /// Lens blur: the centre tap and those to one side.
     kernel: Vec<f32>,
-    /// The level of each step of light.
+    /// Level of each light step.
     levels: Vec<u8>,
     full_well: f64,
     read_noise: f64,
@@ -35,7 +35,7 @@ impl Sensor {
         }
     }
 
-    /// The picture of light, row by row, where 1 fills the sensor's wells.
+    /// Image of light, row by row, where 1 fills the sensor's wells.
     pub(crate) fn expose(&self, light: &[f32], width: usize, shift_px: Vector2<f64>, picture: u32) -> Vec<u8> {
         let shifted = if shift_px == Vector2::zeros() { light.to_vec() } else { shifted(light, width, shift_px) };
         let blurred = self.blurred(&shifted, width);
@@ -86,7 +86,7 @@ impl Sensor {
     }
 }
 
-/// The middle of a Gaussian's taps and those to one side; they sum up to 1 with the other side's.
+/// Centre tap of a Gaussian and those to one side; all taps sum to 1.
 fn gaussian(deviation: f64) -> Vec<f32> {
     let reach = (3.0 * deviation).ceil() as usize;
     let taps: Vec<f64> = (0..=reach).map(|tap| (-0.5 * (tap as f64 / deviation.max(1e-9)).powi(2)).exp()).collect();
@@ -94,7 +94,7 @@ fn gaussian(deviation: f64) -> Vec<f32> {
     taps.iter().map(|tap| (tap / sum) as f32).collect()
 }
 
-/// The picture when everything in it has moved, interpolated; what comes in at an edge repeats it.
+/// Shifts an image with interpolation; edges are repeated.
 fn shifted(light: &[f32], width: usize, shift_px: Vector2<f64>) -> Vec<f32> {
     let height = light.len() / width;
     let split = |at: usize, shift: f64, last: usize| {

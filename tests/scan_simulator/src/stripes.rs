@@ -1,43 +1,43 @@
-//! How bright a blurred pattern is at any place between the projector's pixels.
+//! Blurred light of a pattern.
 //!
-//! Patterns change along one axis only, and a Gaussian is a product of two. So a table for each strength of blur, four
-//! entries a pixel, has all there is to know: the square wave convolved with the Gaussian, pixel by pixel.
+//! Patterns change along one axis, and Gaussians are separable. So a table for each blur strength, with four entries
+//! per pixel, suffices: the square wave convolved with the Gaussian.
 
 use std::f64::consts::SQRT_2;
 
 use rayon::prelude::*;
 use rcs_calibration::patterns::{Axis, Pattern};
 
-/// Entries of a table for each projector pixel.
+/// Table entries per projector pixel.
 const PER_PIXEL: usize = 4;
-/// How far a table reaches beyond the picture, pixels.
+/// Margin of a table beyond the image, pixels.
 const MARGIN_PX: usize = 24;
-/// Strengths of blur that have a table, geometrically spaced.
+/// Number of blur strengths, geometrically spaced.
 const STRENGTHS: usize = 32;
-/// The least blur: standard deviation, projector pixels.
+/// Smallest blur: standard deviation, projector pixels.
 const LEAST_PX: f32 = 0.3;
-/// The ratio of one strength to the one before.
+/// Ratio of consecutive strengths.
 const RATIO: f32 = 1.1;
 
-/// The number of the table for a blur, a standard deviation in projector pixels.
+/// Table number of a blur, a standard deviation in projector pixels.
 pub(crate) fn strength(deviation_px: f32) -> u8 {
     ((deviation_px / LEAST_PX).ln() / RATIO.ln()).round().clamp(0.0, (STRENGTHS - 1) as f32) as u8
 }
 
-/// The blur of a table: a standard deviation in projector pixels.
+/// Blur of a table: standard deviation, projector pixels.
 pub(crate) fn deviation_px(strength: u8) -> f32 {
     LEAST_PX * RATIO.powi(i32::from(strength))
 }
 
-/// The brightness along an axis for each strength of blur: 0 where nothing is lit near, 1 where everything is.
+/// Brightness, 0 to 1, along an axis for each blur strength.
 #[derive(Debug, Clone)]
-pub(crate) struct Stripes {
+pub(crate) struct BlurredStripes {
     tables: Vec<Vec<f32>>,
 }
 
-impl Stripes {
-    /// The tables of a pattern along an axis, along which it changes, for a projector's picture of this size; all other
-    /// light ends at the edge of the picture. Strengths that are not used get no table.
+impl BlurredStripes {
+    /// Creates the tables of a pattern along the axis of its stripes, dark outside of the image. Unused strengths get
+    /// no table.
     pub(crate) fn new(pattern: &Pattern, axis: Axis, size_px: [u32; 2], is_used: &[bool]) -> Self {
         let size = size_px[axis.index()];
         let is_lit = |at: u32| match axis {
@@ -52,7 +52,7 @@ impl Stripes {
         Self { tables: (0..STRENGTHS).into_par_iter().map(table).collect() }
     }
 
-    /// The brightness at a coordinate for a [`strength`] of blur.
+    /// Brightness at a coordinate for a blur [`strength`].
     pub(crate) fn at(&self, coordinate: f32, strength: u8) -> f32 {
         let table = self.tables.get(usize::from(strength)).map_or(&[][..], Vec::as_slice);
         let place = ((coordinate + MARGIN_PX as f32) * PER_PIXEL as f32).max(0.0);
@@ -64,17 +64,17 @@ impl Stripes {
         }
     }
 
-    /// How many strengths there are.
+    /// Number of strengths.
     pub(crate) const fn strengths() -> usize {
         STRENGTHS
     }
 }
 
-/// The levels of pixels convolved with a Gaussian, at entries from `-MARGIN_PX` on.
+/// Convolves levels with a Gaussian, at entries from `-MARGIN_PX` on.
 fn blurred(levels: &[f32], deviation_px: f64) -> Vec<f32> {
     let reach = ((4.0 * deviation_px + 1.0).ceil() as usize).min(MARGIN_PX);
     let below = |x: f64| normal_distribution(x / deviation_px);
-    // What the pixels from `reach` before to `reach` after contribute to a place so far behind a pixel's centre.
+    // Kernels of the pixels from `-reach` to `reach` for each phase.
     let kernels: Vec<Vec<f32>> = (0..PER_PIXEL)
         .map(|phase| {
             let place = phase as f64 / PER_PIXEL as f64;
@@ -87,7 +87,7 @@ fn blurred(levels: &[f32], deviation_px: f64) -> Vec<f32> {
         .collect();
     let mut table = Vec::with_capacity((levels.len() + 2 * MARGIN_PX) * PER_PIXEL);
     for pixel in 0..levels.len() + 2 * MARGIN_PX {
-        // The first pixel under the kernel's first tap, which may lie before the picture.
+        // The pixel under the kernel's first tap, which may lie before the image.
         let first = pixel as isize - MARGIN_PX as isize - reach as isize;
         let skipped = (-first).max(0) as usize;
         let under = levels.get((first.max(0) as usize).min(levels.len())..).unwrap_or_default();
@@ -99,7 +99,7 @@ fn blurred(levels: &[f32], deviation_px: f64) -> Vec<f32> {
     table
 }
 
-/// The normal distribution's share below x, by Abramowitz and Stegun's formula 7.1.26, to 2e-7.
+/// Cumulative normal distribution, within 2e-7 (Abramowitz and Stegun, 7.1.26).
 pub(crate) fn normal_distribution(x: f64) -> f64 {
     let z = x.abs() / SQRT_2;
     let t = 1.0 / (1.0 + 0.327_591_1 * z);
@@ -124,7 +124,7 @@ mod tests {
         let is_used = [true; STRENGTHS];
         let size = [1280, 800];
         let finest = gray_code(size).into_iter().filter(|pattern| matches!(pattern, Pattern::GrayCode(_))).nth(20);
-        let stripes = Stripes::new(&finest.unwrap(), Axis::X, size, &is_used);
+        let stripes = BlurredStripes::new(&finest.unwrap(), Axis::X, size, &is_used);
         // Stripes two pixels wide: lit at 1, 2, 5, 6. Hardly blurred in the middle, one half at an edge.
         assert!((stripes.at(641.5, 0) - 1.0).abs() < 0.01 && (stripes.at(640.5, 0) - 0.5).abs() < 0.01);
         for strength in 5..15 {
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn light_ends_at_the_edge_of_the_picture() {
-        let white = Stripes::new(&Pattern::White, Axis::Y, [1280, 800], &[true; STRENGTHS]);
+        let white = BlurredStripes::new(&Pattern::White, Axis::Y, [1280, 800], &[true; STRENGTHS]);
         let blur = strength(1.0);
         for (at, expected) in [(400.0, 1.0), (-0.5, 0.5), (799.5, 0.5), (-8.0, 0.0), (-200.0, 0.0), (5000.0, 0.0)] {
             assert!((white.at(at, blur) - expected).abs() < 0.01, "{at}: {}", white.at(at, blur));

@@ -1,18 +1,18 @@
-//! How much light the surface of a solid reflects, and where: the albedo, with a mild texture.
+//! Albedo of a solid's surface, with a mild texture.
 //!
-//! Textures fill space, in the solid's own frame, so that they need no unwrapping.
+//! Textures are volumetric in the solid's frame, so they need no unwrapping.
 
 use nalgebra::Point3;
 
 use crate::random::{mixed, unit};
 use crate::Random;
 
-/// The least share of light that a surface reflects.
+/// Minimum albedo.
 const DARKEST: f64 = 0.15;
-/// The largest share of light that a surface reflects.
+/// Maximum albedo.
 const BRIGHTEST: f64 = 0.95;
 
-/// How the albedo changes from place to place.
+/// Texture of the albedo.
 #[derive(Debug, Clone, Copy)]
 enum Texture {
     Plain,
@@ -20,26 +20,26 @@ enum Texture {
     Noise,
 }
 
-/// The diffuse reflection of a solid's surface.
+/// Diffuse surface of a solid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surface {
-    /// The mean share of light that is reflected.
+    /// Mean albedo.
     albedo: f64,
     texture: Texture,
-    /// By which share of itself the albedo differs at most.
+    /// Maximum relative deviation of the albedo.
     contrast: f64,
-    /// The size of the texture's features, metres.
+    /// Feature size of the texture, metres.
     size_m: f64,
     seed: u64,
 }
 
 impl Surface {
-    /// The same everywhere.
+    /// Uniform surface.
     pub(crate) fn plain(albedo: f64) -> Self {
         Self { albedo, texture: Texture::Plain, contrast: 0.0, size_m: 1.0, seed: 0 }
     }
 
-    /// Any, with a mean albedo of at least `darkest`.
+    /// Random surface with a mean albedo of at least `darkest`.
     pub(crate) fn random(random: &mut Random, darkest: f64) -> Self {
         let texture = match random.integer(0, 3) {
             0 => Texture::Plain,
@@ -55,13 +55,13 @@ impl Surface {
         }
     }
 
-    /// The share of light reflected at a point of the solid's frame.
+    /// Albedo at a point of the solid's frame.
     pub(crate) fn albedo(&self, local: &Point3<f64>) -> f64 {
         let place = local / self.size_m;
         let deviation = match self.texture {
             Texture::Plain => return self.albedo,
             Texture::Checker => {
-                // Off the planes through the origin, on which faces of solids lie.
+                // Offset from the planes through the origin, on which faces lie.
                 let odd = place.iter().map(|x| (x + 0.31).floor() as i64).sum::<i64>() & 1;
                 2.0 * odd as f64 - 1.0
             }

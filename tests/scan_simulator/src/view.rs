@@ -1,8 +1,7 @@
-//! What the camera sees of the room, and which projector pixel lights it: found once by casting rays.
+//! View of the room by the camera, with the projector pixels that light it, by ray casting.
 //!
-//! The ray through a pixel's centre tells the truth that a calibration is judged by. The light of the pixel comes from
-//! 2×2 rays, each for a quarter of its area, so that edges of solids and shadows are as soft as in a picture. How far
-//! the quarter reaches over the projector's pixels is kept, too, and counts as blur later.
+//! The ray through a pixel's centre gives the ground truth. A pixel's light comes from 2×2 rays, each for a quarter of
+//! its area, for soft edges and shadows. The quarter's extent over the projector's pixels counts as blur.
 
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rayon::prelude::*;
@@ -10,51 +9,50 @@ use rcs_calibration::Lens;
 
 use crate::{Hit, Rig, Room};
 
-/// Rays that a pixel's light comes from.
+/// Rays per pixel.
 pub(crate) const RAYS: usize = 4;
-/// Light is looked for this far outside of the projector's picture, pixels, for blur carries some of it there.
+/// Margin of the projector's image that blur lights, pixels.
 const MARGIN_PX: f64 = 10.0;
-/// By how much the light of a projector falls off at the corner of its picture.
+/// Relative light fall-off at the corner of the projector's image.
 const VIGNETTING: f64 = 0.2;
 
-/// What the ray through the centre of a camera pixel meets.
+/// Surface point at the centre of a camera pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
-    /// The point in the camera's optical frame, metres.
+    /// Point in the camera's optical frame, metres.
     pub point: Point3<f64>,
-    /// The surface's normal in the camera's optical frame, a unit vector.
+    /// Unit normal in the camera's optical frame.
     pub normal: Vector3<f64>,
-    /// The share of light that the surface reflects.
+    /// Albedo.
     pub albedo: f64,
-    /// The projector pixel that lights it; none in shadow and outside of the projector's picture.
+    /// Projector pixel that lights it; `None` in shadow and outside of the projector's image.
     pub lit_by: Option<Point2<f64>>,
 }
 
-/// One of the rays that make up a pixel's light.
+/// Ray of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Ray {
-    /// The projector pixel that lights what it meets, in the picture or a little beside it.
+    /// Projector pixel that lights it, in the image or its margin.
     pub(crate) lit_by: [f32; 2],
     /// Depth in the projector's optical frame, metres.
     pub(crate) depth_m: f32,
-    /// The radiance when the pixel is white; 1 for a white surface 1 m before the middle of the projector's picture,
-    /// 0 if it is not lit.
+    /// Radiance for a white pixel; 1 for a white surface 1 m before the centre of the projector's image, 0 if not lit.
     pub(crate) light: f32,
 }
 
-/// A camera pixel.
+/// Camera pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Pixel {
     pub(crate) rays: [Ray; RAYS],
-    /// The extent of a ray's part of the pixel over the projector's u and v: a standard deviation, pixels.
+    /// Extent of a ray's quarter over the projector's u and v: standard deviation, pixels.
     pub(crate) extent_px: [f32; 2],
-    /// The mean albedo.
+    /// Mean albedo.
     pub(crate) albedo: f32,
-    /// The mean albedo times the share of the room's own light, which comes from above.
+    /// Mean albedo times the share of ambient light, which comes from above.
     pub(crate) ambient: f32,
 }
 
-/// What the camera of a rig sees.
+/// View of a room by a rig's camera.
 #[derive(Debug, Clone)]
 pub struct View {
     room: Room,
@@ -104,41 +102,42 @@ impl View {
         &self.rig
     }
 
-    /// Width and height of the camera's picture, pixels.
+    /// Width and height of the camera's image, pixels.
     pub fn size_px(&self) -> [u32; 2] {
         self.rig.camera.size_px
     }
 
-    /// What the camera sees at the centre of a pixel; none where there is nothing, or no such pixel.
+    /// Surface point at the centre of a pixel; `None` where there is none.
     pub fn sight(&self, u: u32, v: u32) -> Option<&Sight> {
         let [width, height] = self.size_px();
         let index = (u < width && v < height).then(|| v as usize * width as usize + u as usize)?;
         self.sights.get(index)?.as_ref()
     }
 
-    /// The projector pixel that lights the centre of a camera pixel; none if none does.
+    /// Projector pixel that lights the centre of a camera pixel.
     pub fn truth(&self, u: u32, v: u32) -> Option<Point2<f64>> {
         self.sight(u, v)?.lit_by
     }
 
-    /// The share of the camera's pixels that the projector lights.
-    pub fn lit_share(&self) -> f64 {
+    /// Share of the camera's pixels that the projector lights.
+    #[cfg(test)]
+    fn lit_share(&self) -> f64 {
         let lit = self.sights.iter().flatten().filter(|sight| sight.lit_by.is_some()).count();
         lit as f64 / self.sights.len().max(1) as f64
     }
 
-    /// What the camera sees, row by row.
+    /// Surface points, row by row.
     pub(crate) fn sights(&self) -> &[Option<Sight>] {
         &self.sights
     }
 
-    /// The camera's pixels, row by row.
+    /// Camera pixels, row by row.
     pub(crate) fn pixels(&self) -> &[Pixel] {
         &self.pixels
     }
 }
 
-/// The places on the plane z = 1 that the pixels see, with one more pixel on each side.
+/// Points of the plane z = 1 for all pixels, with a margin of one pixel.
 fn lattice(camera: &Lens) -> Vec<Vec<Option<Vector2<f64>>>> {
     let [width, height] = camera.size_px;
     let row = |v: u32| {
@@ -148,7 +147,7 @@ fn lattice(camera: &Lens) -> Vec<Vec<Option<Vector2<f64>>>> {
     (0..height + 2).into_par_iter().map(row).collect()
 }
 
-/// Everything that a ray needs.
+/// Ray caster.
 struct Caster<'a> {
     room: &'a Room,
     projector: &'a Lens,
@@ -163,13 +162,13 @@ impl Caster<'_> {
         self.room.hit(&self.eye, &(self.room_from_camera * place.push(1.0)))
     }
 
-    /// The projector pixel of a point and its depth before the projector.
+    /// Projector pixel and depth of a point.
     fn landing(&self, point: &Point3<f64>) -> Option<(Point2<f64>, f64)> {
         let seen = self.projector_from_room * point;
         self.projector.project(&seen).map(|pixel| (pixel, seen.z))
     }
 
-    /// Whether the projector's light reaches a place that was hit.
+    /// `true` if the projector's light reaches a hit.
     fn is_reached(&self, hit: &Hit) -> bool {
         (self.lamp - hit.point).dot(&hit.normal) > 0.0 && !self.room.is_blocked(&self.lamp, &hit.point)
     }
@@ -186,7 +185,7 @@ impl Caster<'_> {
         })
     }
 
-    /// The light of a pixel at a place on the plane z = 1; the steps lead to the next pixel to the right and down.
+    /// Pixel at a point of the plane z = 1; the steps lead to the next pixels to the right and down.
     fn pixel(&self, place: Vector2<f64>, steps: [Vector2<f64>; 2], sight: Option<&Sight>) -> Pixel {
         let mut pixel = Pixel::default();
         let quarters = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
@@ -220,7 +219,7 @@ impl Caster<'_> {
         Some(Ray { lit_by, depth_m: depth_m as f32, light: light as f32 })
     }
 
-    /// The standard deviation, over u and v of the projector, of a quarter of a pixel that sees a flat surface.
+    /// Standard deviation, over the projector's u and v, of a quarter of a pixel on a flat surface.
     fn extent_px(&self, sight: &Sight, place: Vector2<f64>, steps: [Vector2<f64>; 2]) -> Option<[f32; 2]> {
         let (point, normal) = (sight.point, sight.normal);
         let on_surface = |place: Vector2<f64>| {

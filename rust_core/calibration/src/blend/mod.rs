@@ -1,9 +1,9 @@
 //! Blending weights of several projectors on one surface.
 //!
 //! For each pixel of a projector, a cloud gives the lit point ([`surface`]); the other projectors' lenses and poses
-//! tell which of them light it, too, and with which pixels. A pixel's strength falls with the squared distance from each
-//! edge of the image, and the weight is the strength over the sum of all strengths. So weights add up to one in linear
-//! light, and fall to zero at a projector's edge without a kink, which the eye would see as a line.
+//! tell which of them light it, too, and with which pixels. A pixel's strength falls with the squared distance from
+//! each edge of the image, and the weight is the strength over the sum of all strengths. So weights add up to one in
+//! linear light, and fall to zero at a projector's edge without a kink, which the eye would see as a line.
 //!
 //! Black pixels leak light, most where many projectors overlap. The lift is how much of one projector's leak each has
 //! to add, so that black is everywhere as bright as where most overlap.
@@ -95,7 +95,6 @@ struct Lit {
     surface: LitSurface,
 }
 
-/// Weight of one pixel.
 #[derive(Debug, Clone, Copy)]
 struct Share {
     weight: f32,

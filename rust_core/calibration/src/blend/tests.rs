@@ -1,11 +1,11 @@
-//! Tests of the shares of several projectors on one surface.
+//! Tests of the blending weights of several projectors on one surface.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::*;
 use crate::Distortion;
 
-/// A projector 2 m before the wall z = 0 of the cloud's frame, so far to the side and turned towards its middle.
+/// Projector 2 m before the wall z = 0 of the cloud's frame, `x` to the side and rotated towards its middle.
 fn projector(x: f64, turned: f64, distortion: Distortion) -> PlacedProjector {
     let lens = Lens { distortion, ..Lens::pinhole([160, 100], [150.0, 152.0], [80.0, 60.0]) };
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), turned);
@@ -13,7 +13,7 @@ fn projector(x: f64, turned: f64, distortion: Distortion) -> PlacedProjector {
     PlacedProjector { lens, projector_from_cloud: cloud_from_projector.inverse() }
 }
 
-/// A wall at z = 0 that is seen by a camera: a point every two centimetres.
+/// Cloud of a wall at z = 0: a point every two centimetres.
 fn wall() -> Vec<Point3<f64>> {
     let steps = -150..=150;
     steps
@@ -22,7 +22,7 @@ fn wall() -> Vec<Point3<f64>> {
         .collect()
 }
 
-/// The weight with which a projector lights a point; none where it does not.
+/// Weight with which a projector lights a point.
 fn weight_at(projector: &PlacedProjector, weights: &BlendWeights, point: &Point3<f64>) -> Option<f64> {
     let pixel =
         projector.lens.project(&(projector.projector_from_cloud * point)).filter(|at| projector.lens.contains(*at))?;
@@ -38,7 +38,7 @@ fn weight_at(projector: &PlacedProjector, weights: &BlendWeights, point: &Point3
 }
 
 #[test]
-fn on_every_place_the_weights_add_up_to_one_and_fall_to_nothing_at_the_edges() {
+fn weights_add_up_to_one_everywhere_and_fall_to_zero_at_the_edges() {
     let bent = Distortion::plumb_bob([-0.1, 0.02, 0.0, 0.0, 0.0]);
     let projectors =
         [projector(-0.6, 0.1, Distortion::NONE), projector(0.6, -0.15, bent), projector(0.1, 0.0, Distortion::NONE)];
@@ -46,7 +46,7 @@ fn on_every_place_the_weights_add_up_to_one_and_fall_to_nothing_at_the_edges() {
     let mut lit_by = [0; 4];
     for point in wall() {
         let lit = projectors.iter().zip(&blended).filter(|(projector, _)| edge_distance_px(projector, &point) > 0.0);
-        // Within some pixels of an edge, weights change faster than pixels follow one another.
+        // Near an edge, weights change too fast for the interpolation.
         if projectors.iter().any(|projector| edge_distance_px(projector, &point).abs() < 4.0) {
             continue;
         }
@@ -59,14 +59,13 @@ fn on_every_place_the_weights_add_up_to_one_and_fall_to_nothing_at_the_edges() {
     for weights in &blended {
         let [width, _] = weights.size_px.map(|side| side as usize);
         let edges = (20..80).flat_map(|row| [row * width, (row + 1) * width - 1]);
-        // Where others light the point, too.
+        // Where other projectors light the point, too.
         let shared: Vec<f32> = edges.filter(|at| weights.lifts[*at] < 2.0).map(|at| weights.weights[at]).collect();
         assert!(shared.len() >= 30 && shared.iter().all(|weight| *weight < 0.01), "{shared:?}");
     }
 }
 
-/// How far from the edge of a projector's picture the pixel is that lights a point; below zero beside it, infinite for
-/// none.
+/// Distance of the pixel that lights a point from the edge of a projector's image; negative outside.
 fn edge_distance_px(projector: &PlacedProjector, point: &Point3<f64>) -> f64 {
     let Some(pixel) = projector.lens.project(&(projector.projector_from_cloud * point)) else {
         return f64::NEG_INFINITY;
@@ -103,7 +102,7 @@ fn black_is_lifted_where_fewer_overlap_and_only_there() {
 }
 
 #[test]
-fn in_the_shadow_of_something_the_other_projector_does_all() {
+fn in_the_shadow_of_an_object_the_other_projector_has_full_weight() {
     let projectors = [projector(-0.5, 0.0, Distortion::NONE), projector(0.5, 0.0, Distortion::NONE)];
     let mut cloud = wall();
     // A board before the wall, in the left projector's light: its shadow falls on the wall to its right.
@@ -119,7 +118,7 @@ fn in_the_shadow_of_something_the_other_projector_does_all() {
 }
 
 #[test]
-fn one_projector_or_one_that_lights_nothing_has_no_weights() {
+fn one_projector_or_one_that_lights_no_point_has_no_weights() {
     let one = projector(0.0, 0.0, Distortion::NONE);
     assert_eq!(blend_weights(&[one], &wall()), Err(BlendProblem::TooFew));
     let away = PlacedProjector {

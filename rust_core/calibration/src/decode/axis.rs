@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::blur::{Energy, Tables};
+use super::blur::{blur_px, Energy, Tables};
 use super::channels::{AxisChannels, MOST_CHANNELS};
 use super::light::LightImages;
 use super::neighbours::{Field, PlanePrediction};
 use super::search::{Found, Search};
-use super::stripes;
 
 /// Side of the tiles with individual blur, camera pixels.
 const TILE: usize = 32;
@@ -17,12 +16,12 @@ const WORST_MISFIT: f32 = 25.0;
 const CLEAR_MARGIN: f32 = 40.0;
 /// Maximum loss of explained squares for a place near the prediction instead of the best one.
 const WORTH_PREDICTING: f32 = 16.0;
-/// Factor of fused deviations: both weights include model errors of stripes and planes. The median over simulated scans.
+/// Factor of fused deviations: both weights include model errors of stripes and planes. The median over simulated
+/// scans.
 const CAUTION: f32 = 0.65;
 /// Maximum deviation of a decoded coordinate, projector pixels.
 pub(super) const WORST_SIGMA_PX: f32 = 1.0;
 
-/// Decoder of one axis.
 pub(super) struct AxisDecoder<'a> {
     pub(super) light: &'a LightImages<'a>,
     pub(super) noise: &'a [f32],
@@ -59,7 +58,6 @@ impl SinglePixels {
 }
 
 impl AxisDecoder<'_> {
-    /// Decodes each pixel alone.
     pub(super) fn decode_single(&self) -> SinglePixels {
         let width = self.light.pictures.size_px[0] as usize;
         let all = self.energy_of((0..self.noise.len()).step_by(13));
@@ -107,7 +105,6 @@ impl AxisDecoder<'_> {
         energy
     }
 
-    /// Decodes a band of tiles.
     fn band(&self, band: usize, width: usize, all: &Energy) -> DecodedBand {
         let first = band * TILE * width;
         let end = (first + TILE * width).min(self.noise.len());
@@ -183,7 +180,7 @@ impl<'a> TileSearch<'a> {
         Search {
             channels: self.decoder.channels,
             contrasts: self.decoder.tables.contrasts(self.level),
-            blur_px: stripes::blur_px(self.level),
+            blur_px: blur_px(self.level),
             visible: &self.visible,
         }
     }

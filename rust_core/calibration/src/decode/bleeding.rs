@@ -1,19 +1,19 @@
 //! Compensation of the camera's blur, which pulls pixels towards brighter neighbours.
 //!
-//! A pixel's coordinate is the mean over its blur, weighted by light. For a Gaussian blur and a linear coordinate, it is
-//! off by the blur's variance times the coordinate's gradient times the relative gradient of the light (integration by
-//! parts). On the shaded side of a ball all pixels are pulled the same way, so averaging does not help.
+//! A pixel's coordinate is the mean over its blur, weighted by light. For a Gaussian blur and a linear coordinate, it
+//! is off by the blur's variance times the coordinate's gradient times the relative gradient of the light (integration
+//! by parts). On the shaded side of a ball all pixels are pulled the same way, so averaging does not help.
 //!
-//! The blur's variance is estimated at textures and edges, where coordinates deviate from their neighbours in proportion
-//! to the pull. Noise of the light's gradient would bias the slope (regression dilution); so a second, independent
-//! measurement of the light is the instrumental variable (Fuller, "Measurement error models", 1987, 1.4).
+//! The blur's variance is estimated at textures and edges, where coordinates deviate from their neighbours in
+//! proportion to the pull. Noise of the light's gradient would bias the slope (regression dilution); so a second,
+//! independent measurement of the light is the instrumental variable (Fuller, "Measurement error models", 1987, 1.4).
 
 use rayon::prelude::*;
 
 use super::neighbours::Field;
 
-/// Prior of the variance of the camera's blur, including its pixels' extent: mean and standard deviation, squared camera
-/// pixels.
+/// Prior of the variance of the camera's blur, including its pixels' extent: mean and standard deviation, squared
+/// camera pixels.
 const USUAL_VARIANCE: f32 = 0.3;
 const VARIANCE_SIGMA: f32 = 0.12;
 /// Range of the variance: at least that of the pixels' extent.
@@ -83,8 +83,8 @@ impl Gradients {
     }
 }
 
-/// Estimates the variance of the camera's blur, including its pixels' extent, squared camera pixels, from the coordinates
-/// along both axes and the gradients of two independent measurements of the light.
+/// Estimates the variance of the camera's blur, including its pixels' extent, squared camera pixels, from the
+/// coordinates along both axes and the gradients of two independent measurements of the light.
 pub(super) fn blur_variance(gradients: [&Gradients; 2], fields: [&Field; 2]) -> f32 {
     let width = gradients[0].width;
     let height = gradients[0].relative.len() / width.max(1);

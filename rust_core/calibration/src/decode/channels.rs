@@ -17,7 +17,6 @@ pub(crate) struct StripeChannel {
     pub(crate) inverse: usize,
 }
 
-/// Images of a scan by role.
 #[derive(Debug)]
 pub(crate) struct Channels {
     pub(crate) white: usize,
@@ -26,7 +25,6 @@ pub(crate) struct Channels {
     pub(crate) axes: [AxisChannels; 2],
 }
 
-/// Stripes of an axis.
 #[derive(Debug)]
 pub(crate) struct AxisChannels {
     /// Stripes, those of the code first.

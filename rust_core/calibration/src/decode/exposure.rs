@@ -31,7 +31,6 @@ pub(super) struct Steadied {
 }
 
 impl Steadied {
-    /// Images as [`Pictures`].
     pub(super) fn pictures<'a>(&'a self, taken: &Pictures<'a>) -> Pictures<'a> {
         let levels = self.levels.iter().map(Vec::as_slice).collect();
         Pictures { size_px: taken.size_px, patterns: taken.patterns, levels }

@@ -65,8 +65,8 @@ impl LightImages<'_> {
         (0..self.pictures.levels[white].len()).map(|pixel| self.at(white, pixel) - self.at(black, pixel)).collect()
     }
 
-    /// Amplitudes measured independently of white and black: the median difference of coarse stripes and their inverses,
-    /// few of which have an edge near a pixel. 0 where not lit.
+    /// Amplitudes measured independently of white and black: the median difference of coarse stripes and their
+    /// inverses, few of which have an edge near a pixel. 0 where not lit.
     pub(super) fn amplitudes_of_stripes(&self, noise: &[f32]) -> Vec<f32> {
         let is_coarse = |channel: &&StripeChannel| channel.stripes.width_px() >= COARSE_FROM_PX;
         let coarse: Vec<&StripeChannel> =

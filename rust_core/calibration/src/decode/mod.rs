@@ -25,7 +25,6 @@ mod pictures;
 mod quality;
 pub(crate) mod response;
 mod search;
-mod stripes;
 
 pub use order::{PictureFault, WrongPicture};
 pub use pictures::{DecodeError, DecodedPixel, Pictures};

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::plane::{means_around, Plane, PlaneSums};
+use crate::plane::{means_around, robust_weight, Plane, PlaneSums};
 use crate::statistics::median_f32;
 
 /// Half the width of a window, pixels.
@@ -37,7 +37,6 @@ pub(super) struct Field {
 pub(super) struct PlanePrediction {
     /// Coordinate, projector pixels.
     pub(super) at: f32,
-    /// Standard deviation.
     pub(super) sigma: f32,
     /// RMS residual of the window.
     pub(super) spread: f32,
@@ -127,7 +126,7 @@ impl Field {
     }
 
     fn fit(&self, x: usize, y: usize, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> Option<Plane> {
-        let mut window = [(0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32); (2 * RADIUS + 1) * (2 * RADIUS + 1)];
+        let mut window = [(0.0_f32, [0.0_f32; 3]); (2 * RADIUS + 1) * (2 * RADIUS + 1)];
         let mut count = 0;
         let mut origin = f32::NAN;
         for row in rows {
@@ -138,9 +137,8 @@ impl Field {
                     if origin.is_nan() {
                         origin = self.at[index];
                     }
-                    let weight = 1.0 / (1.0 + 4.0 * sigma * sigma);
                     let (dx, dy) = (column as f32 - x as f32, row as f32 - y as f32);
-                    window[count] = (weight, dx, dy, self.at[index] - origin);
+                    window[count] = (robust_weight(1.0, 2.0 * sigma), [dx, dy, self.at[index] - origin]);
                     count += 1;
                 }
             }
@@ -148,32 +146,22 @@ impl Field {
         if (count as f32) < LEAST_SUPPORT {
             return None;
         }
-        let window = &mut window[..count];
+        let window = &window[..count];
         // Pixels near the central median are likely on the same surface.
         let mut heights = [0.0_f32; 9];
-        let mut near = 0;
-        for entry in window.iter().filter(|entry| entry.1.abs() <= 1.0 && entry.2.abs() <= 1.0) {
-            heights[near] = entry.3;
-            near += 1;
-        }
+        let central = window.iter().filter(|(_, [dx, dy, _])| dx.abs() <= 1.0 && dy.abs() <= 1.0);
+        let near = heights.iter_mut().zip(central).map(|(height, (_, [.., a]))| *height = *a).count();
         if near == 0 {
             return None;
         }
         let middle = median_f32(&mut heights[..near]);
-        let mut sums = PlaneSums::default();
-        for (weight, dx, dy, a) in window.iter() {
-            let far = (a - middle) / FIRST_WIDTH_PX;
-            sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
-        }
-        let mut plane = sums.plane(LEAST_SUPPORT)?;
-        let mut sums = PlaneSums::default();
-        for (weight, dx, dy, a) in window.iter() {
-            let far = (a - plane.at - plane.by_x * dx - plane.by_y * dy) / SECOND_WIDTH_PX;
-            sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
-        }
-        plane = sums.plane(LEAST_SUPPORT)?;
-        plane.at += origin;
-        Some(plane)
+        let fit = |residual: &dyn Fn(&[f32; 3]) -> f32, width_px: f32| {
+            let weighted = window.iter().map(|(weight, at)| (robust_weight(*weight, residual(at) / width_px), *at));
+            weighted.collect::<PlaneSums>().plane(LEAST_SUPPORT)
+        };
+        let first = fit(&|at| at[2] - middle, FIRST_WIDTH_PX)?;
+        let plane = fit(&|at| first.residual(at), SECOND_WIDTH_PX)?;
+        Some(Plane { at: plane.at + origin, ..plane })
     }
 }
 

@@ -82,29 +82,26 @@ impl WrongPicture {
     /// Describes the fault with the images' names.
     pub fn describe(&self, name: impl Fn(usize) -> String) -> String {
         let said = bit_of(&self.stripes);
+        let (PictureFault::Copy(pictures)
+        | PictureFault::NoInverse(pictures)
+        | PictureFault::Shows(pictures, _)
+        | PictureFault::Alike(pictures, _)
+        | PictureFault::NoEdges(pictures)) = self.fault;
+        let [one, other] = pictures.map(name);
         let fault = match &self.fault {
-            PictureFault::Copy([one, other]) => {
-                format!("{} shows the same as {}, not the stripes of {said}", name(*one), name(*other))
+            PictureFault::Copy(_) => format!("{one} shows the same as {other}, not the stripes of {said}"),
+            PictureFault::NoInverse(_) => {
+                format!("{one} and {other} are not each other's inverse, as those of {said} are")
             }
-            PictureFault::NoInverse([one, other]) => {
-                format!("{} and {} are not each other's inverse, as those of {said} are", name(*one), name(*other))
+            PictureFault::Shows(_, shown) => {
+                format!("{one} and {other} show the stripes of {}, not of {said}", bit_of(shown))
             }
-            PictureFault::Shows([one, other], shown) => {
-                format!("{} and {} show the stripes of {}, not of {said}", name(*one), name(*other), bit_of(shown))
+            PictureFault::Alike(_, also) => {
+                format!("{one} and {other} show the same, not the stripes of {said} and of {}", bit_of(also))
             }
-            PictureFault::Alike([one, other], also) => {
-                format!(
-                    "{} and {} show the same, not the stripes of {said} and of {}",
-                    name(*one),
-                    name(*other),
-                    bit_of(also)
-                )
+            PictureFault::NoEdges(_) => {
+                format!("{one} and {other} do not show the stripes of {said}: the decoded coordinates reverse at their edges")
             }
-            PictureFault::NoEdges([one, other]) => format!(
-                "{} and {} do not show the stripes of {said}: the decoded coordinates reverse at their edges",
-                name(*one),
-                name(*other)
-            ),
         };
         format!("{fault}: the camera lagged, or a picture was taken twice; show each pattern longer, and scan again")
     }
@@ -126,7 +123,6 @@ pub(super) struct PictureCheck<'a> {
 }
 
 impl PictureCheck<'_> {
-    /// First wrong image found.
     pub(super) fn wrong_picture(&self) -> Option<WrongPicture> {
         self.unpaired().or_else(|| self.repeated()).or_else(|| self.alike())
     }

@@ -1,9 +1,7 @@
 //! Quality of a scan: clipping, motion, exposure.
 //!
-//! The sum of stripes and their inverse equals that of white and black. A motion in between makes a difference along the
-//! image's gradient, a change of the exposure a common factor. Pixels clipped in any of these images are skipped.
-
-use std::fmt;
+//! The sum of stripes and their inverse equals that of white and black. A motion in between makes a difference along
+//! the image's gradient, a change of the exposure a common factor. Pixels clipped in any of these images are skipped.
 
 use nalgebra::{Matrix4, Vector2, Vector4};
 
@@ -14,7 +12,6 @@ use super::order::{PictureCheck, PictureFault, WrongPicture};
 use super::response::CLIPPED_FROM;
 use crate::statistics::median;
 
-/// Level of clipped pixels.
 const CLIPPED: u8 = 255;
 /// Maximum motion of a steady camera, camera pixels.
 const MOST_MOVED_PX: f64 = 0.5;
@@ -53,15 +50,28 @@ pub struct Quality {
 }
 
 /// Problem of a scan, with advice as text.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ScanProblem {
     /// The camera or an object has moved by camera pixels.
+    #[error(
+        "the camera or an object has moved by {0:.1} pixels during the scan: keep everything at rest and scan again"
+    )]
     Moved(f64),
     /// The exposure has changed by a share.
+    #[error(
+        "the brightness has changed by {:.0} % during the scan: switch automatic exposure off, and lamps that flicker",
+        100.0 * .0
+    )]
     Exposure(f64),
     /// A share of the lit pixels is clipped.
+    #[error("{:.0} % of the lit pixels are overexposed: shorten the exposure until white is not clipped", 100.0 * .0)]
     Clipped(f64),
-    /// So many pixels are clipped that the stripes of many fit no coordinate.
+    /// Clipping of a share of the lit pixels, and no coordinate that fits the stripes of another share.
+    #[error(
+        "{:.0} % of the lit pixels are overexposed, and the stripes of {:.0} % fit no projector pixel: shorten the \
+         exposure until white is not clipped",
+        100.0 * clipped, 100.0 * contradicted
+    )]
     Overexposed {
         /// Share of the lit pixels that is clipped.
         clipped: f64,
@@ -69,8 +79,14 @@ pub enum ScanProblem {
         contradicted: f64,
     },
     /// An image shows another pattern than listed.
+    #[error("{}", .0.describe(|index| format!("picture {}", index + 1)))]
     WrongPicture(WrongPicture),
     /// The stripes of many lit pixels lead beyond the projector's image.
+    #[error(
+        "the stripes of {:.0} % of the lit pixels lead beyond the projector's last {last}: the projector has another \
+         size, or the list of patterns is not that of the pictures",
+        100.0 * share
+    )]
     Beyond {
         /// `column` or `row`.
         last: &'static str,
@@ -86,43 +102,6 @@ impl ScanProblem {
             Self::Moved(_) | Self::WrongPicture(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
             Self::Clipped(_) => false,
-        }
-    }
-}
-
-impl fmt::Display for ScanProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Moved(px) => write!(
-                f,
-                "the camera or an object has moved by {px:.1} pixels during the scan: keep everything at rest and scan again"
-            ),
-            Self::Exposure(change) => write!(
-                f,
-                "the brightness has changed by {:.0} % during the scan: switch automatic exposure off, and lamps that flicker",
-                100.0 * change
-            ),
-            Self::Clipped(share) => write!(
-                f,
-                "{:.0} % of the lit pixels are overexposed: shorten the exposure until white is not clipped",
-                100.0 * share
-            ),
-            Self::Overexposed { clipped, contradicted } => write!(
-                f,
-                "{:.0} % of the lit pixels are overexposed, and the stripes of {:.0} % fit no projector pixel: shorten the \
-                exposure until white is not clipped",
-                100.0 * clipped,
-                100.0 * contradicted
-            ),
-            Self::WrongPicture(wrong_picture) => {
-                write!(f, "{}", wrong_picture.describe(|index| format!("picture {}", index + 1)))
-            }
-            Self::Beyond { last, share } => write!(
-                f,
-                "the stripes of {:.0} % of the lit pixels lead beyond the projector's last {last}: the projector has \
-                another size, or the list of patterns is not that of the pictures",
-                100.0 * share
-            ),
         }
     }
 }
@@ -186,7 +165,6 @@ impl Quality {
 /// Sum of white and black at a pixel, with its gradient.
 struct LightSum {
     pixel: usize,
-    /// Block of the image.
     block: usize,
     light: f64,
     gradient: Vector2<f64>,

@@ -1,11 +1,12 @@
 //! Camera response, estimated from the capture: gamma and noise.
 //!
 //! In linear light, the sum of stripes and their inverse equals that of white and black, with interreflections too. So
-//! gamma is the exponent with which the sums agree where stripes are half lit, and the rest is the noise of four images.
+//! gamma is the exponent with which the sums agree where stripes are half lit, and the rest is the noise of four
+//! images.
 
 use super::channels::Channels;
 use super::Pictures;
-use crate::statistics::median;
+use crate::statistics::{bisect, median};
 
 /// Number of sampled pixels, and minimum for a result.
 const SAMPLED: usize = 6000;
@@ -22,7 +23,6 @@ const ROUNDING: f64 = 1.0 / 12.0;
 /// Response and noise of the camera. Linear light is 1 at level 255.
 #[derive(Debug, Clone)]
 pub(crate) struct Response {
-    /// Light of each level.
     light: Vec<f32>,
     /// Exponent: light = (level / 255) ^ gamma.
     pub(super) gamma: f64,
@@ -125,19 +125,11 @@ impl LevelSample {
     }
 
     fn gamma(&self) -> f64 {
-        let [mut low, mut high] = GAMMAS;
         // Too small a gamma makes half lit stripes too bright.
-        if self.excess(low) < 0.0 || self.excess(high) > 0.0 {
+        if self.excess(GAMMAS[0]) < 0.0 || self.excess(GAMMAS[1]) > 0.0 {
             return 1.0;
         }
-        for _ in 0..12 {
-            let middle = 0.5 * (low + high);
-            if self.excess(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, high] = bisect(GAMMAS, 12, |gamma| self.excess(gamma) > 0.0);
         0.5 * (low + high)
     }
 

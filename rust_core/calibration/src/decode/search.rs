@@ -1,12 +1,12 @@
 //! Coordinate of a pixel along one axis: where blurred stripes explain its levels best.
 //!
-//! The code's signs lead to a neighbourhood of a few pixels: a wrong bit has an edge nearby, and a Gray code's finer bits
-//! are mirrored about it. In that neighbourhood every place is compared with all stripes. The share of direct light is
-//! free for each pixel, so interreflections do no harm (Nayar, Krishnan, Grossberg, Raskar, "Fast separation of direct
-//! and global components", 2006).
+//! The code's signs lead to a neighbourhood of a few pixels: a wrong bit has an edge nearby, and a Gray code's finer
+//! bits are mirrored about it. In that neighbourhood every place is compared with all stripes. The share of direct
+//! light is free for each pixel, so interreflections do no harm (Nayar, Krishnan, Grossberg, Raskar, "Fast separation
+//! of direct and global components", 2006).
 
+use super::blur::{self, Contrasts, PER_PIXEL};
 use super::channels::{AxisChannels, MOST_CHANNELS};
-use super::stripes::{self, Contrasts, PER_PIXEL};
 
 /// Differences of stripes and inverse over that of white and black, padded with zeros.
 pub(super) type Differences = [f32; MOST_CHANNELS];
@@ -35,7 +35,8 @@ pub(super) struct Found {
     pub(super) at: f32,
     /// Standard deviation, pixels.
     pub(super) sigma: f32,
-    /// Margin to the next best place that is not a neighbour: difference of squared residuals over the noise's variance.
+    /// Margin to the next best place that is not a neighbour: difference of squared residuals over the noise's
+    /// variance.
     pub(super) margin: f32,
     /// Mean squared residual over the expected variance.
     pub(super) misfit: f32,
@@ -71,8 +72,8 @@ impl Search<'_> {
     /// Best place between two coordinates.
     pub(super) fn find_between(&self, differences: &Differences, noise: f32, low: f32, high: f32) -> Option<Found> {
         let last = self.contrasts.places - 1;
-        let first = stripes::place(low).max(0.0) as usize;
-        let end = (stripes::place(high).max(0.0) as usize).min(last);
+        let first = blur::place(low).max(0.0) as usize;
+        let end = (blur::place(high).max(0.0) as usize).min(last);
         if first >= end {
             return None;
         }
@@ -80,15 +81,10 @@ impl Search<'_> {
         let variance = noise * noise + MODEL_ERROR * MODEL_ERROR;
         let mut scores = [0.0_f32; MOST_PLACES];
         let count = (end - first) / stride + 1;
-        let mut best = 0;
         for (index, score) in scores[..count].iter_mut().enumerate() {
             *score = self.explained(differences, first + index * stride);
         }
-        for index in 1..count {
-            if scores[index] > scores[best] {
-                best = index;
-            }
-        }
+        let best = argmax(&scores[..count]);
         let apart = ((1.0 + 1.5 * self.blur_px) * PER_PIXEL as f32 / stride as f32).ceil() as usize;
         let others = scores[..count].iter().enumerate().filter(|(index, _)| index.abs_diff(best) > apart);
         let next = others.map(|(_, score)| *score).fold(0.0, f32::max);
@@ -118,15 +114,10 @@ impl Search<'_> {
         let (first, end) = (best.saturating_sub(reach), (best + reach).min(self.contrasts.places - 1));
         let mut scores = [0.0_f32; 2 * (MOST_PLACES + PER_PIXEL) + 1];
         let scores = &mut scores[..=(end - first)];
-        let mut top = 0;
         for (index, score) in scores.iter_mut().enumerate() {
             *score = self.explained(differences, first + index);
         }
-        for index in 1..scores.len() {
-            if scores[index] > scores[top] {
-                top = index;
-            }
-        }
+        let top = argmax(scores);
         let (mut weights, mut mean, mut square) = (0.0, 0.0, 0.0);
         for (index, score) in scores.iter().enumerate() {
             let behind = (scores[top] - score) / (2.0 * variance);
@@ -149,9 +140,14 @@ impl Search<'_> {
                 spread = spread.min(variance / bend);
             }
         }
-        let at = stripes::coordinate((first + top) as f32 + mean);
+        let at = blur::coordinate((first + top) as f32 + mean);
         (at, spread.sqrt() / PER_PIXEL as f32, scores[top])
     }
+}
+
+/// Index of the first maximum.
+fn argmax(scores: &[f32]) -> usize {
+    (1..scores.len()).fold(0, |best, index| if scores[index] > scores[best] { index } else { best })
 }
 
 /// Σ d m and Σ m².

@@ -1,7 +1,5 @@
 //! Plausibility warnings about a lens from a tape measure or from a projector's file, one line each.
 
-use std::fmt;
-
 use super::measures::{ManualMeasures, WallMeasures};
 use crate::patterns::Axis;
 use crate::Lens;
@@ -17,20 +15,25 @@ const THROW_RATIOS: std::ops::RangeInclusive<f64> = 0.15..=15.0;
 /// Maximum difference of K and P at the image's edge, pixels: the effect of rounding to a decimal.
 const MOST_MATRIX_DIFFERENCE_PX: f64 = 0.1;
 
-/// Warning about a lens. [`Display`](fmt::Display) is one line.
-#[derive(Debug, Clone, PartialEq)]
+/// Warning about a lens. [`Display`](std::fmt::Display) is one line.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ManualWarning {
-    /// fx and fy differ by more than 2 %.
-    FocalLengthsDiffer {
-        /// fx and fy, pixels.
-        focal_px: [f64; 2],
-    },
+    /// fx and fy, pixels, differ by more than 2 %.
+    #[error(
+        "fx {:.1} and fy {:.1} differ by {:.1} %: measure width and height again, and switch keystone correction and \
+         zoom off",
+        .0, .1, 100.0 * focal_difference(*.0, *.1)
+    )]
+    FocalLengthsDiffer(f64, f64),
     /// No projector has this throw ratio.
-    ThrowImplausible {
-        /// Distance over width.
-        throw_ratio: f64,
-    },
+    #[error("the distance is {0:.3} times the picture's width, which no projector has: are all lengths in metres?")]
+    ThrowImplausible(f64),
     /// The principal point lies beside the image, or more than an image height above or below it.
+    #[error(
+        "c{} {center_px:.1} is far outside of the picture (0 to {side_px}): measure {} from the picture's top left \
+         corner, positive {}",
+        axis.name(), axis.name().to_uppercase(), if *axis == Axis::X { "to the right" } else { "downwards" }
+    )]
     CenterImplausible {
         /// Axis of the coordinate.
         axis: Axis,
@@ -39,77 +42,39 @@ pub enum ManualWarning {
         /// Image width or height, pixels.
         side_px: u32,
     },
-    /// The aspect ratios at both distances differ.
-    ShapesDiffer {
-        /// Aspect ratios at the first and the second distance.
-        shapes: [f64; 2],
-    },
+    /// The aspect ratios at the first and the second distance differ.
+    #[error(
+        "the two distances disagree: the picture is {0:.3} times as wide as high at the first, {1:.3} times at the \
+         second; the wall must be at right angles to the optical axis at both"
+    )]
+    ShapesDiffer(f64, f64),
     /// The principal points by both distances differ.
+    #[error(
+        "the two distances disagree: c{} is {:.1} by the first, {:.1} by the second; measure again where the optical \
+         axis meets the wall",
+        axis.name(), centers_px[0], centers_px[1]
+    )]
     AxesDiffer {
         /// Axis of the coordinate.
         axis: Axis,
         /// Coordinates by the first and by the second distance, pixels.
         centers_px: [f64; 2],
     },
-    /// By two distances, the light's origin is far from the point measured from.
-    LensPlaceImplausible {
-        /// Distance behind that point, metres.
-        behind_m: f64,
-    },
+    /// By two distances, the light's origin is far behind the point measured from, metres.
+    #[error(
+        "the two distances disagree: by them, light comes from {:.0} mm {} the place that they were measured from; \
+         measure both from the same place of the projector",
+        1e3 * .0.abs(), if *.0 < 0.0 { "before" } else { "behind" }
+    )]
+    LensPlaceImplausible(f64),
     /// K and P of a file differ.
+    #[error(transparent)]
     MatricesDiffer(MatrixDifference),
 }
 
-impl fmt::Display for ManualWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::FocalLengthsDiffer { focal_px: [fx, fy] } => write!(
-                f,
-                "fx {fx:.1} and fy {fy:.1} differ by {:.1} %: measure width and height again, and switch keystone \
-                 correction and zoom off",
-                100.0 * focal_difference(*fx, *fy)
-            ),
-            Self::ThrowImplausible { throw_ratio } => write!(
-                f,
-                "the distance is {throw_ratio:.3} times the picture's width, which no projector has: are all lengths \
-                 in metres?"
-            ),
-            Self::CenterImplausible { axis, center_px, side_px } => write!(
-                f,
-                "c{0} {center_px:.1} is far outside of the picture (0 to {side_px}): measure {1} from the picture's \
-                 top left corner, {2}",
-                axis.name(),
-                axis.name().to_uppercase(),
-                match axis {
-                    Axis::X => "positive to the right",
-                    Axis::Y => "positive downwards",
-                }
-            ),
-            Self::ShapesDiffer { shapes: [first, second] } => write!(
-                f,
-                "the two distances disagree: the picture is {first:.3} times as wide as high at the first, {second:.3} \
-                 times at the second; the wall must be at right angles to the optical axis at both"
-            ),
-            Self::AxesDiffer { axis, centers_px: [first, second] } => write!(
-                f,
-                "the two distances disagree: c{} is {first:.1} by the first, {second:.1} by the second; measure again \
-                 where the optical axis meets the wall",
-                axis.name()
-            ),
-            Self::LensPlaceImplausible { behind_m } => write!(
-                f,
-                "the two distances disagree: by them, light comes from {:.0} mm {} the place that they were measured \
-                 from; measure both from the same place of the projector",
-                1e3 * behind_m.abs(),
-                if *behind_m < 0.0 { "before" } else { "behind" }
-            ),
-            Self::MatricesDiffer(difference) => difference.fmt(f),
-        }
-    }
-}
-
 /// Difference of K and P of a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("K and P differ: {}: up to {most_px:.0} pixels, {:.0} mm at a metre; pictures are drawn with P", named(.entries), 1e3 * most_m)]
 pub struct MatrixDifference {
     /// Differing entries: name, K's value and P's, pixels.
     pub entries: Vec<(&'static str, f64, f64)>,
@@ -119,16 +84,8 @@ pub struct MatrixDifference {
     pub most_m: f64,
 }
 
-impl fmt::Display for MatrixDifference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "K and P differ: ")?;
-        for (index, (name, k, p)) in self.entries.iter().enumerate() {
-            let comma = if index == 0 { "" } else { ", " };
-            write!(f, "{comma}{name} {k} and {p}")?;
-        }
-        let (px, mm) = (self.most_px, 1e3 * self.most_m);
-        write!(f, ": up to {px:.0} pixels, {mm:.0} mm at a metre; pictures are drawn with P")
-    }
+fn named(entries: &[(&str, f64, f64)]) -> String {
+    entries.iter().map(|(name, k, p)| format!("{name} {k} and {p}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Compares K and P of a projector without distortion, which should be equal; `None` if they differ by rounding only.
@@ -170,11 +127,11 @@ pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Opt
     let focal_px: [f64; 2] = lens.focal_px.into();
     let mut warnings = Vec::new();
     if focal_difference(focal_px[0], focal_px[1]) > MOST_FOCAL_DIFFERENCE {
-        warnings.push(ManualWarning::FocalLengthsDiffer { focal_px });
+        warnings.push(ManualWarning::FocalLengthsDiffer(focal_px[0], focal_px[1]));
     }
     let throw_ratio = focal_px[0] / f64::from(lens.size_px[0]);
     if !THROW_RATIOS.contains(&throw_ratio) {
-        warnings.push(ManualWarning::ThrowImplausible { throw_ratio });
+        warnings.push(ManualWarning::ThrowImplausible(throw_ratio));
     }
     for (axis, side_px) in Axis::ALL.into_iter().zip(lens.size_px) {
         let (center_px, side) = (lens.center_px[axis.index()], f64::from(side_px));
@@ -190,7 +147,7 @@ pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Opt
     if let Some([by_width, by_height]) = lens_place_m {
         let behind_m = 0.5 * (by_width + by_height);
         if behind_m.abs() > MOST_LENS_PLACE_M {
-            warnings.push(ManualWarning::LensPlaceImplausible { behind_m });
+            warnings.push(ManualWarning::LensPlaceImplausible(behind_m));
         }
     }
     warnings
@@ -203,7 +160,7 @@ fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, s
     let shapes = walls.map(|wall| wall.picture_m[0] / wall.picture_m[1]);
     let shares = walls.map(|wall| (1.0 / wall.picture_m[0]).hypot(1.0 / wall.picture_m[1]));
     if (shapes[0] / shapes[1]).ln().abs() > MOST_SIGMAS * tape_error_m * shares[0].hypot(shares[1]) {
-        warnings.push(ManualWarning::ShapesDiffer { shapes });
+        warnings.push(ManualWarning::ShapesDiffer(shapes[0], shapes[1]));
     }
     let (Some(first_axis), Some(second_axis)) = (first.axis_m, second.axis_m) else { return };
     for axis in Axis::ALL {

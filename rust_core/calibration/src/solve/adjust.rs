@@ -17,7 +17,6 @@ const LAST_DAMPING: f64 = 1e8;
 /// Termination criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Effort {
-    /// Maximum number of steps.
     pub(super) most_steps: usize,
     /// Minimum predicted relative decrease of the cost.
     pub(super) least_gain: f64,

@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
 use super::adjust::Adjusted;
-use super::depth_errors::equations;
 use super::input::Observations;
 use super::model::{Block, Free, LOCAL};
 use super::noise::{cauchy_weight, CAUCHY};
+use super::normal_equations::equations;
 
 /// Cells along the longer side of the observed area.
 pub(super) const CELLS: usize = 16;
@@ -47,7 +47,6 @@ impl CellSums {
     }
 }
 
-/// Sums of one scan.
 pub(super) struct ScanSums {
     columns: usize,
     pub(super) cells: Vec<CellSums>,
@@ -55,9 +54,7 @@ pub(super) struct ScanSums {
     per_side: usize,
     /// Fine cells, row by row.
     fine: Vec<CellSums>,
-    /// Products of slopes.
     pub(super) products: [Block; 2],
-    /// Products of the fine cells' slopes.
     pub(super) fine_products: [Block; 2],
     /// Summed curvature of the loss and summed weight.
     pub(super) curvature: f64,

@@ -1,10 +1,10 @@
 //! First lens and pose by consensus: RANSAC (Fischler and Bolles, 1981) with a scale-free score and local optimisation
 //! (Chum, Matas and Kittler, 2003).
 //!
-//! Small random sets of samples are solved exactly and scored by the geometric mean of all samples' errors. So the noise
-//! need not be known, gross errors count little more than small ones, one of two consistent sets is chosen instead of a
-//! compromise, and a solution for a wall only, which leaves the lens open, scores worse than one for all samples. The
-//! best solutions are adjusted to the samples within a multiple of the 40 % quantile of the errors.
+//! Small random sets of samples are solved exactly and scored by the geometric mean of all samples' errors. So the
+//! noise need not be known, gross errors count little more than small ones, one of two consistent sets is chosen
+//! instead of a compromise, and a solution for a wall only, which leaves the lens open, scores worse than one for all
+//! samples. The best solutions are adjusted to the samples within a multiple of the 40 % quantile of the errors.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -37,7 +37,6 @@ const LOST: f64 = 1e8;
 /// Squared error, in deviations, below which smaller is no better.
 const EXACT: f64 = 1e-2;
 
-/// Scored state.
 #[derive(Debug, Clone)]
 pub(super) struct Agreed {
     pub(super) state: SolverState,

@@ -29,7 +29,6 @@ pub(super) struct Correlation {
     pub(super) near: f64,
     /// Variance of single samples.
     pub(super) own: f64,
-    /// Shape of `shared`.
     pub(super) shape: CorrelationShape,
 }
 

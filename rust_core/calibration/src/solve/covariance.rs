@@ -1,10 +1,10 @@
 //! Covariance of lens and poses, with errors that neighbouring samples share.
 //!
-//! A sandwich estimate (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance of
-//! its slope. Depth cameras err smoothly, so M has terms between samples, as for spatially correlated errors (Conley,
-//! "GMM estimation with cross sectional dependence", 1999). Samples are binned into square cells of the camera's image
-//! (`cells`), whose residuals give the `correlation`, separately along the epipolar lines, where depth errors show, and
-//! across. Errors of few points count as independent.
+//! A sandwich estimate (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance
+//! of its slope. Depth cameras err smoothly, so M has terms between samples, as for spatially correlated errors
+//! (Conley, "GMM estimation with cross sectional dependence", 1999). Samples are binned into square cells of the
+//! camera's image (`cells`), whose residuals give the `correlation`, separately along the epipolar lines, where depth
+//! errors show, and across. Errors of few points count as independent.
 
 use nalgebra::{DMatrix, DVector, Point2, SVector};
 use rayon::prelude::*;

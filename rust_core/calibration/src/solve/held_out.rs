@@ -13,7 +13,6 @@ use super::model::{Free, SolverState};
 use super::noise::Weight;
 use crate::statistics::median;
 
-/// Number of folds.
 const FOLDS: usize = 5;
 /// Blocks along u and v.
 const BLOCKS: [usize; 2] = [8, 6];
@@ -60,7 +59,6 @@ impl Blocks {
     }
 }
 
-/// Errors of held-out samples.
 #[derive(Debug, Clone)]
 pub(super) struct HeldOut {
     /// Errors of the used samples, pixels.
@@ -102,7 +100,6 @@ impl HeldOut {
         Self { errors }
     }
 
-    /// RMS error, pixels.
     pub(super) fn rms_px(&self) -> f64 {
         let (sum, count) =
             self.errors.iter().flatten().fold((0.0, 0), |(sum, count), error| (sum + error.norm_squared(), count + 1));

@@ -31,7 +31,6 @@ const CHUNK: usize = 4096;
 /// Checked sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Observation {
-    /// Projector pixel.
     pub(super) pixel: Point2<f64>,
     /// Point in the camera's optical frame, metres.
     pub(super) point: Point3<f64>,
@@ -41,16 +40,13 @@ pub(super) struct Observation {
     pub(super) sigma_px: f64,
     /// Depth deviation, up to scale.
     pub(super) sigma_m: f64,
-    /// Index of the scan.
     pub(super) scan: usize,
-    /// Index of the sample.
     pub(super) sample: usize,
 }
 
 /// Observations, sorted by scan.
 #[derive(Debug, Clone)]
 pub(super) struct Observations {
-    /// Observations.
     pub(super) all: Vec<Observation>,
     /// Rising scan numbers.
     pub(super) scans: Vec<u32>,
@@ -62,19 +58,19 @@ impl Observations {
         for (sample, Sample { pixel, point, sigma_px, sigma_m, .. }) in samples.iter().enumerate() {
             let coordinates = pixel.coords.iter().chain(point.coords.iter()).chain([sigma_px, sigma_m]);
             if coordinates.into_iter().any(|coordinate| !coordinate.is_finite()) {
-                return Err(Refusal::NotFinite { sample });
+                return Err(Refusal::NotFinite(sample));
             }
             if *sigma_px < 0.0 || *sigma_m < 0.0 {
-                return Err(Refusal::NegativeDeviation { sample });
+                return Err(Refusal::NegativeDeviation(sample));
             }
             if point.z <= 0.0 {
-                return Err(Refusal::BehindCamera { sample });
+                return Err(Refusal::BehindCamera(sample));
             }
         }
         check_size(samples, size_px)?;
         let typical_m = median(&mut samples.iter().map(|sample| sample.point.z).collect::<Vec<_>>());
         if typical_m > FARTHEST_M {
-            return Err(Refusal::NotMetres { typical_m });
+            return Err(Refusal::NotMetres(typical_m));
         }
         let mut scans: Vec<u32> = samples.iter().map(|sample| sample.scan).collect();
         scans.sort_unstable();
@@ -123,7 +119,6 @@ impl Observations {
         self.all[self.range(scan)].iter().map(|observation| observation.point.z).collect()
     }
 
-    /// Index range of a scan.
     pub(super) fn range(&self, scan: usize) -> Range<usize> {
         let from = self.all.partition_point(|observation| observation.scan < scan);
         let to = self.all.partition_point(|observation| observation.scan <= scan);
@@ -140,7 +135,8 @@ impl Observations {
         chunks
     }
 
-    /// Draws at most `most` observations of each scan, evenly in their order, which mostly is that of the camera's pixels.
+    /// Draws at most `most` observations of each scan, evenly in their order, which mostly is that of the camera's
+    /// pixels.
     pub(super) fn thinned(&self, most: usize, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed, 0x7417);
         let mut all = Vec::new();
@@ -156,7 +152,6 @@ impl Observations {
         Self { all, scans: self.scans.clone() }
     }
 
-    /// Observations of one scan.
     pub(super) fn only(&self, scan: usize) -> Self {
         let mut all = self.all[self.range(scan)].to_vec();
         for observation in &mut all {

@@ -2,7 +2,7 @@
 //!
 //! `solver` runs the steps: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
 //! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` is the robust
-//! least-squares adjustment with the error model of `noise` and `depth_errors`, the equations of `normal_equations` and
+//! least-squares adjustment with the error model of `noise`, the equations of `normal_equations` and
 //! the unknowns of `model`; `held_out` selects the distortion terms by cross-validation; `covariance` estimates the
 //! uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the result is a lens at all.
 //! `spread`, `orientation`, `moved` and `motion` detect scenes and scans to refuse.
@@ -20,7 +20,6 @@ mod cells;
 mod consensus;
 mod correlation;
 mod covariance;
-mod depth_errors;
 mod dlt;
 mod held_out;
 mod input;
@@ -38,7 +37,7 @@ mod skew;
 mod solver;
 mod spread;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 
 pub(crate) use dlt::skew_of_all;
 pub use refusal::Refusal;
@@ -100,17 +99,7 @@ impl Parameter {
 
     /// Name: fx, fy, cx, cy, k1, k2, p1, p2, k3.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fx => "fx",
-            Self::Fy => "fy",
-            Self::Cx => "cx",
-            Self::Cy => "cy",
-            Self::K1 => "k1",
-            Self::K2 => "k2",
-            Self::P1 => "p1",
-            Self::P2 => "p2",
-            Self::K3 => "k3",
-        }
+        ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"][self as usize]
     }
 
     /// Parameter of a name.

@@ -1,7 +1,7 @@
 //! Unknowns of the solver: the free lens parameters, and a pose for each scan.
 //!
-//! Poses change by increments of SO(3) × R³ in the projector's optical frame: q' = exp(w) q + d. So w is a rotation about
-//! the projector's own axes, and d moves its position by -Rᵀ d in the camera's frame, independently of w.
+//! Poses change by increments of SO(3) × R³ in the projector's optical frame: q' = exp(w) q + d. So w is a rotation
+//! about the projector's own axes, and d moves its position by -Rᵀ d in the camera's frame, independently of w.
 
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix2x3, Point2, Point3, SMatrix, Translation3, UnitQuaternion, Vector3,
@@ -30,7 +30,6 @@ pub(super) struct SolverState {
     pub(super) poses: Vec<Isometry3<f64>>,
 }
 
-/// Predicted pixel with its derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PredictedPixel {
     pub(super) pixel: Point2<f64>,
@@ -49,11 +48,11 @@ impl SolverState {
     pub(super) fn predict(&self, scan: usize, point: &Point3<f64>) -> Option<PredictedPixel> {
         let pose = &self.poses[scan];
         let q = pose * point;
-        let landing = self.lens.project_with_jacobian(&q)?;
-        let (u, v) = (landing.by_point.row(0), landing.by_point.row(1));
+        let projected = self.lens.project_with_jacobian(&q)?;
+        let (u, v) = (projected.by_point.row(0), projected.by_point.row(1));
         let mut jacobian = Jacobian::zeros();
         let (x, y) = (q.x / q.z, q.y / q.z);
-        let distorted = (landing.pixel - self.lens.center_px).component_div(&self.lens.focal_px);
+        let distorted = (projected.pixel - self.lens.center_px).component_div(&self.lens.focal_px);
         let focal = self.lens.focal_px;
         let r2 = x * x + y * y;
         jacobian[(0, 0)] = distorted.x;
@@ -79,7 +78,7 @@ impl SolverState {
                 jacobian[(row, LENS + 3 + axis)] = by[axis];
             }
         }
-        Some(PredictedPixel { pixel: landing.pixel, by_point: landing.by_point, jacobian })
+        Some(PredictedPixel { pixel: projected.pixel, by_point: projected.by_point, jacobian })
     }
 
     /// Step of the unknowns towards another state.
@@ -144,7 +143,6 @@ pub(super) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
     })
 }
 
-/// Free parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Free {
     /// Parameters of each unknown of the lens.
@@ -153,7 +151,6 @@ pub(super) struct Free {
 }
 
 impl Free {
-    /// Frees the poses only.
     pub(super) fn poses(scans: usize) -> Self {
         Self { lens: Vec::new(), scans }
     }
@@ -184,7 +181,6 @@ impl Free {
         free
     }
 
-    /// Number of unknowns.
     pub(super) fn len(&self) -> usize {
         self.lens.len() + 6 * self.scans
     }

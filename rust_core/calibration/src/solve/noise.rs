@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::input::{Observation, Observations};
 use super::model::SolverState;
-use crate::statistics::median;
+use crate::statistics::{bisect, median};
 
 /// Outlier limit, deviations (1 in 3000 of a two-dimensional normal distribution).
 pub(super) const LIMIT: f64 = 4.0;
@@ -34,7 +34,6 @@ pub(super) struct Noise {
     pub(super) depth: f64,
 }
 
-/// Weight of a sample.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Weight {
     /// Unit vector along the epipolar line.
@@ -61,7 +60,6 @@ impl Weight {
         Self::new(Vector2::x(), sigma_px, 0.0)
     }
 
-    /// `true` if the sample is used.
     pub(super) fn is_used(&self) -> bool {
         self.along > 0.0
     }
@@ -78,19 +76,17 @@ pub(super) fn cauchy_weight(squared: f64) -> f64 {
     1.0 / (1.0 + squared / (CAUCHY * CAUCHY))
 }
 
-/// Cauchy's loss.
 pub(super) fn cauchy_loss(squared: f64) -> f64 {
     CAUCHY * CAUCHY * (1.0 + squared / (CAUCHY * CAUCHY)).ln()
 }
 
 impl Noise {
-    /// Noise of pixels only.
     pub(super) fn of_pixels(scale: f64) -> Self {
         Self { pixel: scale.max(LEAST_SCALE), depth: 0.0 }
     }
 
-    /// Initial noise by the agreement `near` of a first solution. A solution through three of a few samples says nothing
-    /// about their errors, so the given deviations are a lower bound then.
+    /// Initial noise by the agreement `near` of a first solution. A solution through three of a few samples says
+    /// nothing about their errors, so the given deviations are a lower bound then.
     pub(super) fn first(near: f64, samples: usize) -> Self {
         Self::of_pixels(if samples < FEW { near.max(1.0) } else { near })
     }
@@ -146,14 +142,7 @@ impl Noise {
             while high < 1e4 && excess(high) > 0.0 {
                 (low, high) = (high, 4.0 * high);
             }
-            for _ in 0..12 {
-                let middle = 0.5 * (low + high);
-                if excess(middle) > 0.0 {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
+            [_, high] = bisect([low, high], 12, |depth| excess(depth) > 0.0);
         } else {
             high = 0.0;
         }
@@ -169,6 +158,6 @@ impl Noise {
 /// Residual of a sample, and its pixel's derivative by depth.
 fn error_and_slope(observation: &Observation, state: &SolverState) -> Option<(Vector2<f64>, Vector2<f64>)> {
     let pose = &state.poses[observation.scan];
-    let landing = state.lens.project_with_jacobian(&(pose * observation.point))?;
-    Some((observation.pixel - landing.pixel, landing.by_point * (pose.rotation * observation.ray)))
+    let projected = state.lens.project_with_jacobian(&(pose * observation.point))?;
+    Some((observation.pixel - projected.pixel, projected.by_point * (pose.rotation * observation.ray)))
 }

@@ -1,7 +1,6 @@
 //! Reproducible random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators",
 //! 2014).
 
-/// SplitMix64 generator.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix64(u64);
 

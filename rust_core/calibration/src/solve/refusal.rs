@@ -5,24 +5,15 @@ use super::Parameter;
 /// Reason why samples do not allow a calibration. Nothing wrong is averaged away.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// A coordinate or a deviation is NaN or infinite.
-    #[error("sample {sample} is not finite: drop such rows before solving")]
-    NotFinite {
-        /// Index of the sample.
-        sample: usize,
-    },
-    /// A standard deviation is negative.
-    #[error("sample {sample} has a negative standard deviation: give positive ones, or 0 if it is not known")]
-    NegativeDeviation {
-        /// Index of the sample.
-        sample: usize,
-    },
-    /// A point lies behind the camera.
-    #[error("sample {sample} lies behind the camera: points must be in the camera's optical frame, z along the view")]
-    BehindCamera {
-        /// Index of the sample.
-        sample: usize,
-    },
+    /// A coordinate or a deviation of a sample, by its index, is NaN or infinite.
+    #[error("sample {0} is not finite: drop such rows before solving")]
+    NotFinite(usize),
+    /// A standard deviation of a sample, by its index, is negative.
+    #[error("sample {0} has a negative standard deviation: give positive ones, or 0 if it is not known")]
+    NegativeDeviation(usize),
+    /// A sample, by its index, lies behind the camera.
+    #[error("sample {0} lies behind the camera: points must be in the camera's optical frame, z along the view")]
+    BehindCamera(usize),
     /// Pixels lie outside of the image.
     #[error(
         "{outside} of {points} samples lie outside of {}x{} pixels, such as ({:.1}, {:.1}): these are data of a \
@@ -39,12 +30,9 @@ pub enum Refusal {
         /// Example of such a pixel.
         example: [f64; 2],
     },
-    /// Depths exceed the range of depth cameras.
-    #[error("the median depth is {typical_m:.0} m: give coordinates in metres (are they millimetres?)")]
-    NotMetres {
-        /// Median depth.
-        typical_m: f64,
-    },
+    /// The median depth, metres, exceeds the range of depth cameras.
+    #[error("the median depth is {0:.0} m: give coordinates in metres (are they millimetres?)")]
+    NotMetres(f64),
     /// A given lens has another image size.
     #[error(
         "the given lens is for {}x{} pixels, the projector has {}x{}: calibrate the lens for this size",
@@ -71,22 +59,19 @@ pub enum Refusal {
     /// The scene is a plane, which does not determine a lens.
     #[error(
         "the scene is flat, which does not determine the lens: put objects at different depths before the wall; a pose \
-        alone is possible with a known lens (refine)"
+         alone is possible with a known lens (refine)"
     )]
     Flat,
-    /// The samples cover too little of the image.
+    /// The convex hull of the points covers too little of the image, percent.
     #[error(
-        "the points cover {picture_percent:.0} % of the picture, too little to determine the lens: move the camera \
+        "the points cover {0:.0} % of the picture, too little to determine the lens: move the camera \
          back or light more of the scene; a pose alone is possible with a known lens (refine)"
     )]
-    BadlySpread {
-        /// Share of the image within the points' convex hull, percent.
-        picture_percent: f64,
-    },
+    BadlySpread(f64),
     /// The samples leave the result too uncertain.
     #[error(
         "the points do not determine the result: {what} is uncertain by {sigma:.3} {unit}; scan objects at more \
-        different depths over more of the picture, or fix what is known"
+         different depths over more of the picture, or fix what is known"
     )]
     Undetermined {
         /// Uncertain quantity.
@@ -102,15 +87,12 @@ pub enum Refusal {
          ceiling flip, and check that the pictures are shown as they are"
     )]
     Mirrored,
-    /// Points lie behind the projector.
+    /// A share of the points, percent, lies behind the projector.
     #[error(
-        "{percent:.0} % of the points lie behind the projector, where it cannot light them: check that points and \
+        "{0:.0} % of the points lie behind the projector, where it cannot light them: check that points and \
          pixels belong together and the units are metres"
     )]
-    BehindProjector {
-        /// Share of the points, percent.
-        percent: f64,
-    },
+    BehindProjector(f64),
     /// A given focal length is not positive.
     #[error("the focal length {0} of {1} is not positive: give positive ones, the picture must not be mirrored")]
     NegativeFocal(f64, Parameter),
@@ -129,7 +111,7 @@ pub enum Refusal {
     /// Too few inliers.
     #[error(
         "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or an \
-        object moved, or the decoding failed; scan again with everything at rest and keystone correction off"
+         object moved, or the decoding failed; scan again with everything at rest and keystone correction off"
     )]
     FewInliers {
         /// Share of inliers, percent.
@@ -153,8 +135,8 @@ pub enum Refusal {
     /// A scan has two poses that are close to each other.
     #[error(
         "{second_percent:.0} % of the samples of scan {scan}, {}, are {apart_px:.1} px off the others: the camera, an \
-        object or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in the \
-        column scan",
+         object or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in the \
+         column scan",
         if *is_in_order { "the last ones" } else { "among the others" }
     )]
     TwoPoses {
@@ -167,32 +149,21 @@ pub enum Refusal {
         /// `true` if these come after the others.
         is_in_order: bool,
     },
-    /// The lens has a distortion that is not solved for.
+    /// A share of the samples, percent, fits only with distortion terms that are not solved for.
     #[error(
-        "the lens has a distortion that is not solved for, without which {percent:.0} % of the samples do not fit: \
+        "the lens has a distortion that is not solved for, without which {0:.0} % of the samples do not fit: \
          solve for all of its terms, and fix none"
     )]
-    DistortionLeftOut {
-        /// Share of the samples that fits with all terms only, percent.
-        percent: f64,
-    },
-    /// No lens and pose fit.
+    DistortionLeftOut(f64),
+    /// No lens and pose fit a scan, by its number.
+    #[error("no lens and pose fit the samples of scan {0}: check that pixels and points belong together, scan again")]
+    NoSolution(u32),
+    /// The RMS error, pixels, is too large.
     #[error(
-        "no lens and pose fit the samples of scan {scan}: check that pixels and points belong together, scan again"
+        "the RMS error of the best solution is {0:.1} px: the camera moved, the depth is not registered to the \
+         image, or the given lens is another's; scan again with everything at rest and keystone correction off"
     )]
-    NoSolution {
-        /// Number of the scan.
-        scan: u32,
-    },
-    /// The RMS error is too large.
-    #[error(
-           "the RMS error of the best solution is {typical_px:.1} px: the camera moved, the depth is not registered to the \
-            image, or the given lens is another's; scan again with everything at rest and keystone correction off"
-        )]
-    Inconsistent {
-        /// RMS error, pixels.
-        typical_px: f64,
-    },
+    Inconsistent(f64),
     /// The solution is overfitted.
     #[error(
        "the RMS error is {rms_px:.2} px, but {held_out_px:.2} px for held-out points, so the solution is unreliable: scan \

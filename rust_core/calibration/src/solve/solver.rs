@@ -189,7 +189,7 @@ impl<'a> Solver<'a> {
         });
         let all = vec![Weight::of_pixels(1.0); single.all.len()];
         if orientation::agreeing_share(&single, &all) > SURELY_SAME_ORIENTATION {
-            return given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] });
+            return given.ok_or(Refusal::NoSolution(self.observations.scans[best]));
         }
         // A free lens may be rotated by 180°, so mirroring one axis equals mirroring the other.
         let axes = if self.options.known_lens.is_some() || self.options.initial.is_some() { 2 } else { 1 };
@@ -199,7 +199,7 @@ impl<'a> Solver<'a> {
                 return Err(Refusal::Mirrored);
             }
         }
-        given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] })
+        given.ok_or(Refusal::NoSolution(self.observations.scans[best]))
     }
 
     /// Lens and poses by consensus; the lens comes from the scan `best`.
@@ -315,7 +315,7 @@ impl<'a> Solver<'a> {
         let behind = (0..observations.all.len()).filter(|i| depth_of(*i) <= 0.0).count();
         let behind = behind as f64 / observations.all.len() as f64;
         if behind > MOST_BEHIND {
-            return Err(Refusal::BehindProjector { percent: 100.0 * behind });
+            return Err(Refusal::BehindProjector(100.0 * behind));
         }
         for (scan, number) in observations.scans.iter().enumerate() {
             let range = observations.range(scan);
@@ -334,13 +334,13 @@ impl<'a> Solver<'a> {
             .fold((0.0, 0.0), |(sum, count), squared| (sum + squared, count + 1.0));
         let typical_px = (sum / count).sqrt();
         if typical_px.is_nan() || typical_px > MOST_RMS * f64::from(self.options.size_px[0]) {
-            return Err(Refusal::Inconsistent { typical_px });
+            return Err(Refusal::Inconsistent(typical_px));
         }
         Ok(motion)
     }
 
-    /// Distinguishes a motion from unmodelled distortion, whose residuals in the image's corners agree with another pose:
-    /// with all distortion terms they vanish.
+    /// Distinguishes a motion from unmodelled distortion, whose residuals in the image's corners agree with another
+    /// pose: with all distortion terms they vanish.
     fn distorted_or(&self, moved: Refusal, adjusted: &Adjusted) -> Refusal {
         let all_terms = self.options.with_all_terms();
         if self.lens_is_known() || all_terms == *self.options {
@@ -354,7 +354,7 @@ impl<'a> Solver<'a> {
         let used_before = adjusted.weights.iter().filter(|weight| weight.is_used()).count() as f64;
         let more = used / few.all.len() as f64 - used_before / self.observations.all.len() as f64;
         match moved::check(&few, &distorted, self.options.seed) {
-            Ok(()) if more > 0.0 => Refusal::DistortionLeftOut { percent: 100.0 * more },
+            Ok(()) if more > 0.0 => Refusal::DistortionLeftOut(100.0 * more),
             _ => moved,
         }
     }
@@ -372,7 +372,7 @@ impl<'a> Solver<'a> {
                 (0..observations.all.len()).filter(|i| is_used(*i)).map(|i| observations.all[i].pixel).collect();
             let outline = spread::outline_share(&pixels, size_px);
             if outline < LEAST_OUTLINE {
-                return Err(Refusal::BadlySpread { picture_percent: 100.0 * outline });
+                return Err(Refusal::BadlySpread(100.0 * outline));
             }
         }
         let undetermined = |what, sigma, unit| {

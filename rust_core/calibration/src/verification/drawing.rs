@@ -11,7 +11,6 @@ pub(super) struct Drawing {
 }
 
 impl Drawing {
-    /// Creates a black image.
     pub(super) fn black(size_px: [u32; 2]) -> Self {
         let [width, height] = size_px;
         Self { size: size_px.map(i64::from), levels: vec![0; width as usize * height as usize] }

@@ -5,7 +5,7 @@ use nalgebra::Point2;
 /// Minimum difference of white and black for a known share, levels.
 const LEAST_LEVELS: f64 = 10.0;
 
-/// PosedProjector light in the camera's image, from images of white and black.
+/// Projector light in the camera's image, from images of white and black.
 #[derive(Debug, Clone)]
 pub struct LightMap {
     pub(super) width: usize,
@@ -16,8 +16,8 @@ pub struct LightMap {
 }
 
 impl LightMap {
-    /// Creates the map from grey levels of the camera's images of white and black, row by row, `width` pixels wide. `noise`
-    /// is the RMS difference of two images of the same, levels.
+    /// Creates the map from grey levels of the camera's images of white and black, row by row, `width` pixels wide.
+    /// `noise` is the RMS difference of two images of the same, levels.
     pub fn new(white: &[u8], black: &[u8], width: u32, noise: f64) -> Self {
         let least = LEAST_LEVELS.max(4.0 * noise);
         let per_level = |(white, black): (&u8, &u8)| {

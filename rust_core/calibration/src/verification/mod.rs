@@ -1,7 +1,7 @@
 //! Verification of a calibrated projector: projection errors, measured with an RGB-D camera.
 //!
-//! 1. [`VerificationPlan::new`] chooses targets on surfaces with steady depth that the projector lights unoccluded: spots
-//!    all over, and outlines along the edges of the depth image.
+//! 1. [`VerificationPlan::new`] chooses targets on surfaces with steady depth that the projector lights unoccluded:
+//!    spots all over, and outlines along the edges of the depth image.
 //! 2. [`VerificationPlan::pictures`] are the images to project, by the projector's file.
 //! 3. [`VerificationPlan::measure`] finds the light in the camera's images. The surface gives the lit point, and the
 //!    file the projector pixel that should have lit it: its distance from the pixel that did is the error.
@@ -11,7 +11,6 @@
 mod drawing;
 mod light_map;
 mod rims;
-mod shadow;
 mod spots;
 mod surface;
 
@@ -22,11 +21,9 @@ use crate::Lens;
 use drawing::Drawing;
 pub use light_map::LightMap;
 use rims::{RimPlace, Rims};
-use shadow::ShadowMap;
 use spots::Spot;
-use surface::{DepthSurface, Patch, PosedProjector};
+use surface::{DepthSurface, Patch, PosedProjector, ShadowMap};
 
-/// Minimum number of spots.
 const LEAST_SPOTS: usize = 8;
 /// Minimum share of spots that must be detected.
 const LEAST_SEEN: f64 = 0.5;
@@ -40,14 +37,14 @@ const NEAR_SPOTS: usize = 5;
 pub struct VerificationScene<'a> {
     /// Camera lens.
     pub camera: &'a Lens,
-    /// PosedProjector lens by its file.
+    /// Projector lens by its file.
     pub projector: &'a Lens,
-    /// PosedProjector pose by its file, from the camera's optical frame.
+    /// Projector pose by its file, from the camera's optical frame.
     pub projector_from_camera: &'a Isometry3<f64>,
     /// Depths along the optical axis, metres, row by row, registered to the camera images; values that are not positive
     /// are missing.
     pub depth_m: &'a [f32],
-    /// PosedProjector light in the camera's image.
+    /// Projector light in the camera's image.
     pub light: &'a LightMap,
 }
 
@@ -57,8 +54,8 @@ pub enum VerificationProblem {
     /// Too few targets.
     #[error(
         "only {spots} places are seen with steady depth where the projector's light should arrive, {LEAST_SPOTS} are \
-        needed: do camera and projector look at the same scene, and does the file place the projector about where it \
-        is?"
+         needed: do camera and projector look at the same scene, and does the file place the projector about where it \
+         is?"
     )]
     FewPlaces {
         /// Number of places for spots.

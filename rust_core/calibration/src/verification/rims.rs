@@ -9,8 +9,7 @@ use nalgebra::{Matrix2, Point2, SymmetricEigen, Vector2};
 
 use super::drawing::Drawing;
 use super::light_map::{LightMap, Shares};
-use super::shadow::ShadowMap;
-use super::surface::{DepthSurface, Patch, PosedProjector};
+use super::surface::{DepthSurface, Patch, PosedProjector, ShadowMap};
 
 /// Minimum depth step of an edge, as a share of the depth.
 const JUMP: f64 = 0.04;
@@ -38,11 +37,10 @@ const BESIDE_PX: f64 = 7.0;
 /// Minimum light share of a detected outline.
 const DETECTED_SHARE: f64 = 0.25;
 
-/// Pixel of an outline.
 #[derive(Debug, Clone, Copy)]
 struct RimPixel {
     patch: Patch,
-    /// PosedProjector pixel that should light it.
+    /// Projector pixel that should light it.
     pixel: Point2<f64>,
     /// Half the line's width, projector pixels.
     radius_px: f64,
@@ -63,7 +61,6 @@ pub(super) struct Rims {
 /// Target: a straight piece of an outline.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RimPlace {
-    /// DepthSurface patch.
     pub(super) patch: Patch,
     /// Expected centre in the camera's image, pixels.
     pub(super) expected: Point2<f64>,
@@ -72,7 +69,6 @@ pub(super) struct RimPlace {
 }
 
 impl Rims {
-    /// Finds the outlines of a surface.
     pub(super) fn new(
         surface: &DepthSurface,
         projector: &PosedProjector,
@@ -97,7 +93,6 @@ impl Rims {
         Self { width, pixels, places }
     }
 
-    /// Image of all outlines.
     pub(super) fn picture(&self, size_px: [u32; 2]) -> Drawing {
         let mut drawing = Drawing::black(size_px);
         for (index, rim) in self.pixels.iter().enumerate() {

@@ -8,8 +8,7 @@ use rayon::prelude::*;
 
 use super::drawing::Drawing;
 use super::light_map::{LightMap, Shares};
-use super::shadow::ShadowMap;
-use super::surface::{DepthSurface, Patch, PosedProjector};
+use super::surface::{DepthSurface, Patch, PosedProjector, ShadowMap};
 
 /// Maximum number of spots.
 const MOST: usize = 64;
@@ -35,9 +34,7 @@ const WINDOW_PX: f64 = 7.0;
 pub(super) struct Spot {
     /// Centre, a whole projector pixel.
     pub(super) pixel: Point2<f64>,
-    /// Radius, projector pixels.
     radius_px: f64,
-    /// DepthSurface patch.
     pub(super) patch: Patch,
     /// Expected centre in the camera's image, pixels.
     pub(super) expected: Point2<f64>,

@@ -1,7 +1,7 @@
 //! Planar patches of the surface that the camera sees.
 //!
-//! On a plane, inverse depth is linear in the camera's pixels. So a plane through a window of inverse depths tells where
-//! any camera ray or projector ray near it meets the surface.
+//! On a plane, inverse depth is linear in the camera's pixels. So a plane through a window of inverse depths tells
+//! where any camera ray or projector ray near it meets the surface.
 
 use nalgebra::{Isometry3, Matrix2, Point2, Point3, Vector2};
 
@@ -14,6 +14,11 @@ const STEPS: usize = 6;
 const CONVERGED_PX: f64 = 1e-3;
 /// Maximum anisotropy of projector pixels over camera pixels: slanted surfaces exceed it.
 const MOST_ANISOTROPIC: f64 = 4.0;
+
+/// Side of a cell, projector pixels.
+const SHADOW_CELL_PX: f64 = 6.0;
+/// Share of the depth by which an occluder in a neighbouring cell must be nearer.
+const NEARER: f64 = 0.03;
 
 /// Depth image as a surface.
 #[derive(Debug, Clone)]
@@ -30,7 +35,6 @@ impl DepthSurface {
         Self { camera: *camera, inverse: inverse_depths(depth_m) }
     }
 
-    /// Width and height, pixels.
     pub(super) fn size(&self) -> [usize; 2] {
         self.camera.size_px.map(|side| side as usize)
     }
@@ -55,7 +59,6 @@ impl DepthSurface {
         })
     }
 
-    /// Patch around the nearest pixel.
     pub(super) fn patch_near(&self, place: Point2<f64>) -> Option<Patch> {
         let (x, y) = (place.x.round(), place.y.round());
         (x >= 0.0 && y >= 0.0).then(|| self.patch(x as usize, y as usize))?
@@ -81,22 +84,21 @@ impl Patch {
     }
 }
 
-/// PosedProjector with the pose of its file.
+/// Projector with the pose of its file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PosedProjector {
-    /// Lens.
     pub(super) lens: Lens,
     /// Pose, from the camera's optical frame.
     pub(super) from_camera: Isometry3<f64>,
 }
 
 impl PosedProjector {
-    /// PosedProjector pixel that should light a point of the camera's optical frame.
+    /// Projector pixel that should light a point of the camera's optical frame.
     pub(super) fn pixel(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         self.lens.project(&(self.from_camera * point))
     }
 
-    /// PosedProjector pixel that should light the point of a patch at a camera pixel.
+    /// Projector pixel that should light the point of a patch at a camera pixel.
     pub(super) fn pixel_of(&self, patch: &Patch, camera: &Lens, seen: Point2<f64>) -> Option<Point2<f64>> {
         self.pixel(&patch.point(camera, seen)?)
     }
@@ -129,6 +131,51 @@ impl PosedProjector {
     }
 }
 
+/// Nearest depth in each cell of the projector's image.
+#[derive(Debug, Clone)]
+pub(super) struct ShadowMap {
+    cells: [usize; 2],
+    nearest_m: Vec<f64>,
+}
+
+impl ShadowMap {
+    pub(super) fn new(surface: &DepthSurface, projector: &PosedProjector) -> Self {
+        let cells = projector.lens.size_px.map(|side| (f64::from(side) / SHADOW_CELL_PX).ceil() as usize);
+        let mut nearest_m = vec![f64::INFINITY; cells[0] * cells[1]];
+        let [width, height] = surface.size();
+        for index in 0..width * height {
+            let Some(depth) = surface.depth_m(index) else { continue };
+            let seen = Point2::new((index % width) as f64, (index / width) as f64);
+            let Some(ray) = surface.camera.ray(seen) else { continue };
+            let point = projector.from_camera * Point3::from(ray * depth);
+            let cell = projector.lens.project(&point).and_then(|pixel| shadow_cell(pixel, cells));
+            if let Some([column, row]) = cell {
+                let nearest = &mut nearest_m[row * cells[0] + column];
+                *nearest = nearest.min(point.z);
+            }
+        }
+        Self { cells, nearest_m }
+    }
+
+    /// `true` if a pixel's light reaches a point of this depth from the projector, metres.
+    pub(super) fn is_reached(&self, pixel: Point2<f64>, depth_m: f64) -> bool {
+        let Some([column, row]) = shadow_cell(pixel, self.cells) else { return false };
+        let columns = column.saturating_sub(1)..=(column + 1).min(self.cells[0] - 1);
+        let mut rows = row.saturating_sub(1)..=(row + 1).min(self.cells[1] - 1);
+        rows.all(|row| {
+            let start = row * self.cells[0];
+            let nearest = &self.nearest_m[start + columns.start()..=start + columns.end()];
+            nearest.iter().all(|nearest| *nearest > (1.0 - NEARER) * depth_m)
+        })
+    }
+}
+
+fn shadow_cell(pixel: Point2<f64>, cells: [usize; 2]) -> Option<[usize; 2]> {
+    let [column, row] = [pixel.x, pixel.y].map(|at| (at + 0.5) / SHADOW_CELL_PX);
+    (column >= 0.0 && row >= 0.0 && column < cells[0] as f64 && row < cells[1] as f64)
+        .then_some([column as usize, row as usize])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,5 +199,24 @@ mod tests {
         let point = patch.point(&camera, seen).unwrap();
         assert!((point.z - 0.3 * point.x - 1.5).abs() < 1e-4, "{point}");
         assert!(surface.patch(0, 0).is_none() && surface.patch_near(Point2::new(-5.0, 3.0)).is_none());
+    }
+
+    #[test]
+    fn a_thing_hides_the_wall_on_the_side_away_from_the_projector() {
+        let camera = Lens::pinhole([160, 120], [140.0, 140.0], [79.5, 59.5]);
+        // A wall at 2 m and before it, in the middle, a panel at 1 m. The projector is 0.3 m to the right.
+        let is_panel = |index: usize| (70..90).contains(&(index % 160)) && (40..80).contains(&(index / 160));
+        let depth_m: Vec<f32> = (0..160 * 120).map(|index| if is_panel(index) { 1.0 } else { 2.0 }).collect();
+        let lens = Lens::pinhole([320, 240], [200.0, 200.0], [159.5, 119.5]);
+        let projector = PosedProjector { lens, from_camera: Isometry3::translation(-0.3, 0.0, 0.0) };
+        let shadow = ShadowMap::new(&DepthSurface::new(&camera, &depth_m), &projector);
+        let is_reached = |point: Point3<f64>| {
+            let pixel = projector.pixel(&point).unwrap();
+            shadow.is_reached(pixel, point.z)
+        };
+        assert!(is_reached(Point3::new(0.0, 0.0, 1.0)) && is_reached(Point3::new(0.4, 0.0, 2.0)));
+        // The line from the projector through the panel meets the wall from -0.44 m to -0.15 m.
+        assert!(!is_reached(Point3::new(-0.3, 0.0, 2.0)) && is_reached(Point3::new(-0.6, 0.0, 2.0)));
+        assert!(!shadow.is_reached(Point2::new(-9.0, 0.0), 1.0));
     }
 }

@@ -22,20 +22,20 @@ pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
         figures(report),
         format!(
             "<h2>Residuals over the picture</h2>\n<p class=\"note\">Noise has even colours and short arrows. Arrows with a \
-            pattern, outwards for example, show an error of the model: the lens, or depth that is wrong over whole \
-            areas.</p>\n<div class=\"map\">{}</div>\n",
+             pattern, outwards for example, show an error of the model: the lens, or depth that is wrong over whole \
+             areas.</p>\n<div class=\"map\">{}</div>\n",
             plots::residual_map(solution, samples)
         ),
         format!(
             "<div class=\"pair\">\n<div><h2>Error histogram</h2>\n{}</div>\n<div><h2>Coverage in depth</h2>\n{}</div>\n\
-            </div>\n",
+             </div>\n",
             plots::histogram(solution),
             plots::depth_coverage(solution, samples)
         ),
         format!(
             "<h2>Cameras and projector</h2>\n<p class=\"note\">View from above the projector. Its frustum is black, with the \
-            picture at the nearest and the farthest points. Axes: x red, y green, z blue.</p>\n\
-            <div class=\"places\">{}</div>\n",
+             picture at the nearest and the farthest points. Axes: x red, y green, z blue.</p>\n\
+             <div class=\"places\">{}</div>\n",
             plots::places(solution, samples, report.coverage.depth_m)
         ),
         lens_table(report),

@@ -10,8 +10,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Maps quantities from `low` to `high` to coordinates from `from` to `to`. A range that is empty, or too narrow for
-    /// tick marks, is widened.
+    /// Maps quantities from `low` to `high` to coordinates from `from` to `to`. A range that is empty, or too narrow
+    /// for tick marks, is widened.
     pub(super) fn new([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
         const NARROWEST: f64 = 1e-12;
         let is_range = low.is_finite() && high.is_finite() && high - low > NARROWEST * low.abs().max(high.abs());

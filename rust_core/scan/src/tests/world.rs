@@ -103,8 +103,7 @@ impl World {
         let view = View::new(&Room::cluttered(faults.seed), &rig);
         let known = patterns(faults.assumed_px, 1).into_iter();
         let known = known.map(|pattern| (pattern, pattern.picture(faults.assumed_px))).collect();
-        let depth = (0..4).map(|seed| DepthCamera::kinect(seed).capture(&view));
-        let depth = depth.map(|depth| depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect()).collect();
+        let depth = (0..4).map(|seed| DepthCamera::kinect(seed).capture(&view)).collect();
         let now = Instant::now();
         Rc::new(RefCell::new(Self {
             view,

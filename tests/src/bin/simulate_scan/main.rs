@@ -100,13 +100,12 @@ fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
     let patterns = gray_code(PROJECTOR_PX);
     let greys = Scan::new(&view, Conditions::random(seed)).capture_all(&patterns);
     let pictures = patterns.iter().zip(greys).map(|(pattern, grey)| PatternPicture { pattern: *pattern, grey });
-    let depth = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
     Capture {
         projector_size_px: PROJECTOR_PX,
         camera: rig.camera,
         camera_frame_id: CAMERA_FRAME.to_owned(),
         pictures: pictures.collect(),
-        depth_m: Some(depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect()),
+        depth_m: Some(DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view)),
         warnings: Vec::new(),
     }
 }

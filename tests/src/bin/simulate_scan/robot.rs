@@ -45,7 +45,7 @@ pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
     let camera = HeadCamera::new(&node, view.rig().camera)?;
     let scan = Scan::new(view, Conditions { interreflection: 0.0, ..Conditions::random(seed) });
     let depth = |seed| DepthCamera::kinect(seed).capture(view);
-    let depths: Vec<Vec<u16>> = (seed..seed + DEPTHS).map(depth).collect();
+    let depths: Vec<Vec<f32>> = (seed..seed + DEPTHS).map(depth).collect();
     let [width, height] = view.rig().projector.size_px;
     let black = vec![0; width as usize * height as usize];
     let mut light = scan.light_of(&black);
@@ -96,12 +96,12 @@ impl HeadCamera {
         })
     }
 
-    /// Sends a picture, a depth image in tenths of millimetres, and the lens.
-    fn send(&self, grey: Vec<u8>, depth: &[u16]) -> Result<()> {
+    /// Sends a picture, a depth image in metres, and the lens.
+    fn send(&self, grey: Vec<u8>, depth_m: &[f32]) -> Result<()> {
         let size_px = self.lens.size_px;
         let stamp = rcs_ros::node_time().map(|time| time.stamp).unwrap_or_default();
         let header = || Header { seq: 0, stamp, frame_id: CAMERA_FRAME.to_owned() };
-        let millimetres = depth.iter().flat_map(|depth| ((depth + 5) / 10).to_le_bytes()).collect();
+        let millimetres = depth_m.iter().flat_map(|depth| ((depth * 1000.0).round() as u16).to_le_bytes()).collect();
         self.depth.send(Image::new(header(), size_px, "16UC1", 2 * size_px[0], Arc::new(millimetres)))?;
         self.image.send(Image::new(header(), size_px, "mono8", size_px[0], Arc::new(grey)))?;
         let info = ProjectorFile::from_lens(&self.lens, CAMERA_FRAME).camera_info;

@@ -2,8 +2,8 @@
 //!
 //! `moved` finds a second pose among outliers. A smaller motion has none: the solution lies between both poses, with
 //! errors of a pixel or two, as with a noisy depth camera. The clusters differ from noise among neighbours: errors that
-//! neighbours share, of depth or lens, are removed (`groups`), and the rest of two clusters has two narrow modes, whose
-//! distance follows one motion all over the image (`residuals`, `split`). `search` finds the clusters by the order of the
+//! neighbours share, of depth or lens, are removed (`residuals`), and the rest of two clusters has two narrow modes,
+//! whose distance follows one motion all over the image (`split`). `search` finds the clusters by the order of the
 //! samples, as in concatenated scans, where even overlapping clusters are separable, or else in any order.
 //!
 //! A cluster that fills a part of the image alone cannot be distinguished from a smooth error.
@@ -17,7 +17,6 @@ use super::input::Observations;
 use super::model::SolverState;
 use super::{Refusal, SuspectedMotion};
 
-mod groups;
 mod residuals;
 mod search;
 mod split;

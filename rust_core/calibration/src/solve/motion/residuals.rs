@@ -1,9 +1,9 @@
-//! Residuals of a scan's samples, with their derivatives by a small motion.
+//! Residuals of a scan's samples in small groups of neighbours, with their derivatives by a small motion. Errors that
+//! change slowly over the camera's image (smooth depth errors, unmodelled distortion) are nearly equal in a group.
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
-use super::groups::{groups, nearest};
 use crate::solve::input::{Observation, Observations};
 use crate::solve::model::{SolverState, LENS};
 use crate::solve::noise::{Noise, Weight};
@@ -11,18 +11,17 @@ use crate::statistics::{median, quantile};
 
 /// Number of unknowns of a motion: the camera's rotation and translation, and the projector's relative zoom.
 pub(super) const MOTION: usize = 7;
-/// Motion.
 pub(super) type Motion = SVector<f64, MOTION>;
 
-/// Gross errors are farther from their group's median than this multiple of the 60 % quantile and than a given distance,
-/// and always beyond `SURELY_GROSS_PX`.
+/// Gross errors are farther from their group's median than this multiple of the 60 % quantile and than a given
+/// distance, and always beyond `SURELY_GROSS_PX`.
 const GROSS: f64 = 4.0;
 const GROSS_SHARE: f64 = 0.6;
 const SURELY_GROSS_PX: f64 = 25.0;
-/// Minimum size of a group.
+/// Maximum size of a group, which is divided down to half of it, and minimum size without gross errors.
+const MOST_IN_GROUP: usize = 24;
 const LEAST_IN_GROUP: usize = 6;
 
-/// Residual of a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MotionResidual {
     /// Observed minus predicted pixel.
@@ -112,4 +111,55 @@ impl MotionResidual {
 fn middle(residuals: &[MotionResidual], group: &[usize]) -> Vector2<f64> {
     let middle = |axis: usize| median(&mut group.iter().map(|i| residuals[*i].px[axis]).collect::<Vec<_>>());
     Vector2::new(middle(0), middle(1))
+}
+
+/// Divides places into groups of indices, by halving at the median along the longer side.
+pub(super) fn groups(places: &[Vector2<f64>]) -> Vec<Vec<usize>> {
+    let mut groups = Vec::new();
+    let mut open = vec![(0..places.len()).collect::<Vec<usize>>()];
+    while let Some(mut group) = open.pop() {
+        if group.len() <= MOST_IN_GROUP {
+            groups.push(group);
+            continue;
+        }
+        let (mut least, mut most) = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));
+        for i in &group {
+            (least, most) = (least.inf(&places[*i]), most.sup(&places[*i]));
+        }
+        let axis = usize::from((most - least).y > (most - least).x);
+        let middle = group.len() / 2;
+        group.select_nth_unstable_by(middle, |a, b| places[*a][axis].total_cmp(&places[*b][axis]).then(a.cmp(b)));
+        let second = group.split_off(middle);
+        open.extend([second, group]);
+    }
+    groups
+}
+
+/// Nearest other member of a group to the place `i`.
+pub(super) fn nearest(places: &[Vector2<f64>], group: &[usize], i: usize) -> Option<usize> {
+    let distance = |other: &usize| (places[*other] - places[i]).norm_squared();
+    group.iter().copied().filter(|other| *other != i).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_small_compact_and_complete() {
+        let places: Vec<_> = (0..4800).map(|i| Vector2::new(f64::from(i % 80), f64::from(i / 80))).collect();
+        let groups = groups(&places);
+        let mut seen: Vec<usize> = groups.concat();
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..4800));
+        for group in &groups {
+            assert!((MOST_IN_GROUP / 2..=MOST_IN_GROUP).contains(&group.len()));
+            for i in group {
+                assert!(group.iter().all(|j| (places[*i] - places[*j]).norm() < 12.0));
+                let near = nearest(&places, group, *i).unwrap();
+                assert!((places[*i] - places[near]).norm() == 1.0);
+            }
+        }
+        assert!(nearest(&places, &[3], 3).is_none());
+    }
 }

@@ -8,8 +8,8 @@ use crate::solve::random::SplitMix64;
 
 /// Tried cuts of the order, as shares of the samples.
 const CUTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-/// Pairs of neighbours per tried motion, and number of tries. A pair's difference is the motion or its opposite, so 1 of
-/// 16 tries has equal signs.
+/// Pairs of neighbours per tried motion, and number of tries. A pair's difference is the motion or its opposite, so 1
+/// of 16 tries has equal signs.
 const PAIRS: usize = 5;
 const TRIES: usize = 150;
 /// Damping of motions in directions that a few pairs hardly determine.

@@ -17,7 +17,6 @@ const DAMPING: f64 = 1e-6;
 pub(super) struct Split {
     /// Membership of the second cluster, by residual.
     pub(super) is_second: Vec<bool>,
-    /// Motion between the clusters.
     pub(super) motion: Motion,
     /// Centre of the first cluster in each group.
     centres: Vec<Vector2<f64>>,

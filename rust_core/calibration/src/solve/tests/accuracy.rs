@@ -1,4 +1,4 @@
-//! How near solutions come to the truth.
+//! Accuracy of solutions.
 
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ fn lenses_are_found_among_gross_errors_and_auto_takes_the_terms_that_there_are()
             let samples = simulation.samples();
             let solution = solve(&samples, &options()).unwrap();
             assert_eq!(solution.distortion, terms, "{seed}");
-            let error_px = landing_px(&simulation, &solution);
+            let error_px = projection_error_px(&simulation, &solution);
             assert!(error_px < 0.15, "{terms:?} {seed}: {error_px} px");
             let focal = solution.lens.focal_px.component_div(&simulation.lens.focal_px);
             assert!((focal.x - 1.0).abs() < 1e-3 && (focal.y - 1.0).abs() < 1e-3, "{focal}");
@@ -34,7 +34,7 @@ fn without_errors_the_solution_is_exact() {
     let simulation = Simulation { noise_px: 0.0, depth_noise_m: 0.0, ..Simulation::new(5).with_distortion(PLUMB_BOB) };
     let options = SolveOptions { distortion: DistortionTerms::PlumbBob, ..options() };
     let solution = solve(&simulation.samples(), &options).unwrap();
-    assert!(landing_px(&simulation, &solution) < 1e-3 && solution.max_px < 1e-3);
+    assert!(projection_error_px(&simulation, &solution) < 1e-3 && solution.max_px < 1e-3);
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn a_flat_wall_suffices_for_the_pose_of_a_known_lens() {
         let solution = solve(&simulation.samples(), &options).unwrap();
         assert_eq!(solution.lens, simulation.lens);
         assert!(solution.estimates.iter().all(|estimate| estimate.sigma == 0.0));
-        let error_px = landing_px(&simulation, &solution);
+        let error_px = projection_error_px(&simulation, &solution);
         assert!(error_px < 0.3, "{seed}: {error_px} px");
     }
 }
@@ -62,7 +62,7 @@ fn several_scans_share_the_lens_and_average_smooth_errors() {
             simulation.projector_from_camera = (0..scans).map(|scan| pose(seed + 100 * scan)).collect();
             let solution = solve(&simulation.samples(), &options()).unwrap();
             assert_eq!(solution.poses.len() as u64, scans);
-            *square += landing_px(&simulation, &solution).powi(2) / count;
+            *square += projection_error_px(&simulation, &solution).powi(2) / count;
         }
     }
     assert!(squares[1].sqrt() < 0.3 && squares[1] < 0.8 * squares[0], "{squares:?}");
@@ -81,7 +81,7 @@ fn one_focal_length_and_fixed_parameters_stay() {
     assert_eq!(solution.lens.focal_px.x, solution.lens.focal_px.y);
     assert_eq!(solution.lens.center_px, simulation.lens.center_px);
     assert!(solution.estimates.iter().all(|e| (e.sigma > 0.0) == matches!(e.parameter, Parameter::Fx | Parameter::Fy)));
-    assert!(landing_px(&simulation, &solution) < 0.15);
+    assert!(projection_error_px(&simulation, &solution) < 0.15);
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn an_initial_lens_is_only_a_start() {
     let simulation = Simulation::new(4).with_distortion(K1);
     let initial = Lens::pinhole(SIZE_PX, [1300.0, 1350.0], [630.0, 780.0]);
     let solution = solve(&simulation.samples(), &SolveOptions { initial: Some(initial), ..options() }).unwrap();
-    assert!(landing_px(&simulation, &solution) < 0.15);
+    assert!(projection_error_px(&simulation, &solution) < 0.15);
 }
 
 #[test]
@@ -115,7 +115,7 @@ proptest! {
         simulation.lens = Lens::pinhole(SIZE_PX, [focal, focal * aspect], [cx, cy]);
         let simulation = simulation.with_distortion([k1, 0.0, 0.0, 0.0, 0.0]);
         let samples = simulation.samples();
-        // Some of these hardly light what the camera sees.
+        // Some of these hardly light the observed scene.
         let lit: Vec<_> = samples.iter().map(|sample| sample.pixel).collect();
         prop_assume!(samples.len() > 1000 && super::super::spread::outline_share(&lit, SIZE_PX) > 0.5);
         let solution = solve(&samples, &options()).unwrap();
@@ -123,22 +123,22 @@ proptest! {
     }
 }
 
-/// Whether light lands within half a pixel all over the volume; or, where points in a part of it leave the rest open,
-/// every unknown is right within the deviation that the solution states.
+/// `true` if the projection error is below half a pixel, or, where points in a part of the volume leave the rest open,
+/// every unknown is right within its stated deviation.
 fn is_found(simulation: &Simulation, solution: &Solution) -> bool {
     let errors = super::uncertainty::normalised_errors(simulation, solution);
-    landing_px(simulation, solution) < 0.5 || errors.iter().all(|error| error.abs() < 4.0)
+    projection_error_px(simulation, solution) < 0.5 || errors.iter().all(|error| error.abs() < 4.0)
 }
 
-/// Light lands 0.6 pixels off where there are no points, and the focal length, 0.8 ± 0.8 pixels off, says so.
+/// The projection error is 0.6 pixels where there are no points, and the focal length, 0.8 ± 0.8 pixels off, says so.
 #[test]
-fn what_is_off_beside_the_points_is_in_the_deviations() {
+fn errors_beside_the_points_are_within_the_deviations() {
     let mut simulation = Simulation { gross: 0.1, step_px: 8, ..Simulation::new(232) };
     simulation.lens = Lens::pinhole(SIZE_PX, [1894.952, 1838.104], [704.456, 638.025]);
     let solution = solve(&simulation.samples(), &options()).unwrap();
     let errors = super::uncertainty::normalised_errors(&simulation, &solution);
     assert!(errors.iter().all(|error| error.abs() < 3.0), "{errors:?}");
-    assert!(landing_px(&simulation, &solution) > 0.3, "the case has become an easy one");
+    assert!(projection_error_px(&simulation, &solution) > 0.3, "the case has become an easy one");
 }
 
 #[test]
@@ -148,8 +148,8 @@ fn walls_at_several_angles_determine_a_lens_without_bias() {
         simulation.projector_from_camera = (0..6).map(|scan| pose(seed + 100 * scan)).collect();
         let solution = solve(&simulation.samples(), &options()).unwrap();
         let errors = super::uncertainty::normalised_errors(&simulation, &solution);
-        // With slopes at the points as they were seen, these are up to 7.
+        // With slopes at the observed points, these are up to 7.
         assert!(errors.iter().all(|error| error.abs() < 4.0), "{seed}: {errors:?}");
-        assert!(landing_px(&simulation, &solution) < 0.8);
+        assert!(projection_error_px(&simulation, &solution) < 0.8);
     }
 }

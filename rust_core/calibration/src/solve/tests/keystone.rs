@@ -1,29 +1,13 @@
-//! Whether a keystone correction is noticed.
+//! Detection of keystone corrections.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Matrix3;
 use rayon::prelude::*;
+use rcs_scan_simulator::Conditions;
 
 use super::*;
 use crate::{Report, Verdict};
 
-/// A correction for a wall that is turned by these angles about the picture's rows and columns, degrees, by electronics
-/// that know the throw but not where the principal point is.
-fn turned(about_rows: f64, about_columns: f64) -> Matrix3<f64> {
-    let lens = Matrix3::new(1400.0, 0.0, 639.5, 0.0, 1400.0, 399.5, 0.0, 0.0, 1.0);
-    let [about_rows, about_columns] = [about_rows, about_columns].map(f64::to_radians);
-    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), about_rows)
-        * Rotation3::from_axis_angle(&Vector3::y_axis(), about_columns);
-    lens * turn.into_inner() * lens.try_inverse().unwrap()
-}
-
-/// A correction that narrows one edge of the picture to this share and keeps the opposite one.
-fn trapezoid(share: f64) -> Matrix3<f64> {
-    let left = 0.5 * (1.0 - share) * 1279.0;
-    let corrected = Matrix3::new(share, -left / 799.0, left, 0.0, share, 0.0, 0.0, (share - 1.0) / 799.0, 1.0);
-    corrected.try_inverse().unwrap()
-}
-
-/// The verdict on a simulated scan whose picture was distorted like this, and its reasons.
+/// Verdict on a simulated scan with a distorted image, and its reasons.
 fn verdict(simulation: &Simulation, keystone: &Matrix3<f64>) -> Result<(Verdict, Vec<String>), Refusal> {
     let mut samples = simulation.samples();
     for sample in &mut samples {
@@ -37,16 +21,16 @@ fn verdict(simulation: &Simulation, keystone: &Matrix3<f64>) -> Result<(Verdict,
 #[test]
 fn a_keystone_correction_is_named() {
     let corrections = [
-        ("5° horizontally", turned(0.0, 5.0), Verdict::Again),
-        ("10° horizontally", turned(0.0, -10.0), Verdict::Again),
-        ("20° horizontally", turned(0.0, 20.0), Verdict::Again),
-        ("5° both ways", turned(5.0, 5.0), Verdict::Again),
-        ("10° both ways", turned(-10.0, 10.0), Verdict::Again),
+        ("5° horizontally", Conditions::keystone(0.0, 5.0), Verdict::Again),
+        ("10° horizontally", Conditions::keystone(0.0, -10.0), Verdict::Again),
+        ("20° horizontally", Conditions::keystone(0.0, 20.0), Verdict::Again),
+        ("5° both ways", Conditions::keystone(5.0, 5.0), Verdict::Again),
+        ("10° both ways", Conditions::keystone(-10.0, 10.0), Verdict::Again),
         // Vertically the picture is stretched, but not skewed.
-        ("5° vertically", turned(5.0, 0.0), Verdict::Usable),
-        ("10° vertically", turned(10.0, 0.0), Verdict::Usable),
-        ("20° vertically", turned(20.0, 0.0), Verdict::Usable),
-        ("a trapezoid", trapezoid(0.9), Verdict::Usable),
+        ("5° vertically", Conditions::keystone(5.0, 0.0), Verdict::Usable),
+        ("10° vertically", Conditions::keystone(10.0, 0.0), Verdict::Usable),
+        ("20° vertically", Conditions::keystone(20.0, 0.0), Verdict::Usable),
+        ("a trapezoid", Conditions::trapezoid(SIZE_PX, 0.9), Verdict::Usable),
     ];
     corrections.into_par_iter().for_each(|(name, correction, least)| {
         for (seed, noise_px) in [(0, 0.1), (1, 0.3)] {

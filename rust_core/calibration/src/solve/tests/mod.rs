@@ -1,4 +1,4 @@
-//! The solver on scenes whose truth is known.
+//! Tests of the solver on scenes with known truth.
 
 use rcs_scan_simulator::{has_many_seeds, seeds};
 
@@ -9,7 +9,8 @@ mod accuracy;
 mod keystone;
 mod motion;
 mod refusals;
-pub(crate) mod synthetic;
+mod report;
+mod synthetic;
 mod uncertainty;
 
 const SIZE_PX: [u32; 2] = [1280, 800];
@@ -22,7 +23,7 @@ fn options() -> SolveOptions {
     SolveOptions::new(SIZE_PX)
 }
 
-/// How far light lands from where it should over the whole working volume, pixels.
-fn landing_px(simulation: &Simulation, solution: &Solution) -> f64 {
-    simulation.landing_error(&solution.lens, &solution.poses[0].projector_from_camera).0
+/// RMS projection error over the working volume, pixels.
+fn projection_error_px(simulation: &Simulation, solution: &Solution) -> f64 {
+    simulation.projection_error_px(&solution.lens, &solution.poses[0].projector_from_camera)
 }

@@ -1,13 +1,13 @@
-//! Small motions during a scan: refused or warned of; and what looks a little like one, but is none.
+//! Small motions during a scan: refusals, warnings, and no false alarms.
 
 use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector2, Vector3};
 
+use super::synthetic::pose;
 use super::*;
 use crate::solve::random::SplitMix64;
-use crate::solve::tests::synthetic::pose;
 use crate::{Report, Sample, Verdict};
 
-/// What happened to the camera, or to the projector's zoom.
+/// Change of the camera's pose or the projector's zoom.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     degrees: f64,
@@ -17,7 +17,7 @@ struct Change {
 
 const NONE: Change = Change { degrees: 0.0, shift_m: 0.0, zoom: 1.0 };
 
-/// Which samples were seen after the change.
+/// Samples observed after the change.
 #[derive(Debug, Clone, Copy)]
 enum Which {
     Any(f64),
@@ -36,7 +36,7 @@ fn shuffled(simulation: &Simulation) -> Vec<Sample> {
 fn changed(simulation: &Simulation, change: Change, which: Which) -> Vec<Sample> {
     let mut random = SplitMix64::new(simulation.seed, 56);
     let mut direction = || Vector3::from_fn(|_, _| random.unit() - 0.5).normalize();
-    // A turn about the view itself moves light less.
+    // A rotation about the view itself moves pixels less.
     let axis = Vector3::new(1.0, 1.0, 0.0).component_mul(&direction()).normalize();
     let turn = UnitQuaternion::from_scaled_axis(axis * change.degrees.to_radians());
     let moved = Isometry3::from_parts((direction() * change.shift_m).into(), turn);
@@ -80,7 +80,7 @@ fn a_distortion_that_is_not_solved_for_is_named() {
     let samples = Simulation::new(0).with_distortion([-0.1, 0.0, 0.0, 0.0, 0.0]).samples();
     let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options() };
     let refused = solve(&samples, &pinhole).unwrap_err();
-    assert!(matches!(refused, Refusal::DistortionLeftOut { percent } if percent > 5.0), "{refused}");
+    assert!(matches!(refused, Refusal::DistortionLeftOut(percent) if percent > 5.0), "{refused}");
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn two_scans_in_one_are_refused_even_with_noisy_depth() {
 }
 
 #[test]
-fn a_smaller_motion_is_warned_of() {
+fn a_smaller_motion_gives_a_warning() {
     for seed in 0..3 {
         let samples = changed(&Simulation::new(seed), Change { degrees: 0.015, ..NONE }, Which::Last(0.5));
         let report = Report::new(&samples, solve(&samples, &options()).unwrap());
@@ -158,7 +158,7 @@ fn errors_of_all_other_kinds_are_no_motion() {
                 let solution = solve(&samples, &options()).unwrap_or_else(|refused| panic!("{seed} {kind}: {refused}"));
                 assert_eq!(solution.motion, None, "{seed} {kind}");
             }
-            // A lens that is asked for without the distortion that it has.
+            // A lens solved for without its distortion.
             let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options() };
             match solve(&simulation.samples(), &pinhole) {
                 Ok(solution) => assert_eq!(solution.motion, None, "{seed} {kind}"),

@@ -1,4 +1,4 @@
-//! Samples that must be refused, and near ones that must not.
+//! Samples that must be refused, and similar ones that must not.
 
 use nalgebra::{Isometry3, Point2, Vector3};
 
@@ -14,7 +14,7 @@ fn refusal(samples: &[Sample], options: &SolveOptions) -> Refusal {
 }
 
 #[test]
-fn what_is_no_number_is_refused() {
+fn values_that_are_not_finite_are_refused() {
     let samples = Simulation::new(0).samples();
     for change in [
         |sample: &mut Sample| sample.pixel.x = f64::NAN,
@@ -24,11 +24,11 @@ fn what_is_no_number_is_refused() {
     ] {
         let mut samples = samples.clone();
         change(&mut samples[17]);
-        assert_eq!(refusal(&samples, &options()), Refusal::NotFinite { sample: 17 });
+        assert_eq!(refusal(&samples, &options()), Refusal::NotFinite(17));
     }
     let mut negative = samples.clone();
     negative[3].sigma_px = -1.0;
-    assert_eq!(refusal(&negative, &options()), Refusal::NegativeDeviation { sample: 3 });
+    assert_eq!(refusal(&negative, &options()), Refusal::NegativeDeviation(3));
     let fixed = SolveOptions { fixed: vec![(Parameter::K1, f64::NAN)], ..options() };
     assert_eq!(refusal(&samples, &fixed), Refusal::FixedNotFinite(Parameter::K1));
 }
@@ -47,7 +47,7 @@ fn too_few_samples_are_refused() {
     }
     let few = every(8);
     let solution = solve(&few, &known).unwrap();
-    assert!(landing_px(&simulation, &solution) < 10.0);
+    assert!(projection_error_px(&simulation, &solution) < 10.0);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_camera_that_moved_is_refused() {
             }
             let refusal = refusal(&samples, &options());
             assert!(
-                matches!(refusal, Refusal::Moved { .. } | Refusal::FewInliers { .. } | Refusal::Inconsistent { .. }),
+                matches!(refusal, Refusal::Moved { .. } | Refusal::FewInliers { .. } | Refusal::Inconsistent(_)),
                 "{seed} {share} {by}: {refusal}"
             );
         }
@@ -120,7 +120,7 @@ fn samples_that_do_not_belong_together_are_refused() {
         let simulation = Simulation { gross: 0.7, ..Simulation::new(seed) };
         let refused = refusal(&simulation.samples(), &options());
         assert!(
-            matches!(refused, Refusal::FewInliers { .. } | Refusal::Inconsistent { .. } | Refusal::NoSolution { .. }),
+            matches!(refused, Refusal::FewInliers { .. } | Refusal::Inconsistent(_) | Refusal::NoSolution(_)),
             "{refused}"
         );
         let simulation = Simulation { gross: 1.0, ..simulation };
@@ -133,12 +133,12 @@ fn points_behind_are_refused() {
     let simulation = Simulation::new(0);
     let mut samples = simulation.samples();
     samples[9].point.z = -1.0;
-    assert_eq!(refusal(&samples, &options()), Refusal::BehindCamera { sample: 9 });
+    assert_eq!(refusal(&samples, &options()), Refusal::BehindCamera(9));
 }
 
 #[test]
 fn points_behind_the_projector_are_refused() {
-    // The projector stands half a metre before the camera, which sees things between both in every fifth row.
+    // The projector stands half a metre before the camera, which sees objects between both at every fifth sample.
     let mut simulation = Simulation::new(0);
     simulation.projector_from_camera[0].translation.z = -0.5;
     let (pose, known) =
@@ -152,7 +152,7 @@ fn points_behind_the_projector_are_refused() {
         assert!(sample.point.z > 0.0 && (pose * sample.point).z < 0.0);
     }
     for options in [options(), known] {
-        let Refusal::BehindProjector { percent } = refusal(&samples, &options) else {
+        let Refusal::BehindProjector(percent) = refusal(&samples, &options) else {
             panic!("{:?}", refusal(&samples, &options));
         };
         assert!((percent - 20.0).abs() < 1.0, "{percent}");
@@ -195,7 +195,7 @@ fn points_in_a_corner_or_at_one_depth_are_refused() {
         assert!(
             matches!(
                 refused,
-                Refusal::BadlySpread { .. } | Refusal::Flat | Refusal::Undetermined { .. } | Refusal::TooFew { .. }
+                Refusal::BadlySpread(_) | Refusal::Flat | Refusal::Undetermined { .. } | Refusal::TooFew { .. }
             ),
             "{refused}"
         );
@@ -214,7 +214,7 @@ fn another_lens_is_noticed() {
     let known_lens = Some(Lens::pinhole(SIZE_PX, [1700.0, 1700.0], [640.0, 400.0]));
     let refused = refusal(&simulation.samples(), &SolveOptions { known_lens, ..options() });
     assert!(
-        matches!(refused, Refusal::Inconsistent { .. } | Refusal::FewInliers { .. } | Refusal::Moved { .. }),
+        matches!(refused, Refusal::Inconsistent(_) | Refusal::FewInliers { .. } | Refusal::Moved { .. }),
         "{refused}"
     );
 }
@@ -229,7 +229,7 @@ fn few_points_give_a_pose_and_their_deviations_say_how_well() {
         let few: Vec<Sample> = samples.iter().copied().step_by(samples.len() / 10 + 7).collect();
         match solve(&few, &known) {
             Ok(solution) => {
-                let miss = landing_px(&simulation, &solution) / solution.prediction_sigma_px;
+                let miss = projection_error_px(&simulation, &solution) / solution.prediction_sigma_px;
                 good += 1;
                 assert!(miss < 8.0, "{seed}: {miss} deviations");
             }
@@ -246,13 +246,13 @@ fn few_points_give_a_pose_and_their_deviations_say_how_well() {
 }
 
 #[test]
-fn six_things_that_a_crosshair_was_steered_onto_give_a_pose() {
+fn six_points_that_a_crosshair_was_steered_onto_give_a_pose() {
     let (mut good, mut worst) = (0, 0.0_f64);
     for seed in 0..20 {
         let simulation = Simulation { noise_px: 0.8, depth_noise_m: 0.001, ..Simulation::new(seed) };
         let known = SolveOptions { known_lens: Some(simulation.lens), ..options() };
         let all = simulation.samples();
-        // The nearest to places all over the picture.
+        // The nearest to places all over the image.
         let places = [[200, 150], [640, 120], [1080, 150], [200, 650], [640, 680], [1080, 650]];
         let nearest = |place: [i32; 2]| {
             let place = Point2::from(place.map(f64::from));
@@ -262,7 +262,7 @@ fn six_things_that_a_crosshair_was_steered_onto_give_a_pose() {
         let six = places.map(nearest).map(|sample| Sample { sigma_px: 1.0, sigma_m: 0.0, ..sample });
         if let Ok(solution) = solve(&six, &known) {
             good += usize::from(solution.inliers == 6);
-            worst = worst.max(landing_px(&simulation, &solution));
+            worst = worst.max(projection_error_px(&simulation, &solution));
         }
     }
     assert!(good >= 18 && worst < 12.0, "{good} of 20, {worst} px");

@@ -1,4 +1,4 @@
-//! Whether standard deviations are true.
+//! Correctness of standard deviations.
 
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub(super) fn normalised_errors(simulation: &Simulation, solution: &Solution) ->
     errors
 }
 
-/// The root mean square of normalised errors, of all and the least and largest of one unknown's.
+/// RMS of all normalised errors, and minimum and maximum RMS of one unknown's.
 fn spread(smooth_depth_m: f64, smooth_px: f64, scans: u64, terms: DistortionTerms) -> (f64, [f64; 2]) {
     let errors: Vec<Vec<f64>> = (0..100_u64)
         .into_par_iter()
@@ -47,7 +47,7 @@ fn spread(smooth_depth_m: f64, smooth_px: f64, scans: u64, terms: DistortionTerm
 #[test]
 fn deviations_are_true_for_independent_errors() {
     let (all, [least, most]) = spread(0.0, 50.0, 1, DistortionTerms::K1);
-    // Of a hundred normal numbers the root mean square varies by 7 %; this is the spread of twelve unknowns.
+    // The RMS of a hundred normal numbers varies by 7 %; these are the limits of twelve unknowns.
     assert!((0.9..1.1).contains(&all) && least > 0.8 && most < 1.25, "{all} {least} {most}");
 }
 

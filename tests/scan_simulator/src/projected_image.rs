@@ -1,31 +1,31 @@
-//! How bright any picture is, blurred, at any place between the projector's pixels.
+//! Blurred light of any displayed image.
 //!
-//! Unlike stripes, such a picture changes along both axes, so that each place weighs the pixels around it by a Gaussian
-//! over their squares. Most pictures are all black or all white in most places: blocks that are even cost nothing.
+//! Such an image changes along both axes, so each place weights the pixels around it by a Gaussian over their squares.
+//! Uniform blocks, which most of these images mostly have, cost nothing.
 
 use crate::stripes::{deviation_px, normal_distribution};
 
-/// The side of a block, pixels.
+/// Side of a block, pixels.
 const BLOCK: usize = 16;
-/// How far blur reaches, standard deviations.
+/// Reach of blur, standard deviations.
 const REACH: f32 = 3.5;
-/// The most pixels that a Gaussian weighs along an axis.
+/// Maximum taps along an axis.
 const MOST_TAPS: usize = 64;
 
-/// A picture on the projector's panel.
+/// Image on the projector's panel.
 #[derive(Debug, Clone)]
-pub(crate) struct Shown {
+pub(crate) struct ProjectedImage {
     width: usize,
     height: usize,
-    /// The light of each pixel, 0 to 1.
+    /// Light of each pixel, 0 to 1.
     light: Vec<f32>,
     blocks_wide: usize,
-    /// The least and the most light in each block.
+    /// Minimum and maximum light of each block.
     blocks: Vec<[f32; 2]>,
 }
 
-impl Shown {
-    /// A picture of grey levels, row by row; light follows them linearly, and black ones leak this share.
+impl ProjectedImage {
+    /// Creates the image from grey levels, row by row, that are linear in light; black ones leak a share.
     pub(crate) fn new(picture: &[u8], size_px: [u32; 2], black: f32) -> Self {
         let [width, height] = size_px.map(|side| side as usize);
         let light: Vec<f32> = picture.iter().map(|level| black + (1.0 - black) * f32::from(*level) / 255.0).collect();
@@ -38,7 +38,7 @@ impl Shown {
         Self { width, height, light, blocks_wide, blocks }
     }
 
-    /// The light at a place, pixels, for strengths of blur along u and v; there is none beside the picture.
+    /// Light at a place, pixels, for blur strengths along u and v; 0 outside of the image.
     pub(crate) fn at(&self, place: [f32; 2], blur: [u8; 2]) -> f32 {
         let deviations = blur.map(deviation_px);
         let range = |axis: usize| {
@@ -63,7 +63,7 @@ impl Shown {
         sum
     }
 
-    /// The light of these columns and rows if they are all alike.
+    /// Light of columns and rows if it is uniform.
     fn even(&self, columns: [i64; 2], rows: [i64; 2]) -> Option<f32> {
         let [width, height] = [self.width as i64, self.height as i64];
         if columns[1] < 0 || rows[1] < 0 || columns[0] >= width || rows[0] >= height {
@@ -83,7 +83,7 @@ impl Shown {
     }
 }
 
-/// The shares of a Gaussian around a place that lie over each pixel of a range.
+/// Shares of a Gaussian around a place over each pixel of a range.
 fn weights(place: f32, deviation: f32, [first, last]: [i64; 2]) -> [f32; MOST_TAPS] {
     let below = |edge: f64| normal_distribution((edge - f64::from(place)) / f64::from(deviation));
     let mut weights = [0.0; MOST_TAPS];
@@ -106,15 +106,15 @@ mod tests {
         let size = [200_u32, 120];
         let is_lit = |index: u32| (90..100).contains(&(index % 200)) && (50..60).contains(&(index / 200));
         let picture: Vec<u8> = (0..200 * 120).map(|index| if is_lit(index) { 255 } else { 0 }).collect();
-        let shown = Shown::new(&picture, size, 0.0);
+        let image = ProjectedImage::new(&picture, size, 0.0);
         let blur = [strength(1.5), strength(3.0)];
-        assert!(shown.at([94.5, 54.5], [0, 0]) > 0.99 && shown.at([89.5, 54.5], [0, 0]) > 0.49);
-        assert_eq!(shown.at([20.0, 20.0], blur), 0.0);
-        assert_eq!(shown.at([-900.0, 20.0], blur), 0.0);
+        assert!(image.at([94.5, 54.5], [0, 0]) > 0.99 && image.at([89.5, 54.5], [0, 0]) > 0.49);
+        assert_eq!(image.at([20.0, 20.0], blur), 0.0);
+        assert_eq!(image.at([-900.0, 20.0], blur), 0.0);
         let (mut sum, mut along) = (0.0, 0.0);
         for v in 0..120_u16 {
             for u in 0..200_u16 {
-                let light = shown.at([f32::from(u), f32::from(v)], blur);
+                let light = image.at([f32::from(u), f32::from(v)], blur);
                 sum += light;
                 along += light * f32::from(u);
             }
@@ -124,12 +124,12 @@ mod tests {
 
     #[test]
     fn white_ends_at_the_edge_and_black_leaks() {
-        let white = Shown::new(&[255; 64 * 48], [64, 48], 0.1);
+        let white = ProjectedImage::new(&[255; 64 * 48], [64, 48], 0.1);
         let blur = [strength(1.0); 2];
         for (at, expected) in [([30.0, 20.0], 1.0), ([-0.5, 20.0], 0.5), ([63.5, 47.5], 0.25), ([30.0, 60.0], 0.0)] {
             assert!((white.at(at, blur) - expected).abs() < 0.01, "{at:?}: {}", white.at(at, blur));
         }
-        let black = Shown::new(&[0; 64 * 48], [64, 48], 0.1);
+        let black = ProjectedImage::new(&[0; 64 * 48], [64, 48], 0.1);
         assert!((black.at([30.0, 20.0], blur) - 0.1).abs() < 1e-6);
     }
 }
