@@ -18,8 +18,9 @@ use super::Failure;
 /// Solves for the pose alone, for a projector that was bumped; a flat wall is enough
 ///
 /// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. By hand: the
-/// projector shows a crosshair that you move with the keyboard onto six or more points: those that you click with rviz's
-/// Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame (--things).
+/// projector shows a crosshair that you move with the keyboard onto six or more points: those that you click with
+/// rviz's Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame
+/// (--things).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static

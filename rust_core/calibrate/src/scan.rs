@@ -8,7 +8,7 @@ use clap::Args;
 use rcs_calibration::patterns::Pattern;
 use rcs_files::capture::CAPTURE_FILE;
 use rcs_files::picture_file::{self, PictureFormat};
-use rcs_scan::recorded::{self, BagFootage, Footage, RecordedOptions};
+use rcs_scan::recorded::{self, BagFootage, RecordedOptions};
 use rcs_scan::{
     patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanEvent, ScanOptions, ScanResult, ScanSession,
 };
@@ -24,9 +24,9 @@ const MAX_STEP: i64 = 8;
 
 /// Shows patterns with the projector and writes what the camera sees of them
 ///
-/// Nothing may move meanwhile, half a minute or so. The camera's exposure must be fixed. Measures the delay from showing
-/// to seeing; refuses a scan with a wrong exposure, motion or a mirrored picture. Ctrl-C, or Escape in the window, ends
-/// it: the images so far are written if they are enough.
+/// Nothing may move meanwhile, half a minute or so. The camera's exposure must be fixed. Measures the delay from
+/// showing to seeing; refuses a scan with a wrong exposure, motion or a mirrored picture. Ctrl-C, or Escape in the
+/// window, ends it: the images so far are written if they are enough.
 ///
 /// With --bag, a scan that was recorded: the camera's topics, while the patterns were shown by
 /// `projector_calibrate show --patterns DIR --seconds 1 --pause 0.5`. No ROS master is needed.
@@ -123,7 +123,7 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     };
     let shown = arguments.show_on.as_deref();
     let footage = BagFootage::open(&arguments.bag, &arguments.topics(), shown, arguments.start)?;
-    let mut progress = Progress::new("reading the bag", None, footage.lens().size_px, arguments.size);
+    let mut progress = Progress::new("reading the bag", None, footage.lens.size_px, arguments.size);
     let scanned = recorded::scan(&footage, &options, &mut |event| progress.show(&event));
     progress.finish();
     write(arguments, &scanned?)

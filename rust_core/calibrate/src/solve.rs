@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::Args;
 use rcs_calibration::{solve, DistortionTerms, FocalLengths, Parameter, Report, SolveOptions, Verdict};
 use rcs_files::calibration_report;
 use rcs_files::projector::ProjectorFile;
@@ -38,11 +39,11 @@ pub(super) struct SolveArguments {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Distortion to solve for. auto: each term only if it lowers the held-out error
-    #[arg(long, value_enum, default_value_t = Distortion::Auto)]
-    distortion: Distortion,
+    #[arg(long, default_value = "auto", value_parser = distortion_parser())]
+    distortion: DistortionTerms,
     /// Focal lengths to solve for: one for both axes, or two
-    #[arg(long, value_enum, default_value_t = Focal::Two)]
-    focal: Focal,
+    #[arg(long, default_value = "two", value_parser = focal_parser())]
+    focal: FocalLengths,
     /// A parameter that is known: fx, fy, cx, cy, k1, k2, p1, p2, k3. Can be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = fixed_parameter)]
     fix: Vec<(Parameter, f64)>,
@@ -53,39 +54,27 @@ pub(super) struct SolveArguments {
     placing: PlacingArguments,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Distortion {
-    Auto,
-    None,
-    K1,
-    #[value(name = "k1k2")]
-    K1K2,
-    #[value(name = "plumb_bob")]
-    PlumbBob,
+fn distortion_parser() -> impl TypedValueParser<Value = DistortionTerms> {
+    PossibleValuesParser::new(["auto", "none", "k1", "k1k2", "plumb_bob"]).map(|name| match &*name {
+        "none" => DistortionTerms::None,
+        "k1" => DistortionTerms::K1,
+        "k1k2" => DistortionTerms::K1K2,
+        "plumb_bob" => DistortionTerms::PlumbBob,
+        _ => DistortionTerms::Auto,
+    })
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Focal {
-    One,
-    Two,
+fn focal_parser() -> impl TypedValueParser<Value = FocalLengths> {
+    PossibleValuesParser::new(["one", "two"])
+        .map(|name| if name == "one" { FocalLengths::One } else { FocalLengths::Two })
 }
 
 /// Parses `NAME=VALUE`.
 fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
     let (name, value) = key_value::split(text).ok_or("not NAME=VALUE")?;
-    let parameter = match name.trim() {
-        "fx" => Parameter::Fx,
-        "fy" => Parameter::Fy,
-        "cx" => Parameter::Cx,
-        "cy" => Parameter::Cy,
-        "k1" => Parameter::K1,
-        "k2" => Parameter::K2,
-        "p1" => Parameter::P1,
-        "p2" => Parameter::P2,
-        "k3" => Parameter::K3,
-        other => return Err(format!("there is no parameter '{other}': fx, fy, cx, cy, k1, k2, p1, p2, k3")),
-    };
-    match value.trim().parse::<f64>() {
+    let parameter = Parameter::from_name(name)
+        .ok_or_else(|| format!("there is no parameter '{name}': {}", Parameter::ALL.map(Parameter::name).join(", ")))?;
+    match value.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok((parameter, value)),
         _ => Err(format!("'{value}' is not a finite number")),
     }
@@ -96,17 +85,8 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
     let points = Correspondences::read(&arguments.points)?;
     let initial = arguments.initial.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
     let options = SolveOptions {
-        distortion: match arguments.distortion {
-            Distortion::Auto => DistortionTerms::Auto,
-            Distortion::None => DistortionTerms::None,
-            Distortion::K1 => DistortionTerms::K1,
-            Distortion::K1K2 => DistortionTerms::K1K2,
-            Distortion::PlumbBob => DistortionTerms::PlumbBob,
-        },
-        focal: match arguments.focal {
-            Focal::One => FocalLengths::One,
-            Focal::Two => FocalLengths::Two,
-        },
+        distortion: arguments.distortion,
+        focal: arguments.focal,
         fixed: arguments.fix.clone(),
         initial,
         ..SolveOptions::new(arguments.size)

@@ -71,9 +71,6 @@ fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, 
 }
 
 /// Grey levels of an image, row by row: the luma of ITU-R BT.601, as in cv_bridge. Bayer patterns are demosaiced.
-///
-/// # Errors
-/// The reason.
 fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     if let Some(colors) = image.demosaic() {
         return Ok(colors?.as_chunks().0.iter().map(|color| luma(*color)).collect());
@@ -101,9 +98,6 @@ fn luma([red, green, blue]: [u8; 3]) -> u8 {
 }
 
 /// Depths of a depth image, metres, row by row; none where not a positive number.
-///
-/// # Errors
-/// The reason.
 fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
     let mut depths = Vec::new();
     match image.encoding.as_str() {
@@ -125,9 +119,6 @@ fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
 }
 
 /// Depths of an organised cloud in the camera's optical frame: the z of each point.
-///
-/// # Errors
-/// The reason.
 fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
     if cloud.height < 2 {
         return Err(format!("the cloud is not organised: it has {} row", cloud.height));

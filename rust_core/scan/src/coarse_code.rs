@@ -1,4 +1,4 @@
-//! Incremental decoding of a pixel's Gray code, the most significant bit first: each halves the range of columns or rows.
+//! Incremental decoding of a pixel's Gray code, the most significant bit first: each bit halves the range of columns.
 
 use rcs_calibration::patterns::Stripes;
 
@@ -8,10 +8,9 @@ const CLEAR: f64 = 0.3;
 /// The first bits of a pixel's code along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct CoarseCode {
-    /// The code's most significant bits.
     code: u32,
     /// Number of bits that were read.
-    bits: u32,
+    pub(crate) bits: u32,
 }
 
 impl CoarseCode {
@@ -27,11 +26,6 @@ impl CoarseCode {
         // A bit of the Gray code tells whether two consecutive bits of the number differ.
         self.code = 2 * self.code + ((self.code & 1) ^ u32::from(is_lit));
         self.bits += 1;
-    }
-
-    /// Number of bits that were read.
-    pub(crate) fn bits(&self) -> u32 {
-        self.bits
     }
 
     /// The middle of the columns or rows with this code, and half of their number, pixels. `stripes` are any of the
@@ -57,7 +51,7 @@ mod tests {
                 let (middle, half) = code.place_px(&stripes(0));
                 assert!((middle - half..middle + half).contains(&f64::from(at)), "{at} {bit}: {middle} {half}");
             }
-            assert_eq!((code.bits(), code.place_px(&stripes(0)).1), (11, 0.5));
+            assert_eq!((code.bits, code.place_px(&stripes(0)).1), (11, 0.5));
         }
     }
 

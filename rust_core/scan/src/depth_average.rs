@@ -23,18 +23,14 @@ struct DepthPixel {
 #[derive(Debug, Clone)]
 pub(crate) struct DepthAverage {
     pixels: Vec<DepthPixel>,
-    frames: u32,
+    /// Number of depth images.
+    pub(crate) frames: u32,
 }
 
 impl DepthAverage {
     /// Without depth images so far, of this number of pixels.
     pub(crate) fn new(pixels: usize) -> Self {
         Self { pixels: vec![DepthPixel::default(); pixels], frames: 0 }
-    }
-
-    /// Number of added depth images.
-    pub(crate) fn frames(&self) -> u32 {
-        self.frames
     }
 
     /// Adds a depth image.
@@ -87,7 +83,7 @@ mod tests {
         let depth_m = average.depth_m();
         assert!((depth_m[0] - 2.0).abs() < 1e-6 && (depth_m[2] - 1.0).abs() < 1e-6);
         assert_eq!((depth_m[1], depth_m[3], depth_m[4]), (0.0, 0.0, 0.0));
-        assert_eq!(average.frames(), 10);
+        assert_eq!(average.frames, 10);
         assert_eq!(DepthAverage::new(2).depth_m(), [0.0, 0.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! The devices of a scan: the projector's screen and the camera. Those of tests are simulated, with a time of their own.
+//! The devices of a scan: the projector's screen and the camera. Tests simulate them, with a time of their own.
 
 use std::time::{Duration, Instant};
 

@@ -30,17 +30,13 @@ pub struct ScanResult {
 
 /// The images of a scan.
 pub(crate) struct ScanImages<'a> {
-    /// The projector's width and height, pixels.
     pub(crate) projector_px: [u32; 2],
     /// The camera's lens; its size is that of all images.
     pub(crate) lens: Lens,
     /// The camera's optical frame; may be empty.
     pub(crate) frame_id: String,
-    /// The image of each pattern.
     pub(crate) pictures: Vec<PatternPicture>,
-    /// The projector's light in them.
     pub(crate) light: &'a Illumination,
-    /// Depth, if the camera measures it.
     pub(crate) depth: Option<&'a DepthAverage>,
     /// `false` if the scan was interrupted.
     pub(crate) is_complete: bool,
@@ -71,7 +67,7 @@ impl ScanImages<'_> {
         if share < FEW_DECODED {
             warn(&format!("only {:.0} % of the lit pixels could be decoded", 100.0 * share));
         }
-        if self.depth.is_some_and(|depth| depth.frames() == 0) {
+        if self.depth.is_some_and(|depth| depth.frames == 0) {
             return Err(ScanFailure::NoDepth);
         }
         let capture = Capture {

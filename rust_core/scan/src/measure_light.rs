@@ -45,8 +45,10 @@ impl ScanSession<'_> {
     /// [`ScanFailure`]: no light is seen, it is not steady or too much, or something moves.
     pub(crate) fn measure_light(&mut self) -> Result<Illumination, ScanFailure> {
         let all = sample(self.camera.lens().size_px);
-        let (black, black_noise) = self.first_black(&all)?;
-        let (white, noise) = self.first_white(&all, &black, black_noise)?;
+        let (black, black_noise) = self.settled(&Pattern::Black, &all, FIRST_BLACK, |_| true)?;
+        let is_lit =
+            |grey: &[u8]| lit_pixels(&black, grey, &all, black_noise).len() as f64 >= MIN_LIT * all.len() as f64;
+        let (white, noise) = self.settled(&Pattern::White, &all, Duration::ZERO, is_lit)?;
         let lit = lit_pixels(&black, &white, &all, noise);
         let (low, high) = (mean(&black, &lit), mean(&white, &lit));
         let mut responses = Vec::new();
@@ -70,40 +72,28 @@ impl ScanSession<'_> {
         Ok(Illumination { delay, lit, noise, clipped, contrast: high - low })
     }
 
-    /// The black image once it has settled, and its noise.
-    fn first_black(&mut self, at: &[usize]) -> Result<(Vec<u8>, f64), ScanFailure> {
-        let shown = self.show(&Pattern::Black)?;
+    /// Shows a pattern for at least some time until the frames that pass `is_lit` have settled. Returns the last frame
+    /// and its noise.
+    fn settled(
+        &mut self,
+        pattern: &Pattern,
+        at: &[usize],
+        least: Duration,
+        is_lit: impl Fn(&[u8]) -> bool,
+    ) -> Result<(Vec<u8>, f64), ScanFailure> {
+        let shown = self.show(pattern)?;
         let (mut detector, mut after) = (SettledDetector::default(), shown);
         loop {
             let frame = self.frame(after)?;
             after = frame.received;
-            detector.push(&frame.grey, at);
             let elapsed = after.saturating_duration_since(shown);
-            if elapsed >= FIRST_BLACK && detector.is_settled() {
-                return Ok((frame.grey, detector.noise()));
-            }
-            if elapsed > FIRST_BLACK + MAX_DELAY {
-                return Err(ScanFailure::Restless(elapsed.as_secs_f64()));
-            }
-        }
-    }
-
-    /// The white image once it has settled, and its noise.
-    fn first_white(&mut self, at: &[usize], black: &[u8], noise: f64) -> Result<(Vec<u8>, f64), ScanFailure> {
-        let shown = self.show(&Pattern::White)?;
-        let (mut detector, mut after) = (SettledDetector::default(), shown);
-        loop {
-            let frame = self.frame(after)?;
-            after = frame.received;
-            let is_lit = lit_pixels(black, &frame.grey, at, noise).len() as f64 >= MIN_LIT * at.len() as f64;
+            let is_lit = is_lit(&frame.grey);
             if is_lit {
                 detector.push(&frame.grey, at);
-                if detector.is_settled() {
+                if elapsed >= least && detector.is_settled() {
                     return Ok((frame.grey, detector.noise()));
                 }
-            }
-            let elapsed = after.saturating_duration_since(shown);
-            if !is_lit && elapsed > MAX_DELAY {
+            } else if elapsed > MAX_DELAY {
                 return Err(self.no_light());
             }
             if elapsed > 2 * MAX_DELAY {
@@ -166,9 +156,9 @@ impl ScanSession<'_> {
         ScanFailure::NoLight(self.screen.name())
     }
 
-    /// Shows a pattern and returns the mean of some frames once it has settled: after the measured delay, as soon as two
-    /// frames are the same. If they are the same as the `last` image, the pattern may not be seen yet, and gets as much
-    /// time again.
+    /// Shows a pattern and returns the mean of some frames once it has settled: after the measured delay, as soon as
+    /// two frames are the same. If they are the same as the `last` image, the pattern may not be seen yet, and gets as
+    /// much time again.
     pub(crate) fn capture(
         &mut self,
         pattern: &Pattern,

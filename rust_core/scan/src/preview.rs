@@ -107,7 +107,7 @@ impl AxisDecoder {
         }
         self.wide += u32::from(stripes.width_px() >= FINE_PX);
         self.last = Some(stripes);
-        for (pixel, code) in self.codes.iter_mut().enumerate().filter(|(_, code)| code.bits() == before) {
+        for (pixel, code) in self.codes.iter_mut().enumerate().filter(|(_, code)| code.bits == before) {
             if let (true, Some(bit)) =
                 (contrast[pixel] > 0, CoarseCode::bit(lit[pixel], inverse[pixel], f64::from(contrast[pixel])))
             {
@@ -117,7 +117,7 @@ impl AxisDecoder {
     }
 
     fn is_read(&self, pixel: usize) -> bool {
-        self.last.is_some() && self.codes[pixel].bits() >= self.wide.max(1)
+        self.last.is_some() && self.codes[pixel].bits >= self.wide.max(1)
     }
 
     fn place_px(&self, pixel: usize) -> Option<f32> {

@@ -70,7 +70,7 @@ impl ScanSession<'_> {
         let mut after = self.camera.now();
         let until = after + DEPTHS_TIMEOUT;
         loop {
-            let frames = self.depth.frames();
+            let frames = self.depth.frames;
             if frames >= MIN_DEPTHS || (frames > 0 && after > until) {
                 return Ok(self.depth.depth_m());
             }

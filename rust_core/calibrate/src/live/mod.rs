@@ -65,13 +65,10 @@ impl DeviceArguments {
 pub(super) struct LiveSetup {
     /// Its name in messages, such as `the scan`.
     pub(super) name: &'static str,
-    /// The devices.
     pub(super) devices: DeviceArguments,
-    /// The camera's topics.
     pub(super) topics: CameraTopics,
     /// A topic to show on instead of the monitor.
     pub(super) show_on: Option<String>,
-    /// The projector's width and height, pixels.
     pub(super) projector_px: [u32; 2],
 }
 

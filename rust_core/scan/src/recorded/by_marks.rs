@@ -49,7 +49,7 @@ fn marks(timeline: &Timeline, segments: &[Segment]) -> Vec<bool> {
     let mut differences: Vec<f64> = segments.windows(2).map(between).collect();
     differences.sort_by(f64::total_cmp);
     let median = differences.get(differences.len() / 2).copied().unwrap_or_default();
-    let limit = (ALIKE * median).max(timeline.limit());
+    let limit = (ALIKE * median).max(timeline.limit);
     let alike_to = |one: &Segment| -> Vec<bool> {
         segments.iter().map(|other| timeline.difference(&one.levels, &other.levels) <= limit).collect()
     };

@@ -1,7 +1,7 @@
 //! Patterns whose times are known, see [`super::sequence`].
 //!
-//! A pattern is seen some time after it was shown: in the frames from the last change on until the next one is shown. If
-//! the delay is longer than the pattern was shown for, pairs of stripes do not match, see [`super::pairs`].
+//! A pattern is seen some time after it was shown: in the frames from the last change on until the next one is shown.
+//! If the delay is longer than the pattern was shown for, pairs of stripes do not match, see [`super::pairs`].
 
 use std::ops::Range;
 use std::time::Duration;

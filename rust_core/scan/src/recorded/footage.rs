@@ -1,4 +1,4 @@
-//! The recording of a scan: a bag, or in tests one that was never written.
+//! The bag of a recorded scan: the topics of a camera while patterns were shown. Times are since its beginning.
 
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
@@ -21,46 +21,11 @@ pub(crate) type VisitFrame<'a> = dyn FnMut(usize, Duration, [u32; 2], Vec<u8>) -
 pub(crate) type VisitDepth<'a> = dyn FnMut(DepthFrame) -> Result<(), ScanFailure> + 'a;
 
 /// A picture that was shown with the projector.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ShownPicture {
+pub(crate) struct ShownPicture {
     /// Time of publication.
-    pub at: Duration,
+    pub(crate) at: Duration,
     /// Its pattern; `None` for other pictures.
-    pub pattern: Option<Pattern>,
-}
-
-/// A recording of a camera that saw patterns. Times are since its beginning.
-pub trait Footage {
-    /// Its name in messages.
-    fn name(&self) -> String;
-
-    /// The camera's lens; its size is that of all frames.
-    fn lens(&self) -> Lens;
-
-    /// The camera's optical frame; may be empty.
-    fn frame_id(&self) -> String;
-
-    /// Visits the frames with the wanted numbers in the order of time; the first has number 0.
-    ///
-    /// # Errors
-    /// An unreadable frame, or the visitor's error.
-    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure>;
-
-    /// `true` if there is depth.
-    fn has_depth(&self) -> bool;
-
-    /// Visits the depth images of a part of the recording.
-    ///
-    /// # Errors
-    /// An unreadable one, or the visitor's error.
-    fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure>;
-
-    /// The pictures that were shown, if they were recorded. `recognise` returns the pattern of a picture of the
-    /// projector's size.
-    ///
-    /// # Errors
-    /// An unreadable picture.
-    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure>;
+    pub(crate) pattern: Option<Pattern>,
 }
 
 /// Types of image messages.
@@ -69,7 +34,8 @@ const IMAGES: [MessageKind; 2] = [MessageKind::Image, MessageKind::CompressedIma
 /// A bag with the topics of a camera.
 pub struct BagFootage {
     bag: Bag,
-    name: String,
+    /// Its name in messages.
+    pub(crate) name: String,
     image: String,
     depth: Option<String>,
     /// The topic on which the patterns were shown.
@@ -78,8 +44,10 @@ pub struct BagFootage {
     beginning: i64,
     /// Time since then of the first message that counts.
     start: Duration,
-    lens: Lens,
-    frame_id: String,
+    /// The camera's lens; its size is that of all frames.
+    pub lens: Lens,
+    /// The camera's optical frame; may be empty.
+    pub(crate) frame_id: String,
 }
 
 impl BagFootage {
@@ -147,8 +115,7 @@ impl BagFootage {
         Err(unusable(topic, reason))
     }
 
-    /// Visits the messages of a topic from a time on, with the time since the bag's beginning. The visitor decodes those
-    /// that it needs.
+    /// Visits the messages of a topic from a time on. The visitor decodes those that it needs.
     fn messages(&self, topic: &str, from: Duration, visit: &mut VisitMessage<'_>) -> Result<(), ScanFailure> {
         const LAST: Time = Time { sec: u32::MAX, nsec: 999_999_999 };
         let from = self.beginning.saturating_add(i64::try_from(from.as_nanos()).unwrap_or(i64::MAX)).min(LAST.nanos());
@@ -185,32 +152,12 @@ impl BagFootage {
         let info = first.ok_or_else(|| unusable(topic, "has no message in the bag".to_owned()))?;
         Ok((*info).clone())
     }
-}
 
-fn unusable(topic: &str, reason: String) -> ScanFailure {
-    ScanCameraError::Unusable { topic: topic.to_owned(), reason }.into()
-}
-
-/// Decodes a message.
-type Decode<'a> = dyn Fn() -> Result<AnyMessage, ScanFailure> + 'a;
-
-/// A visitor of messages, by their times.
-type VisitMessage<'a> = dyn FnMut(Duration, &Decode<'_>) -> Result<ControlFlow<()>, ScanFailure> + 'a;
-
-impl Footage for BagFootage {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
-    fn lens(&self) -> Lens {
-        self.lens
-    }
-
-    fn frame_id(&self) -> String {
-        self.frame_id.clone()
-    }
-
-    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
+    /// Visits the frames with the wanted numbers in the order of time; the first has number 0.
+    ///
+    /// # Errors
+    /// An unreadable frame, or the visitor's error.
+    pub(crate) fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
         let mut number = 0;
         self.messages(&self.image, self.start, &mut |time, decode| {
             if wanted(number) {
@@ -223,11 +170,16 @@ impl Footage for BagFootage {
         })
     }
 
-    fn has_depth(&self) -> bool {
+    /// `true` if there is depth.
+    pub(crate) fn has_depth(&self) -> bool {
         self.depth.is_some()
     }
 
-    fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure> {
+    /// Visits the depth images of a part of the recording.
+    ///
+    /// # Errors
+    /// An unreadable one, or the visitor's error.
+    pub(crate) fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure> {
         let Some(topic) = &self.depth else { return Ok(()) };
         self.messages(topic, self.start, &mut |time, decode| {
             if during.contains(&time) {
@@ -237,7 +189,15 @@ impl Footage for BagFootage {
         })
     }
 
-    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
+    /// The pictures that were shown, if they were recorded. `recognise` returns the pattern of a picture of the
+    /// projector's size.
+    ///
+    /// # Errors
+    /// An unreadable picture.
+    pub(crate) fn shown(
+        &self,
+        recognise: &dyn Fn(&[u8]) -> Option<Pattern>,
+    ) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
         let Some(topic) = &self.shown else { return Ok(None) };
         let mut all = Vec::new();
         self.messages(topic, self.start, &mut |at, decode| {
@@ -248,3 +208,13 @@ impl Footage for BagFootage {
         Ok(Some(all))
     }
 }
+
+fn unusable(topic: &str, reason: String) -> ScanFailure {
+    ScanCameraError::Unusable { topic: topic.to_owned(), reason }.into()
+}
+
+/// Decodes a message.
+type Decode<'a> = dyn Fn() -> Result<AnyMessage, ScanFailure> + 'a;
+
+/// A visitor of messages, by their times.
+type VisitMessage<'a> = dyn FnMut(Duration, &Decode<'_>) -> Result<ControlFlow<()>, ScanFailure> + 'a;

@@ -7,7 +7,7 @@
 mod by_marks;
 mod by_order;
 mod by_topic;
-pub(crate) mod footage;
+mod footage;
 mod pairs;
 pub(crate) mod sequence;
 mod timeline;
@@ -24,7 +24,7 @@ use crate::failure::{check_size, ScanFailure};
 use crate::finish::{check_keystone, check_orientation, ScanImages, ScanResult};
 use crate::light::{average, Illumination, MAX_CHANGE};
 use crate::session::ScanEvent;
-pub use footage::{BagFootage, Footage};
+pub use footage::BagFootage;
 use sequence::PatternSequence;
 pub use sequence::PatternSequenceError;
 use timeline::Timeline;
@@ -50,7 +50,7 @@ pub struct RecordedOptions {
 /// # Errors
 /// [`ScanFailure`]: the first thing that would make a calibration wrong, or an unreadable message.
 pub fn scan(
-    footage: &dyn Footage,
+    footage: &BagFootage,
     options: &RecordedOptions,
     observe: &mut dyn FnMut(ScanEvent<'_>),
 ) -> Result<ScanResult, ScanFailure> {
@@ -64,8 +64,8 @@ pub fn scan(
     let light = check(footage, &timeline, &sequence, &means, &pictures)?;
     let mut warn = |warning: &str| observe(ScanEvent::Warning(warning));
     light.warn(&mut warn);
-    let lens = footage.lens();
-    check_orientation(&pictures, &light, lens.size_px, options.projector_px, &footage.name(), &mut warn)?;
+    let lens = footage.lens;
+    check_orientation(&pictures, &light, lens.size_px, options.projector_px, &footage.name, &mut warn)?;
     let depth = footage.has_depth().then(|| average_depth(footage, &timeline, &sequence)).transpose()?;
     if let Some(depth) = &depth {
         check_keystone(&pictures, depth, &lens, options.projector_px, &mut warn)?;
@@ -73,7 +73,7 @@ pub fn scan(
     let images = ScanImages {
         projector_px: options.projector_px,
         lens,
-        frame_id: footage.frame_id(),
+        frame_id: footage.frame_id.clone(),
         pictures,
         light: &light,
         depth: depth.as_ref(),
@@ -89,7 +89,7 @@ pub fn scan(
 }
 
 /// Finds the patterns by their topic, else by the checkerboards between them, else by their order.
-fn find(footage: &dyn Footage, timeline: &Timeline, options: &RecordedOptions) -> Result<PatternSequence, ScanFailure> {
+fn find(footage: &BagFootage, timeline: &Timeline, options: &RecordedOptions) -> Result<PatternSequence, ScanFailure> {
     let patterns = &options.patterns;
     let known: Vec<(Vec<u8>, Pattern)> =
         patterns.iter().map(|pattern| (pattern.picture(options.projector_px), *pattern)).collect();
@@ -130,11 +130,11 @@ fn segments(sequence: &PatternSequence) -> impl Iterator<Item = &Range<usize>> {
 struct SegmentMeans(BTreeMap<usize, Vec<u8>>);
 
 impl SegmentMeans {
-    fn read(footage: &dyn Footage, sequence: &PatternSequence, count: usize) -> Result<Self, ScanFailure> {
+    fn read(footage: &BagFootage, sequence: &PatternSequence, count: usize) -> Result<Self, ScanFailure> {
         let last = |frames: &Range<usize>| frames.end.saturating_sub(count.max(1)).max(frames.start)..frames.end;
         let owner: BTreeMap<usize, usize> =
             segments(sequence).flat_map(|frames| last(frames).map(|frame| (frame, frames.start))).collect();
-        let camera_px = footage.lens().size_px;
+        let camera_px = footage.lens.size_px;
         let mut taken: BTreeMap<usize, Vec<Vec<u8>>> = BTreeMap::new();
         let mut means = BTreeMap::new();
         footage.frames(&|frame| owner.contains_key(&frame), &mut |frame, _, size_px, grey| {
@@ -158,7 +158,7 @@ impl SegmentMeans {
 
 /// Checks light, exposure and motion.
 fn check(
-    footage: &dyn Footage,
+    footage: &BagFootage,
     timeline: &Timeline,
     sequence: &PatternSequence,
     means: &SegmentMeans,
@@ -171,8 +171,8 @@ fn check(
         return Err(rcs_calibration::DecodeError::Missing(missing).into());
     };
     let noise = timeline.noise(white).max(timeline.noise(black));
-    let (camera_px, screen) = (footage.lens().size_px, footage.name());
-    let light = Illumination::of_images(&means.of(black), &means.of(white), camera_px, noise, &screen);
+    let camera_px = footage.lens.size_px;
+    let light = Illumination::of_images(&means.of(black), &means.of(white), camera_px, noise, &footage.name);
     let light = light.map_err(|failure| match failure {
         // The frames do change.
         ScanFailure::NoLight { .. } => PatternSequenceError::NotWhite.into(),
@@ -202,11 +202,11 @@ fn drift(timeline: &Timeline, frames: &Range<usize>) -> f64 {
 
 /// The mean depth during the scan.
 fn average_depth(
-    footage: &dyn Footage,
+    footage: &BagFootage,
     timeline: &Timeline,
     sequence: &PatternSequence,
 ) -> Result<DepthAverage, ScanFailure> {
-    let [width, height] = footage.lens().size_px;
+    let [width, height] = footage.lens.size_px;
     let mut average = DepthAverage::new(width as usize * height as usize);
     let Range { start, end } = extent(sequence);
     footage.depths(timeline.time(start)..timeline.time(end), &mut |depth| {

@@ -15,8 +15,8 @@ const DARK: f64 = 0.2;
 const MAX_DARK: f64 = 0.08;
 /// Limit of the share of lit pixels that are darker in white than in black.
 const MAX_SWAPPED: f64 = 0.02;
-/// Bits of coarse stripes, the least clear difference from the inverse as a share of white and black, and the least share
-/// of lit pixels that see it.
+/// Bits of coarse stripes, the least clear difference from the inverse as a share of white and black, and the least
+/// share of lit pixels that see it.
 const COARSE_BITS: u32 = 3;
 const CLEAR: f64 = 0.3;
 const MIN_CLEAR: f64 = 0.5;

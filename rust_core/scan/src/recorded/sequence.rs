@@ -3,8 +3,8 @@
 //! They are found in one of three ways, the surest first:
 //! - [`super::by_topic`]: the bag also has the topic on which the patterns were published.
 //! - [`super::by_marks`]: a checkerboard was shown between the patterns, as by `show --pause`. It differs from any
-//!   stripes in half of its fields, whatever part of the picture the camera sees, and however blurred the stripes are. So
-//!   the patterns lie between what recurs, and their number tells whether all were seen.
+//!   stripes in half of its fields, whatever part of the picture the camera sees, and however blurred the stripes are.
+//!   So the patterns lie between what recurs, and their number tells whether all were seen.
 //! - [`super::by_order`]: the patterns follow one another, and one ends where the image changes.
 
 use std::ops::Range;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use super::footage::Footage;
+use super::footage::BagFootage;
 use super::sequence::PatternSequenceError;
 use crate::compare::{difference, mean, sample};
 use crate::failure::{check_size, ScanFailure};
@@ -35,8 +35,8 @@ pub(crate) struct Timeline {
     at: Vec<usize>,
     /// Difference of each frame from the one before; 0 for the first.
     differences: Vec<f64>,
-    /// Largest difference of frames of the same picture.
-    limit: f64,
+    /// Largest difference of frames of the same picture, levels.
+    pub(crate) limit: f64,
 }
 
 /// Consecutive frames of the same picture.
@@ -53,8 +53,8 @@ impl Timeline {
     ///
     /// # Errors
     /// [`ScanFailure`]: there are none, nothing changes in them, or they are unreadable.
-    pub(crate) fn read(footage: &dyn Footage) -> Result<Self, ScanFailure> {
-        let camera_px = footage.lens().size_px;
+    pub(crate) fn read(footage: &BagFootage) -> Result<Self, ScanFailure> {
+        let camera_px = footage.lens.size_px;
         let pixels: Vec<usize> = sample(camera_px).into_iter().step_by(EVERY).collect();
         let (mut times, mut levels) = (Vec::new(), Vec::new());
         footage.frames(&|_| true, &mut |_, time, size_px, grey| {
@@ -68,7 +68,7 @@ impl Timeline {
         })?;
         let changing = changing(&levels);
         if changing.len() < 2 || (changing.len() as f64) < MIN_CHANGING * pixels.len() as f64 {
-            return Err(ScanFailure::NoLight(footage.name()));
+            return Err(ScanFailure::NoLight(footage.name.clone()));
         }
         for frame in &mut levels {
             *frame = changing.iter().map(|pixel| frame[*pixel]).collect();
@@ -110,11 +110,6 @@ impl Timeline {
         difference(one, other, &self.at)
     }
 
-    /// The largest difference of frames of the same picture, levels.
-    pub(crate) fn limit(&self) -> f64 {
-        self.limit
-    }
-
     /// The root mean square difference of consecutive frames, levels.
     pub(crate) fn noise(&self, frames: &Range<usize>) -> f64 {
         let within = self.differences.get(frames.start + 1..frames.end).unwrap_or_default();
@@ -146,8 +141,8 @@ impl Timeline {
     }
 }
 
-/// The first quartile of the differences. Those of frames that a driver repeats are 0 and do not count, unless most are,
-/// as without noise.
+/// The first quartile of the differences. Those of frames that a driver repeats are 0 and do not count, unless most
+/// are, as without noise.
 fn quiet(differences: &[f64]) -> f64 {
     let mut ranked = differences.to_vec();
     ranked.sort_by(f64::total_cmp);

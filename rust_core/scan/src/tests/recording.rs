@@ -1,21 +1,25 @@
 //! Scans of recordings: a slide show that the simulated camera saw.
 
 use std::cell::RefCell;
-use std::ops::Range;
 use std::rc::Rc;
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{Image, Time};
 use rcs_scan_simulator::Conditions;
+use rcs_test_support::BagWriter;
+use tempfile::TempDir;
 
 use super::world::{Faults, Showing, SimulatedCamera, World, PROJECTOR_PX};
 use super::{is_refused, shares};
-use crate::devices::{DepthFrame, ScanCamera};
+use crate::devices::{CameraTopics, DepthTopic, ScanCamera};
 use crate::failure::ScanFailure;
 use crate::finish::ScanResult;
-use crate::recorded::footage::{Footage, ShownPicture, VisitDepth, VisitFrame};
-use crate::recorded::{scan, PatternSequenceError, RecordedOptions};
+use crate::recorded::{scan, BagFootage, PatternSequenceError, RecordedOptions};
 use crate::session::ScanEvent;
 
 /// A picture and the time that it is shown for.
@@ -28,12 +32,12 @@ const PAUSE: Duration = Duration::from_millis(300);
 /// Before the show and after it, nothing is shown.
 const IDLE: Slide = (Showing::Pattern(Pattern::Black), SECOND);
 
-/// The recording of a camera, and perhaps of the pictures that were shown.
+/// The bag of a camera, with the pictures that were shown.
 struct Recording {
+    folder: TempDir,
     lens: Lens,
-    pictures: Vec<(Duration, Vec<u8>)>,
-    depths: Vec<(Duration, DepthFrame)>,
-    shown: Option<Vec<(Duration, Showing)>>,
+    has_topic: bool,
+    start: Duration,
     world: Rc<RefCell<World>>,
 }
 
@@ -41,40 +45,62 @@ impl Recording {
     fn of(faults: Faults, slides: &[Slide]) -> Self {
         let world = World::new(faults);
         let mut camera = SimulatedCamera(world.clone());
+        let lens = camera.lens();
+        let folder = tempfile::tempdir().unwrap();
+        let mut bag = BagWriter::create(folder.path().join("scan.bag")).unwrap();
         let began = camera.now();
-        let (mut pictures, mut depths, mut shown) = (Vec::new(), Vec::new(), Vec::new());
+        let time = |now: Instant| Time::from_nanos(100_000_000_000 + (now - began).as_nanos() as i64);
+        let info = ProjectorFile::from_lens(&lens, "camera_optical").camera_info;
+        bag.write("/camera/camera_info", true, time(began), &info).unwrap();
+        let image = |size_px: [u32; 2], encoding: &str, data: Vec<u8>| {
+            let step = data.len() as u32 / size_px[1];
+            Image::new(Header::default(), size_px, encoding, step, Arc::new(data))
+        };
         let mut until = began;
-        for (showing, time) in slides {
-            shown.push((camera.now() - began, *showing));
+        for (showing, duration) in slides {
+            let shown = match showing {
+                Showing::Pattern(pattern) => pattern.picture(PROJECTOR_PX),
+                Showing::Mark | Showing::Picture(_) => vec![1; (PROJECTOR_PX[0] * PROJECTOR_PX[1]) as usize],
+            };
+            bag.write("/shown", true, time(camera.now()), &image(PROJECTOR_PX, "mono8", shown)).unwrap();
             world.borrow_mut().show(*showing);
-            until += *time;
+            until += *duration;
             while camera.now() < until {
                 let now = camera.now();
                 let frame = camera.frame(now, SECOND).unwrap();
-                pictures.push((frame.received - began, frame.grey));
-                depths.extend(camera.depth().unwrap().map(|depth| (frame.received - began, depth)));
+                let at = time(frame.received);
+                bag.write("/camera/image", false, at, &image(frame.size_px, "mono8", frame.grey)).unwrap();
+                if let Some(depth) = camera.depth().unwrap() {
+                    let data = depth.depth_m.iter().flat_map(|depth| depth.to_le_bytes()).collect();
+                    bag.write("/camera/depth", false, at, &image(depth.size_px, "32FC1", data)).unwrap();
+                }
             }
         }
-        Self { lens: camera.lens(), pictures, depths, shown: Some(shown), world }
+        bag.finish().unwrap();
+        Self { folder, lens, has_topic: true, start: Duration::ZERO, world }
+    }
+
+    fn without_topic(self) -> Self {
+        Self { has_topic: false, ..self }
     }
 
     fn scan(&self) -> (Result<ScanResult, ScanFailure>, Vec<String>) {
-        self.scan_as(gray_code(PROJECTOR_PX))
-    }
-
-    fn scan_as(&self, patterns: Vec<Pattern>) -> (Result<ScanResult, ScanFailure>, Vec<String>) {
+        let topics = CameraTopics {
+            image: "/camera/image".to_owned(),
+            camera_info: "/camera/camera_info".to_owned(),
+            depth: DepthTopic::Image("/camera/depth".to_owned()),
+        };
+        let shown = self.has_topic.then_some("/shown");
+        let footage = BagFootage::open(&[self.folder.path().join("scan.bag")], &topics, shown, self.start).unwrap();
         let mut warnings = Vec::new();
+        let patterns = gray_code(PROJECTOR_PX);
         let options = RecordedOptions { projector_px: PROJECTOR_PX, patterns, frames: 3 };
-        let result = scan(self, &options, &mut |event| {
+        let result = scan(&footage, &options, &mut |event| {
             if let ScanEvent::Warning(warning) = event {
                 warnings.push(warning.to_owned());
             }
         });
         (result, warnings)
-    }
-
-    fn without_topic(self) -> Self {
-        Self { shown: None, ..self }
     }
 
     /// Scans and asserts that much is decoded, and correctly.
@@ -96,45 +122,6 @@ impl Recording {
         let Err(failure) = self.scan().0 else { panic!("the scan was accepted") };
         assert!(!failure.to_string().contains('\n'));
         failure
-    }
-}
-
-impl Footage for Recording {
-    fn name(&self) -> String {
-        "scan.bag".to_owned()
-    }
-
-    fn lens(&self) -> Lens {
-        self.lens
-    }
-
-    fn frame_id(&self) -> String {
-        "camera_optical".to_owned()
-    }
-
-    fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
-        let wanted = self.pictures.iter().enumerate().filter(|(number, _)| wanted(*number));
-        for (number, (time, grey)) in wanted {
-            visit(number, *time, self.lens.size_px, grey.clone())?;
-        }
-        Ok(())
-    }
-
-    fn has_depth(&self) -> bool {
-        true
-    }
-
-    fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure> {
-        self.depths.iter().filter(|(time, _)| during.contains(time)).try_for_each(|(_, depth)| visit(depth.clone()))
-    }
-
-    fn shown(&self, recognise: &dyn Fn(&[u8]) -> Option<Pattern>) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
-        let pattern = |showing: &Showing| match showing {
-            Showing::Pattern(pattern) => recognise(&pattern.picture(PROJECTOR_PX)),
-            Showing::Mark | Showing::Picture(_) => None,
-        };
-        let shown = |(at, showing): &(Duration, Showing)| ShownPicture { at: *at, pattern: pattern(showing) };
-        Ok(self.shown.as_ref().map(|all| all.iter().map(shown).collect()))
     }
 }
 
@@ -285,6 +272,7 @@ fn a_mirrored_picture_is_refused_from_a_recording() {
 fn a_dark_or_empty_recording_is_refused() {
     let failure = Recording::of(Faults { is_dark: true, ..Faults::default() }, &with_marks()).without_topic().failure();
     assert!(matches!(failure, ScanFailure::NoLight { .. }), "{failure}");
-    let failure = Recording::of(Faults::default(), &[]).without_topic().failure();
+    let start = 2 * SECOND;
+    let failure = Recording { start, ..Recording::of(Faults::default(), &[IDLE]) }.without_topic().failure();
     assert!(matches!(failure, ScanFailure::NoLight { .. }), "{failure}");
 }
