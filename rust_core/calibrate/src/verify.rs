@@ -9,7 +9,6 @@ use clap::Args;
 use nalgebra::Isometry3;
 use rcs_calibration::{ErrorStatistics, Lens, ReprojectionError};
 use rcs_files::picture_file::{self, PictureFormat};
-use rcs_files::projector::ProjectorFile;
 use rcs_files::verification;
 use rcs_scan::{ScanCamera, ScanEvent, ScanOptions, ScanSession, Verification};
 
