@@ -26,7 +26,7 @@ use std::sync::{Arc, Mutex};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_camera::Projection;
-use rcs_camera_stream::offline::{self, Job, Section, Target};
+use rcs_camera_stream::offline::{self, BagSection, RenderJob, RenderTarget};
 use rcs_camera_stream::scene::SceneState;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
@@ -176,12 +176,12 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
     let mut stage = SceneState::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
-    let target = Target::Picture { file: file.to_owned() };
+    let target = RenderTarget::Picture { file: file.to_owned() };
     let mut renderer = lock(renderer);
     let bag = case.folder.join("scene.bag");
-    let (camera, section, model) = (case.camera.as_deref(), Section::default(), Projection::Rviz.into());
+    let (camera, section, model) = (case.camera.as_deref(), BagSection::default(), Projection::Rviz.into());
     let (bags, remappings, orientations) = ([bag], HashMap::new(), Vec::new());
-    let job = Job {
+    let job = RenderJob {
         bags: &bags,
         remappings: &remappings,
         camera,

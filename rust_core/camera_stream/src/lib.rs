@@ -3,7 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod camera;
-pub mod check;
+mod check;
 pub mod cli;
 mod config_file;
 pub mod light_arguments;
@@ -13,7 +13,7 @@ pub mod outputs;
 pub mod prediction;
 mod private_parameters;
 mod projection_warning;
-pub mod runtime;
+mod runtime;
 pub mod safety;
 pub mod scene;
 mod window_arguments;
@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Result};
 use clap::Parser;
+use rcs_node_support::lifecycle::{self, own_arguments};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
@@ -30,14 +31,13 @@ use rcs_rviz_config::{Config, DisplaySettings, Finding};
 use crate::check::live::LiveArgs;
 use crate::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::config_file::find_config;
-use crate::offline::{Job, Section, Target};
+use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::safety::names::ForCamera;
 use crate::scene::SceneState;
-use rcs_node_support::lifecycle::{self, own_arguments};
 
-/// The node's name where the command line gives none.
+/// Default name of the node.
 const NODE_NAME: &str = "camera_stream";
-/// The exit status for invalid arguments and an unreadable config.
+/// Exit status for invalid arguments and an unreadable config.
 const INVALID: u8 = 2;
 
 /// Runs the program with the process's arguments.
@@ -99,7 +99,7 @@ pub fn main() -> ExitCode {
     finished(result)
 }
 
-/// The names of a config's cameras, enabled or not.
+/// Names of a config's cameras, enabled or not.
 fn camera_names(config: &Config) -> Vec<String> {
     let placed = config.placed_displays();
     let cameras = placed.iter().filter(|placed| matches!(placed.display.settings, DisplaySettings::CameraPub(_)));
@@ -126,7 +126,7 @@ fn quiet_graphics_libraries() {
     }
 }
 
-/// Logs what was not understood, but for what was known before; what changes no picture as a debug message.
+/// Logs the findings that were not known before; notes, which change no image, as debug messages.
 fn log_findings(config: &Config, known: &[Finding]) {
     for finding in config.findings.iter().filter(|finding| !known.contains(finding)) {
         let level = if finding.is_note { log::Level::Debug } else { log::Level::Warn };
@@ -164,31 +164,31 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     // The user's own files may lie beside each other, in no package.
     let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();
     let options = cli.resources.options_beside(&files);
-    // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
+    // Images must not depend on the speed of the disk: each mesh is loaded when it is first needed.
     let meshes = MeshStore::with_options(packages, options);
     let parameters = offline::read_parameters(&args.param, meshes.packages())?;
-    let mut stage = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
-    offline::set_parameters(&mut stage, &parameters);
+    let mut scene = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
+    offline::set_parameters(&mut scene, &parameters);
     let (rate_hz, overwrite) = (args.rate, args.overwrite);
     let target = match (&args.output, &args.frames, &args.video) {
-        (Some(file), ..) => Target::Picture { file: file.clone() },
-        (_, Some(folder), _) => Target::Sequence { folder: folder.clone(), rate_hz, overwrite },
-        (.., Some(file)) => Target::Video { file: file.clone(), rate_hz },
+        (Some(file), ..) => RenderTarget::Picture { file: file.clone() },
+        (_, Some(folder), _) => RenderTarget::Sequence { folder: folder.clone(), rate_hz, overwrite },
+        (.., Some(file)) => RenderTarget::Video { file: file.clone(), rate_hz },
         (None, None, None) => {
             return Err(anyhow!("no output: name one with -o FILE.png, --frames DIR or --video FILE.mp4"))
         }
     };
-    let job = Job {
+    let job = RenderJob {
         bags: &args.bag,
         remappings: &offline::bag_names(&lifecycle::remappings())?,
         camera: args.camera.as_deref(),
         projector: args.projector.as_deref(),
-        section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
+        section: BagSection { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
         model: cli.model.chosen(),
         orientations: ForCamera::read_all(&args.orientation, &camera_names(config))
             .map_err(|error| anyhow!("--orientation: {error}"))?,
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
-    offline::render(&mut stage, &job, renderer.as_mut())
+    offline::render(&mut scene, &job, renderer.as_mut())
 }

@@ -12,13 +12,13 @@ use rcs_rviz_config::{insert_camera, NewCamera, MAX_FILE_BYTES};
 
 use crate::cli::NewCameraArgs;
 
-/// The indentation of the displays in a file that rviz saved.
+/// Indentation of displays in a file that rviz saved.
 const INDENTATION: usize = 4;
 
 /// Prints the display, or adds it to the config that is named.
 ///
 /// # Errors
-/// One line that names the config and what is wrong; the config is unchanged then.
+/// One line with the config and the problem; the config is unchanged then.
 pub(crate) fn run(args: &NewCameraArgs) -> Result<ExitCode> {
     let camera = NewCamera {
         name: args.name.clone(),
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &NewCameraArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints a text. An output that is closed, as by `head`, has been read as far as it is wanted.
+/// Prints a text. A closed pipe, as of `head`, is no error.
 fn print(text: &str) -> Result<()> {
     match io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(anyhow!("standard output: {error}")),
@@ -41,7 +41,7 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// The namespace that a topic is in; for one in none its own name.
+/// Namespace of a topic; without one, the topic's own name.
 fn namespace_of(topic: &str) -> String {
     let name = topic.trim_matches('/');
     name.rsplit_once('/').map_or(name, |(namespace, _)| namespace).to_owned()

@@ -17,13 +17,13 @@ pub(crate) struct ProjectionWarning {
 
 impl ProjectionWarning {
     /// Checks the camera's last CameraInfo, which costs next to nothing where it is the one of before.
-    pub(crate) fn check(&mut self, stage: &SceneState, view: &CameraView, model: CameraModel) {
-        let Some(info) = stage.camera_info(view) else { return };
+    pub(crate) fn check(&mut self, scene: &SceneState, view: &CameraView, model: CameraModel) {
+        let Some(info) = scene.camera_info(view) else { return };
         if self.checked.as_ref().is_some_and(|checked| fields_of(checked) == fields_of(info)) {
             return;
         }
         self.checked = Some(CameraInfo::clone(info));
-        let text = deviations_of(stage, view, model).join("; ");
+        let text = deviations_of(scene, view, model).join("; ");
         if !text.is_empty() && text != self.logged {
             log::warn!("camera {}: CameraInfo on [{}]: {text}", view.name, view.settings.camera_info_topic);
         }

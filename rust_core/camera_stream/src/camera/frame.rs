@@ -15,17 +15,17 @@ use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
-use crate::safety::causes::Dark;
+use crate::safety::causes::DarkReason;
 use crate::safety::permit::Permit;
 use crate::scene::renderer_view;
 
-/// What a frame shows.
+/// The content of a frame.
 #[derive(Clone, PartialEq)]
 pub(crate) enum FrameContent {
     /// The scene in this version, without the displays that are stale.
     Scene { version: u64, camera: Arc<Camera>, hidden: Vec<DisplayId> },
     /// Black. The size is that before post-processing turns it; `has_note`: it says why it is black.
-    Black { size_px: [u32; 2], dark: Dark, has_note: bool },
+    Black { size_px: [u32; 2], dark: DarkReason, has_note: bool },
 }
 
 /// A frame's content and everything that is published with it.
@@ -38,9 +38,9 @@ pub(crate) struct FrameSpec {
     /// See [`Permit::epoch`].
     pub(crate) epoch: u64,
     pub(crate) info: Arc<CameraInfo>,
-    /// When it expires if nothing new arrives.
+    /// Expiry if nothing new arrives.
     pub(crate) valid_until: Option<Instant>,
-    /// When its frames were looked up, in ROS time, if they were predicted.
+    /// ROS time of the lookup of predicted transforms.
     pub(crate) looked_up: Option<Time>,
 }
 
@@ -54,6 +54,8 @@ pub(crate) struct DueFrame {
     pub(crate) depth: Option<DepthEncoding>,
     /// `true` if the image before post-processing is needed, too: a window may hold it below newer masks.
     pub(crate) keeps_drawn: bool,
+    /// Time of the decision to draw it.
+    pub(crate) begun: Instant,
 }
 
 /// A frame that the renderer works on.
@@ -61,7 +63,7 @@ pub(crate) struct FrameInFlight {
     spec: FrameSpec,
     depth: Option<Arc<DepthImage>>,
     keeps_drawn: bool,
-    submitted: Instant,
+    begun: Instant,
 }
 
 /// A frame that is ready to be published.
@@ -71,8 +73,8 @@ pub(crate) struct FinishedFrame {
     pub(crate) depth: Option<Arc<DepthImage>>,
     /// The image before post-processing, where it is needed.
     pub(crate) drawn: Option<Arc<Picture>>,
-    /// When the renderer was given it; `None` for a black frame.
-    pub(crate) submitted: Option<Instant>,
+    /// Time of the decision to draw it; `None` for a black frame.
+    pub(crate) begun: Option<Instant>,
 }
 
 /// The renderer's buffers that all frames share, one after the other.
@@ -144,7 +146,7 @@ impl DueFrame {
                 None
             }
         };
-        Ok(FrameInFlight { spec: self.spec, depth, keeps_drawn: self.keeps_drawn, submitted: Instant::now() })
+        Ok(FrameInFlight { spec: self.spec, depth, keeps_drawn: self.keeps_drawn, begun: self.begun })
     }
 }
 
@@ -163,8 +165,8 @@ impl FrameInFlight {
         let Finished::Drawn = renderer.finish(&mut picture)? else { return Ok(None) };
         let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
         self.spec.post.apply(&mut picture, &mut buffers.turned);
-        let (picture, submitted) = (Arc::new(picture), Some(self.submitted));
-        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, submitted }))
+        let (picture, begun) = (Arc::new(picture), Some(self.begun));
+        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, begun }))
     }
 }
 

@@ -5,22 +5,22 @@ use std::time::{Duration, Instant};
 use anyhow::Error;
 use rcs_camera::CameraModel;
 use rcs_displays::{CameraView, Level};
+use rcs_logging::one_line;
 
 use super::connections::CameraConnections;
 use super::latency::Latency;
 use crate::projection_warning::ProjectionWarning;
-use crate::safety::causes::Dark;
+use crate::safety::causes::DarkReason;
 use crate::scene::camera_pose::CameraProblem;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::SceneState;
-use rcs_logging::one_line;
 
-/// How long a CameraInfo or a frame may be missing before that is logged: at the start it is usually just on its way.
+/// Time without a CameraInfo or a transform before that is logged: at the start it is usually just on its way.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// How long a slow frame remains a status.
+/// Time for which a slow frame remains a status.
 const SLOW_STATUS: Duration = Duration::from_secs(10);
-/// How long the next slow frame is not logged.
+/// Time until another slow frame is logged.
 const SLOW_SILENCE: Duration = Duration::from_secs(60);
 
 /// The health of a camera.
@@ -28,7 +28,7 @@ const SLOW_SILENCE: Duration = Duration::from_secs(60);
 pub(super) struct CameraHealth {
     problem: ProblemLog,
     /// Why images are black at present, though there is a camera.
-    dark: Option<Dark>,
+    dark: Option<DarkReason>,
     /// Why a frame failed, unless one was published since.
     last_error: Option<String>,
     /// Deviations of the CameraInfo from what is drawn.
@@ -51,7 +51,7 @@ struct ProblemLog {
 /// The last frame that took long.
 #[derive(Debug, Default)]
 struct SlowFrames {
-    /// When it was drawn, and what took so long.
+    /// Its time, and its description.
     last: Option<(Instant, String)>,
     logged: Option<Instant>,
 }
@@ -139,7 +139,7 @@ impl CameraHealth {
     }
 
     /// Records why images are black though there is a camera, and logs when that begins and ends.
-    pub(super) fn record_dark(&mut self, camera: &str, dark: Option<&Dark>) {
+    pub(super) fn record_dark(&mut self, camera: &str, dark: Option<&DarkReason>) {
         if self.dark.as_ref() == dark {
             return;
         }
@@ -150,7 +150,6 @@ impl CameraHealth {
         self.dark = dark.cloned();
     }
 
-    /// The camera's statuses and figures.
     pub(super) fn status_entry(
         &self,
         scene: &SceneState,

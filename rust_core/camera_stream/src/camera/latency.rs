@@ -1,14 +1,14 @@
-//! The latency from a message to a camera's picture, stage by stage, and the age of the data shown.
+//! The latency from a message to a camera's image, step by step, and the age of the data shown.
 //!
 //! ```text
 //!   received ──► decoded ──► drawn ──► published
 //! ```
 //!
-//! Only new pictures are measured, each by one message. Of every display that shows another message than in the picture
-//! before, the newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in
-//! one picture, the message that was received first counts, so that a slow display is not hidden by a fast one. A
-//! picture that is new only because frames moved counts from the last transforms. One without either, such as the first
-//! for a subscriber or one in which something faded, is not measured.
+//! Only new images are measured, each by one message. Of every display that shows another message than before, the
+//! newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in one image, the
+//! message that was received first counts, so that a slow display is not hidden by a fast one. An image that is new
+//! only because frames moved counts from the last transforms. One without either, such as the first for a subscriber,
+//! is not measured.
 
 use std::time::{Duration, Instant};
 
@@ -19,88 +19,88 @@ use rcs_transforms::Time;
 
 use crate::scene::status_tree::age_ms;
 
-/// When something that the next picture shows was received, and when it was part of the scene.
+/// Arrival of a message or of transforms, and the time at which they were part of the scene.
 #[derive(Clone, Copy, Debug)]
-struct Arrival {
+struct MessageTimes {
     received: Instant,
     decoded: Instant,
 }
 
-/// The figures of a camera's last new pictures.
+/// The figures of a camera's last new images.
 #[derive(Debug)]
 pub(crate) struct Latency {
-    /// The messages that are new since the last picture, one for each display, with their stamps.
-    messages: Vec<(DisplayId, Arrival, Time)>,
-    /// The last transforms since the last picture.
-    transforms: Option<Arrival>,
+    /// The messages that are new since the last image, one for each display, with their stamps.
+    messages: Vec<(DisplayId, MessageTimes, Time)>,
+    /// The last transforms since the last image.
+    transforms: Option<MessageTimes>,
     /// From received to decoded, to drawn, to published.
-    stages: StepTimes<3>,
+    steps: StepTimes<3>,
     age_ms: RollingWindow<PICTURES>,
-    /// From looking up frames to publishing, of predicted pictures; milliseconds of ROS time.
+    /// From looking up frames to publishing, of predicted images; milliseconds of ROS time.
     lookup_to_publish_ms: RollingWindow<PICTURES>,
 }
 
 impl Default for Latency {
     fn default() -> Self {
         let none = RollingWindow::new;
-        let stages = StepTimes::default();
-        Self { messages: Vec::new(), transforms: None, stages, age_ms: none(), lookup_to_publish_ms: none() }
+        let steps = StepTimes::default();
+        Self { messages: Vec::new(), transforms: None, steps, age_ms: none(), lookup_to_publish_ms: none() }
     }
 }
 
-/// What an update of the scene brought.
+/// The news of an update of the scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Update<'a> {
     /// The displays that show another message.
     pub(crate) messages: &'a [(DisplayId, ShownMessage)],
-    /// When the last transforms were received, if any were.
+    /// Arrival of the last transforms, if there are new ones.
     pub(crate) transforms_received: Option<Instant>,
-    /// When the scene was up to date.
+    /// The time at which the scene was up to date.
     pub(crate) decoded: Instant,
 }
 
 impl Latency {
-    /// Records how long it took from looking up frames to publishing the picture that shows them.
-    pub(crate) fn record_lookup_to_publish(&mut self, way: Duration) {
-        self.lookup_to_publish_ms.push(way.as_secs_f64() * 1e3);
+    /// Records the time from looking up frames to publishing the image.
+    pub(crate) fn record_lookup_to_publish(&mut self, took: Duration) {
+        self.lookup_to_publish_ms.push(took.as_secs_f64() * 1e3);
     }
 
     /// The median of what [`record_lookup_to_publish`](Self::record_lookup_to_publish) recorded.
     pub(crate) fn lookup_to_publish(&self) -> Option<Duration> {
-        self.lookup_to_publish_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
+        self.lookup_to_publish_ms.percentiles().map(|took| Duration::from_secs_f64(took.median / 1e3))
     }
 
-    /// Records what the next picture will show.
+    /// Records the news that the next image will show.
     pub(crate) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
         let Update { messages, transforms_received, decoded } = *update;
         for (display, message) in messages.iter().filter(|(display, _)| visible.shows(*display)) {
             let Some(received) = message.received else { continue };
-            let new = (*display, Arrival { received, decoded }, message.stamp);
+            let new = (*display, MessageTimes { received, decoded }, message.stamp);
             match self.messages.iter_mut().find(|(known, ..)| known == display) {
                 Some(known) => *known = new,
                 None => self.messages.push(new),
             }
         }
-        let transforms = transforms_received.map(|received| Arrival { received, decoded });
+        let transforms = transforms_received.map(|received| MessageTimes { received, decoded });
         self.transforms = transforms.or(self.transforms);
     }
 
-    /// Forgets what the next picture would have shown: there is none.
+    /// Forgets the news: there is no next image.
     pub(crate) fn forget(&mut self) {
         self.messages.clear();
         self.transforms = None;
     }
 
-    /// Adds the figures of a new picture. `stamp` is the picture's own, the ROS time of publishing.
+    /// Adds the figures of a new image. `stamp` is the image's own, the ROS time of publishing.
     pub(crate) fn measure(&mut self, drawn: Instant, published: Instant, stamp: Time) {
         let arrivals = self.messages.iter().map(|(_, arrival, _)| *arrival);
         let first = arrivals.min_by_key(|arrival| arrival.received).or(self.transforms);
         let oldest = self.messages.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
         self.forget();
-        let Some(Arrival { received, decoded }) = first else { return };
-        let stages = [(received, decoded), (decoded, drawn), (drawn, published)];
+        let Some(MessageTimes { received, decoded }) = first else { return };
+        let steps = [(received, decoded), (decoded, drawn), (drawn, published)];
         let time = |(from, to): (Instant, Instant)| to.saturating_duration_since(from);
-        self.stages.push(stages.map(time), time((received, published)));
+        self.steps.push(steps.map(time), time((received, published)));
         if let Some(age_ms) = oldest {
             self.age_ms.push(age_ms);
         }
@@ -109,13 +109,13 @@ impl Latency {
     /// The figures with their names.
     pub(crate) fn values(&self) -> [(&'static str, String); 6] {
         let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
-        let [to_decoded, to_drawn, to_published] = self.stages.steps_ms();
+        let [to_decoded, to_drawn, to_published] = self.steps.steps_ms();
         [
-            ("frames measured", self.stages.pictures().to_string()),
+            ("frames measured", self.steps.pictures().to_string()),
             ("received to decoded ms (median / p95)", text(to_decoded)),
             ("decoded to drawn ms (median / p95)", text(to_drawn)),
             ("drawn to published ms (median / p95)", text(to_published)),
-            ("received to published ms (median / p95)", text(self.stages.whole_ms())),
+            ("received to published ms (median / p95)", text(self.steps.whole_ms())),
             ("age of the data shown ms (median / p95)", text(&self.age_ms)),
         ]
     }
@@ -154,7 +154,7 @@ mod tests {
             self.latency.record_update(&Update { messages: &[], transforms_received, decoded }, &DisplayMask::all());
         }
 
-        /// A picture, published when it is 100 s.
+        /// An image, published at 100 s.
         fn publish(&mut self, drawn: u64, published: u64) {
             let (drawn, published) = (self.at(drawn), self.at(published));
             self.latency.measure(drawn, published, Time::from_secs_nanos(100, 0));
@@ -166,13 +166,13 @@ mod tests {
     }
 
     #[test]
-    fn the_stages_add_up_to_the_whole() {
+    fn the_steps_add_up_to_the_whole() {
         let mut bench = Bench::new();
         assert_eq!(bench.values(), ["0", "-", "-", "-", "-", "-"]);
         bench.show(1, 0, 3, 98);
         bench.publish(13, 14);
-        let stages = ["3.00 / 3.00", "10.00 / 10.00", "1.00 / 1.00", "14.00 / 14.00"];
-        assert_eq!(bench.values()[1..5], stages);
+        let steps = ["3.00 / 3.00", "10.00 / 10.00", "1.00 / 1.00", "14.00 / 14.00"];
+        assert_eq!(bench.values()[1..5], steps);
         assert_eq!((&*bench.values()[0], &*bench.values()[5]), ("1", "2000.00 / 2000.00"));
     }
 

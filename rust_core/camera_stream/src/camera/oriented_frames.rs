@@ -1,4 +1,4 @@
-//! The frames of turned pictures, on `/tf_static`: consumers of their CameraInfo look them up.
+//! The frames of turned images, on `/tf_static`: consumers of their CameraInfo look them up.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub(crate) struct OrientedFrames {
 }
 
 impl OrientedFrames {
-    /// Publishes the frame of pictures that are turned like this, if there is one and it is new.
+    /// Publishes the frame of images with this orientation, if it has one that is new.
     pub(crate) fn add(&mut self, ros: &RosNode, camera_frame: &str, orientation: Orientation) {
         let Some(mut placed) = turned_frame(camera_frame, orientation) else { return };
         if self.known.contains_key(&placed.child_frame_id) {

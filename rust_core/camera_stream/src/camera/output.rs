@@ -32,14 +32,14 @@ use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use super::timing::FrameTiming;
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
-use crate::outputs::{Frame, Output, TopicOutput};
+use crate::outputs::{Output, OutputFrame, TopicOutput};
 use crate::safety::black_image::black_picture;
-use crate::safety::causes::Dark;
+use crate::safety::causes::DarkReason;
 use crate::safety::{self, FramePolicy};
 use crate::scene::status_tree::StatusEntry;
 use crate::scene::SceneState;
 
-/// What all cameras of the node have in common.
+/// The settings that all cameras of the node share.
 pub(crate) struct CameraContext {
     pub(crate) ros: Arc<RosNode>,
     pub(crate) model: CameraModel,
@@ -52,7 +52,7 @@ pub(crate) struct CameraOutput {
     settings: RuntimeSettings,
     connections: CameraConnections,
     timing: FrameTiming,
-    /// What its frames may show, as of the last assessment.
+    /// The policy of the last assessment.
     policy: FramePolicy,
     epoch: Epoch,
     buffers: FrameBuffers,
@@ -156,12 +156,10 @@ impl CameraOutput {
         }
     }
 
-    /// Identifies it when the config is read again.
     pub(super) fn id(&self) -> &str {
         self.settings.id()
     }
 
-    /// The camera with its current settings.
     pub(crate) fn view(&self) -> &Arc<CameraView> {
         self.settings.view()
     }
@@ -170,17 +168,15 @@ impl CameraOutput {
         self.policy = policy;
     }
 
-    /// When the current policy ends if nothing new arrives.
+    /// End of the current policy if nothing new arrives.
     pub(crate) fn policy_end(&self) -> Option<Instant> {
         self.policy.valid_until
     }
 
-    /// `true` if somebody watches its images.
     pub(crate) fn is_watched(&self) -> bool {
         self.connections.outputs.is_watched()
     }
 
-    /// `true` if somebody subscribes to its depths.
     pub(crate) fn wants_depth(&self) -> bool {
         self.connections.outputs.wants_depth()
     }
@@ -190,7 +186,6 @@ impl CameraOutput {
         self.buffers.front = None;
     }
 
-    /// Its statuses.
     pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
         let mut entry = self.health.status_entry(scene, self.view(), self.context.model, &self.connections);
         safety::status::add_dark(&mut entry, &self.policy);
@@ -284,12 +279,12 @@ impl CameraOutput {
             }
         };
         self.health.clear_problem(&view.name);
-        self.health.record_dark(&view.name, self.policy.dark.as_ref());
+        self.health.record_dark(&view.name, self.policy.dark_reason.as_ref());
         let Some(info) = scene.camera_info(&view) else { return Ok(None) };
         let mut visible = view.visible.clone();
         self.policy.hidden.iter().for_each(|display| visible.set(*display, false));
         self.epoch.follow(&self.policy.hidden, size_px(&camera));
-        let content = match &self.policy.dark {
+        let content = match &self.policy.dark_reason {
             Some(dark) => black(size_px(&camera), dark.clone(), &self.policy),
             None => FrameContent::Scene {
                 version: scene.displays().version_shown(&visible),
@@ -305,8 +300,9 @@ impl CameraOutput {
         }
         self.health.projection.check(scene, &view, self.context.model);
         let depth = self.wants_depth().then_some(self.context.depth_encoding);
+        let begun = Instant::now();
         let keeps_drawn = spec.protects_eyes && self.connections.outputs.window.is_some();
-        Ok(Some(DueFrame { spec, view, visible, camera, depth, keeps_drawn }))
+        Ok(Some(DueFrame { spec, view, visible, camera, depth, keeps_drawn, begun }))
     }
 
     fn spec(
@@ -395,7 +391,7 @@ impl CameraOutput {
         });
         spec.valid_until = None;
         let picture = Arc::new(picture);
-        self.buffers.front = Some(FinishedFrame { spec, picture, depth, drawn: None, submitted: None });
+        self.buffers.front = Some(FinishedFrame { spec, picture, depth, drawn: None, begun: None });
         self.publish_last(None)
     }
 
@@ -439,7 +435,7 @@ impl CameraOutput {
     pub(crate) fn publish(&mut self, frame: FinishedFrame) -> Result<()> {
         self.health.counts.drawn += 1;
         self.health.counts.depths_drawn += u64::from(frame.depth.is_some());
-        let submitted = frame.submitted;
+        let begun = frame.begun;
         self.buffers.retire_front(frame.picture.data.len());
         let published = if frame.spec.is_expired(Instant::now()) {
             self.publish_black(frame.spec)
@@ -447,7 +443,7 @@ impl CameraOutput {
             self.buffers.front = Some(frame);
             self.publish_last(Some(Instant::now()))
         };
-        submitted.into_iter().for_each(|submitted| self.timing.pacing.record(submitted.elapsed()));
+        begun.into_iter().for_each(|begun| self.timing.pacing.record(begun.elapsed()));
         published
     }
 
@@ -458,7 +454,7 @@ impl CameraOutput {
         let stamp = self.context.ros.now();
         let info = self.turned_info.of(&last.spec.info, last.spec.post.orientation);
         let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.spec.permit());
-        outputs.send(&Frame { picture, info, depth, stamp, permit, drawn: last.drawn.clone() })?;
+        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, drawn: last.drawn.clone() })?;
         if let Some(drawn) = drawn {
             let latency = &mut self.health.latency;
             latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
@@ -473,7 +469,7 @@ impl CameraOutput {
 }
 
 /// A black frame, which says why if its policy allows it.
-fn black(size_px: [u32; 2], dark: Dark, policy: &FramePolicy) -> FrameContent {
+fn black(size_px: [u32; 2], dark: DarkReason, policy: &FramePolicy) -> FrameContent {
     let has_note = policy.shows_note(&dark);
     FrameContent::Black { size_px, dark, has_note }
 }

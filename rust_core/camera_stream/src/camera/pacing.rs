@@ -1,4 +1,4 @@
-//! When the frame for a window is begun: as late as it can be and still be finished before the screen's next refresh.
+//! Pacing of frames for a window: each is begun as late as it can still be finished before the screen's next refresh.
 //!
 //! A frame that is finished long before the refresh only waits for it, while newer data arrive. Begun later, it shows
 //! them, and reaches the screen at the same refresh. The time that a frame takes is estimated from the last ones.
@@ -10,8 +10,7 @@ use rcs_window::Refresh;
 
 /// Frames from which the time that one takes is estimated.
 const FRAMES: usize = 30;
-/// How long before the refresh a frame is to be finished: the window and the display server copy it, and waking up
-/// takes its time.
+/// Time between the end of a frame and the refresh: the window and the display server copy it, and wake-ups take time.
 const MARGIN: Duration = Duration::from_millis(3);
 
 /// The time that a camera's frames take.

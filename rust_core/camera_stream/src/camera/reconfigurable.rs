@@ -19,14 +19,14 @@ const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background
 pub(super) const ENCODING: &str = "image_encoding";
 const NEAR_CLIP: &str = "near_clip";
 const VISIBILITY: &str = "visibility";
-/// The upper end of the frame rate's slider. A config may have more.
+/// Upper end of the frame rate's slider. A config may have more.
 const HIGH_FRAME_RATE_HZ: f64 = 100.0;
 const NEAREST_CLIP_M: f64 = 0.01;
 
-/// What a camera's user may change while it runs.
+/// The settings of a camera that a user may change while it runs.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Parameters {
-    /// Pictures a second; below 0 on change, 0 on trigger.
+pub(super) struct CameraParameters {
+    /// Images per second; below 0 on change, 0 on trigger.
     frame_rate_hz: f64,
     background: [u8; 3],
     encoding: Encoding,
@@ -34,10 +34,10 @@ pub(super) struct Parameters {
     visibility: Visibility,
 }
 
-/// The switch of a display.
+/// The switch of a display or group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Switch {
-    /// Its name as a parameter, unique in a config.
+    /// Name of the parameter, unique in a config.
     name: String,
     /// The names of the groups around the display and its own.
     path: Vec<String>,
@@ -63,8 +63,8 @@ pub(super) fn unique(name: String, used: &mut HashSet<String>) -> String {
     free
 }
 
-/// The switches of a config's displays: one for each path of a display that is drawn or of a group, as displays of the
-/// same path share their tick box.
+/// The switches of a config: one for each path of a display that is drawn or of a group, because displays of one path
+/// share their tick box.
 pub(super) fn switches(config: &Config) -> Vec<Switch> {
     let (mut names, mut paths, mut switches) = (HashSet::new(), HashSet::new(), Vec::new());
     for placed in config.placed_displays() {
@@ -91,7 +91,7 @@ pub(super) fn switches(config: &Config) -> Vec<Switch> {
     switches
 }
 
-/// The number as the config most likely has it: the shortest that is the same in single precision.
+/// The shortest decimal number that is the same in single precision: most likely the config's.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
@@ -100,14 +100,14 @@ fn double(name: &str, value: f64) -> DoubleParameter {
     DoubleParameter { name: name.to_owned(), value }
 }
 
-/// The groups that the parameters are in.
+/// The groups of the parameters.
 fn groups() -> Vec<GroupState> {
     let group = |name: &str, id| GroupState { name: name.to_owned(), state: true, id, parent: 0 };
     vec![group("Default", 0), group("Visibility", 1)]
 }
 
-impl Parameters {
-    /// Those of a config's camera.
+impl CameraParameters {
+    /// The settings of a config's camera.
     pub(super) fn of(settings: &CameraPubSettings) -> Self {
         Self {
             frame_rate_hz: decimal(settings.frame_rate_hz),
@@ -127,7 +127,7 @@ impl Parameters {
         settings.visibility = self.visibility.clone();
     }
 
-    /// These, with the new value wherever two states of a file differ.
+    /// Merges changes of a file: its new value wherever the two states differ.
     pub(super) fn with_changes(&self, before: &Self, after: &Self) -> Self {
         fn pick<T: PartialEq + Clone>(own: &T, before: &T, after: &T) -> T {
             if before == after { own } else { after }.clone()
@@ -141,7 +141,7 @@ impl Parameters {
         }
     }
 
-    /// Gives switches whose displays are gone the file's values.
+    /// Resets the switches of removed displays to the file's values.
     pub(super) fn forget<'s>(&mut self, gone: impl Iterator<Item = &'s Switch>, in_file: &Self) {
         for switch in gone {
             let path = switch.path();
@@ -149,7 +149,7 @@ impl Parameters {
         }
     }
 
-    /// Applies the values of a request, limited to the bounds of a description. Returns an encoding that is not known.
+    /// Applies the values of a request, clamped to the bounds of a description. Returns an unknown encoding.
     pub(super) fn set<'r>(
         &mut self,
         request: &'r Values,
@@ -188,7 +188,6 @@ impl Parameters {
         unknown
     }
 
-    /// All values, as dynamic_reconfigure publishes them.
     pub(super) fn values(&self, switches: &[Switch]) -> Values {
         let switch = |switch: &Switch| BoolParameter {
             name: switch.name.clone(),
@@ -237,7 +236,7 @@ impl Parameters {
 }
 
 impl Switch {
-    /// Whether both are of the same place in the tree of displays.
+    /// `true` if both have the same path.
     pub(super) fn is_of_same_display(&self, other: &Self) -> bool {
         self.path == other.path
     }
@@ -266,7 +265,7 @@ mod tests {
         let switches = switches(&config);
         let names: Vec<&str> = switches.iter().map(|switch| switch.name.as_str()).collect();
         assert_eq!(names, ["show_1", "show_g", "show_g_a_b", "show_g_a_b_2", "show_g_a_b_3"]);
-        let mut parameters = Parameters::of(&CameraPubSettings::default());
+        let mut parameters = CameraParameters::of(&CameraPubSettings::default());
         let off = BoolParameter { name: "show_g_a_b_2".to_owned(), value: false };
         let request = Values { bools: vec![off], ..Values::default() };
         parameters.set(&request, &switches, &parameters.description(&switches));
@@ -278,7 +277,7 @@ mod tests {
 
     #[test]
     fn values_out_of_bounds_become_the_nearest_ones_and_nonsense_is_ignored() {
-        let mut parameters = Parameters::of(&CameraPubSettings::default());
+        let mut parameters = CameraParameters::of(&CameraPubSettings::default());
         let bounds = parameters.description(&[]);
         let text = |value: &str| vec![StrParameter { name: ENCODING.to_owned(), value: value.to_owned() }];
         let request = Values {
@@ -288,12 +287,12 @@ mod tests {
             ..Values::default()
         };
         parameters.set(&request, &[], &bounds);
-        let expected = Parameters {
+        let expected = CameraParameters {
             frame_rate_hz: -1.0,
             near_clip_m: FAR_CLIP_M,
             background: [0, 255, 0],
             encoding: Encoding::Mono8,
-            ..Parameters::of(&CameraPubSettings::default())
+            ..CameraParameters::of(&CameraPubSettings::default())
         };
         assert_eq!(parameters, expected);
         let nonsense =
@@ -304,11 +303,11 @@ mod tests {
 
     #[test]
     fn a_users_values_are_replaced_only_where_the_file_changed() {
-        let before = Parameters::of(&CameraPubSettings::default());
-        let own = Parameters { background: [1, 2, 3], near_clip_m: 0.5, ..before.clone() };
-        let after = Parameters { near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before.clone() };
+        let before = CameraParameters::of(&CameraPubSettings::default());
+        let own = CameraParameters { background: [1, 2, 3], near_clip_m: 0.5, ..before.clone() };
+        let after = CameraParameters { near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before.clone() };
         let merged = own.with_changes(&before, &after);
-        let expected = Parameters { background: [1, 2, 3], near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before };
+        let expected = CameraParameters { background: [1, 2, 3], near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before };
         assert_eq!(merged, expected);
     }
 
@@ -316,7 +315,7 @@ mod tests {
     fn a_display_that_is_gone_takes_its_switch_along() {
         let grid = |name: &str| format!("{{Class: rviz/Grid, Name: {name}, Enabled: true}}");
         let all = switches(&config(&[grid("a"), grid("b")].join(", ")));
-        let in_file = Parameters::of(&CameraPubSettings::default());
+        let in_file = CameraParameters::of(&CameraPubSettings::default());
         let mut own = in_file.clone();
         own.visibility.set(&["a"], false);
         own.visibility.set(&["b"], false);
@@ -327,7 +326,7 @@ mod tests {
     #[test]
     fn a_configs_numbers_are_reported_as_they_are_written() {
         let settings = CameraPubSettings { near_clip_m: 0.01, frame_rate_hz: 144.1, ..CameraPubSettings::default() };
-        let parameters = Parameters::of(&settings);
+        let parameters = CameraParameters::of(&settings);
         assert_eq!(parameters.values(&[]).doubles, [double(FRAME_RATE, 144.1), double(NEAR_CLIP, 0.01)]);
         let most = &parameters.description(&[]).max.doubles[0];
         assert_eq!(most.value, 144.1, "the file's value is within bounds");

@@ -1,8 +1,8 @@
 //! The settings of a camera that can be changed while the node runs: the config's, and dynamic_reconfigure's over them.
 //!
-//! At the start the config's values apply. A user's values replace them until the value in the file changes; that of a
-//! display's switch is also forgotten with its display, as in rviz. Values that an earlier run left on the parameter
-//! server are ignored: the `.rviz` file is what the user sees and edits.
+//! At the start the config's values apply. A user's values replace them until the value in the file changes; a display's
+//! switch is also forgotten with its display, as in rviz. Values that an earlier run left on the parameter server are
+//! ignored: the user sees and edits the `.rviz` file.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
 
 use super::plan::CameraPlan;
-use super::reconfigurable::{Parameters, Switch, ENCODING};
+use super::reconfigurable::{CameraParameters, Switch, ENCODING};
 
 /// The settings of one camera that can be changed while it runs.
 pub(super) struct RuntimeSettings {
@@ -19,8 +19,8 @@ pub(super) struct RuntimeSettings {
     id: String,
     /// The camera with the settings of the next frame.
     view: Arc<CameraView>,
-    in_file: Parameters,
-    current: Parameters,
+    in_file: CameraParameters,
+    current: CameraParameters,
     switches: Arc<[Switch]>,
     /// `None` where its services cannot be offered.
     server: Option<ReconfigureServer>,
@@ -31,7 +31,7 @@ pub(super) struct RuntimeSettings {
 impl RuntimeSettings {
     /// The config's settings of a camera, offered as `~ID`.
     pub(super) fn start(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
-        let current = Parameters::of(&plan.view.settings);
+        let current = CameraParameters::of(&plan.view.settings);
         let (id, view) = (plan.id.clone(), Arc::new(plan.view.clone()));
         let server = ros.serve_reconfigure(&format!("~{id}"), current.description(switches), current.values(switches));
         let server = server.map_err(|error| log::error!("{error}")).ok();
@@ -71,7 +71,7 @@ impl RuntimeSettings {
 
     /// Takes over the values that changed in the config.
     pub(super) fn update_from(&mut self, ros: &RosNode, view: CameraView, switches: &Arc<[Switch]>) {
-        let in_file = Parameters::of(&view.settings);
+        let in_file = CameraParameters::of(&view.settings);
         let mut current = self.current.with_changes(&self.in_file, &in_file);
         let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
         current.forget(self.switches.iter().filter(is_gone), &in_file);

@@ -1,4 +1,4 @@
-//! When a camera's next frame is due: by its frame rate, by a change, by a trigger, and just before the screen's refresh.
+//! Timing of a camera's frames: by its frame rate, changes, triggers, and the screen's refresh.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -4,13 +4,15 @@
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
+use anyhow::{Error, Result};
 use rcs_displays::{time_from_stamp, Level, Status};
+use rcs_node_support::lifecycle::EndRequest;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::{NodeError, RosNode};
+use rcs_ros::RosNode;
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
-use crate::check::node_name::NodeName;
+use crate::check::node_name::node_names;
 use crate::check::table;
 use crate::cli::{ModelArgs, ResourceArgs};
 use crate::private_parameters;
@@ -18,55 +20,38 @@ use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera, VISIBILITY};
 use crate::scene::SceneState;
-use rcs_node_support::lifecycle::EndRequest;
 
-/// How long it sleeps at most while nothing is received.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
-/// The columns of the table.
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
-/// Why the check could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum LiveError {
-    /// No node can be started, or it cannot subscribe.
-    #[error(transparent)]
-    Ros(#[from] NodeError),
-    /// Signals cannot be handled, or the output cannot be written.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// A private parameter has no valid value.
-    #[error("{0}")]
-    Parameter(String),
-}
-
-/// The arguments of the launch line that matter to the check.
+/// The arguments of the launch line that the check uses.
 #[derive(Clone, Debug)]
-pub struct LiveArgs {
-    /// How long to listen.
-    pub listen: Duration,
+pub(crate) struct LiveArgs {
+    /// Time to listen.
+    pub(crate) listen: Duration,
     /// Overrides the config's.
-    pub fixed_frame: Option<String>,
+    pub(crate) fixed_frame: Option<String>,
     /// Overrides the node's private parameters.
-    pub model: ModelArgs,
-    /// Which mesh files may be read, besides the private parameters.
-    pub resources: ResourceArgs,
+    pub(crate) model: ModelArgs,
+    /// Limits of mesh files, besides the private parameters.
+    pub(crate) resources: ResourceArgs,
 }
 
-/// Subscribes for a while and prints the table. Returns whether every status is Ok and all of the config is understood.
+/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and all of the config is understood.
 ///
 /// # Errors
-/// See [`LiveError`]; no master is one of them.
-pub fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool, LiveError> {
+/// No master, an invalid parameter, or an output that cannot be written.
+pub(crate) fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool> {
     // The master would end the running node if this one took its name.
-    let name = NodeName::of_this_process()?;
+    let [own_name, checked_name] = node_names()?;
     let end = EndRequest::watch_signals()?;
     rcs_scene::name_threads();
-    let ros = RosNode::connect_now(&name.own, &|| end.is_requested())?;
-    let result = check(config, args, &name, &ros, &end, out);
+    let ros = RosNode::connect_now(&own_name, &|| end.is_requested())?;
+    let result = check(config, args, &checked_name, &ros, &end, out);
     ros.shutdown();
     match result {
-        // One that is closed, as by `head`, has been read as far as it is wanted.
-        Err(LiveError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(true),
+        // A closed pipe, as of `head`, is no error.
+        Err(error) if is_closed_pipe(&error) => Ok(true),
         result => result,
     }
 }
@@ -74,27 +59,25 @@ pub fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool
 fn check(
     config: &Config,
     args: &LiveArgs,
-    name: &NodeName,
+    checked_name: &str,
     ros: &RosNode,
     end: &EndRequest,
     out: &mut dyn Write,
-) -> Result<bool, LiveError> {
+) -> Result<bool> {
     // `_projection:=` of the command line, or what the node's own launch file set.
-    let model = private_parameters::camera_model(ros, &args.model, Some(&name.diagnosed))
-        .map_err(|error| LiveError::Parameter(error.to_string()))?;
-    let resources =
-        private_parameters::resources(ros, &args.resources).map_err(|error| LiveError::Parameter(error.to_string()))?;
+    let model = private_parameters::camera_model(ros, &args.model, Some(checked_name))?;
+    let resources = private_parameters::resources(ros, &args.resources)?;
     let events = ros.events().clone();
     let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-    let mut stage = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
-    // Kept for what is known of their publishers.
-    let _subscriptions = receive(&mut stage, args.listen, ros, end)?;
+    let mut scene = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
+    // Kept because they know their publishers.
+    let _subscriptions = receive(&mut scene, args.listen, ros, end)?;
     ros.query_publications();
-    let mut entries = stage.status_entries(ros_time(ros));
-    let place = |view| PlacedCamera { view, camera: stage.camera(view, model).ok() };
-    let placed: Vec<_> = stage.cameras().iter().map(place).collect();
-    visibility::add(&mut entries, stage.displays(), &placed);
-    entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, model)));
+    let mut entries = status_tree::scene(&scene, ros_time(ros));
+    let place = |view| PlacedCamera { view, camera: scene.camera(view, model).ok() };
+    let placed: Vec<_> = scene.cameras().iter().map(place).collect();
+    visibility::add(&mut entries, scene.displays(), &placed);
+    entries.extend(scene.cameras().iter().map(|view| status_tree::camera(&scene, view, model)));
     status_tree::add_ros_graph(&mut entries, ros);
     status_tree::add_unreachable_publishers(&mut entries, ros);
     print(&entries, out)?;
@@ -103,28 +86,27 @@ fn check(
     Ok(is_ok && is_understood)
 }
 
+fn is_closed_pipe(error: &Error) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
 fn ros_time(ros: &RosNode) -> Time {
     time_from_stamp(ros.now())
 }
 
-/// Applies what is received to the stage. Returns the subscriptions.
-fn receive(
-    stage: &mut SceneState,
-    listen: Duration,
-    ros: &RosNode,
-    end: &EndRequest,
-) -> Result<Subscriptions, LiveError> {
+/// Applies received messages to the scene. Returns the subscriptions.
+fn receive(scene: &mut SceneState, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<Subscriptions> {
     ros.subscribe_transforms()?;
     let mut subscriptions = Subscriptions::default();
-    subscriptions.update(ros, stage.topics());
-    ros.follow_parameters(stage.parameters());
+    subscriptions.update(ros, scene.topics());
+    ros.follow_parameters(scene.parameters());
     let started = Instant::now();
     loop {
         let left = listen.saturating_sub(started.elapsed());
         for event in ros.events().wait(left.min(LONGEST_SLEEP)) {
-            subscriptions.apply(event, stage, ros_time(ros));
+            subscriptions.apply(event, scene, ros_time(ros));
         }
-        stage.update(ros_time(ros));
+        scene.update(ros_time(ros));
         if left.is_zero() || end.is_requested() {
             return Ok(subscriptions);
         }
@@ -150,24 +132,23 @@ fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
     listed.into_iter().map(|(name, status)| row(status.level, text((name, status)))).collect()
 }
 
-/// The longest list of statuses in one row, in characters. TF has a status for each frame.
+/// Longest list of statuses in one row, in characters. TF has a status for each frame.
 const MAX_SUMMARY_CHARS: usize = 100;
 
-/// The texts in one line, and how many there are if that would be too long.
+/// The texts in one line, or the first of them and their number.
 fn summary(texts: impl Iterator<Item = String>) -> String {
     let texts: Vec<String> = texts.collect();
-    let mut shown = String::new();
+    let mut line = String::new();
     for (index, text) in texts.iter().enumerate() {
         let comma = if index == 0 { "" } else { ", " };
-        if index > 0 && shown.chars().count() + comma.len() + text.chars().count() > MAX_SUMMARY_CHARS {
-            return format!("{shown}, … ({} statuses, all Ok)", texts.len());
+        if index > 0 && line.chars().count() + comma.len() + text.chars().count() > MAX_SUMMARY_CHARS {
+            return format!("{line}, … ({} statuses, all Ok)", texts.len());
         }
-        shown += &format!("{comma}{text}");
+        line += &format!("{comma}{text}");
     }
-    shown
+    line
 }
 
-/// Prints the table.
 fn print(entries: &[StatusEntry<'_>], out: &mut dyn Write) -> io::Result<()> {
     let rows: Vec<[String; 5]> =
         std::iter::once(HEAD.map(str::to_owned)).chain(entries.iter().flat_map(rows)).collect();

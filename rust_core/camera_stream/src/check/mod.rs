@@ -1,6 +1,6 @@
-//! `camera_stream check`: which parts of a config are understood and drawn.
+//! `camera_stream check`: the parts of a config that are understood and drawn.
 
-pub mod live;
+pub(crate) mod live;
 mod node_name;
 mod table;
 
@@ -9,11 +9,11 @@ use std::io::{self, Write};
 use rcs_rviz_config::{camera_problems, setting_problems, Config, PlacedDisplay, Role};
 
 /// Prints each display, each problem and each finding; `fixed_frame` overrides the config's.
-/// Returns whether all is well: notes, which change no picture, do not matter.
+/// Returns `true` if there are no problems: notes, which change no image, do not matter.
 ///
 /// # Errors
-/// When the output cannot be written. One that is closed, as by `head`, has been read as far as it is wanted.
-pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
+/// The output cannot be written. A closed pipe, as of `head`, is no error.
+pub(crate) fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
     match print_all(config, fixed_frame, out) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(true),
         result => result,
@@ -41,8 +41,7 @@ fn print_all(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
     print_findings(config, out)
 }
 
-/// Prints what keeps the cameras from publishing, what else does not work, and each finding. Returns whether there is
-/// nothing but notes.
+/// Prints problems of cameras and settings, and each finding. Returns `true` if there are only notes.
 fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
     let camera_problems = camera_problems(config);
     for problem in &camera_problems {

@@ -1,7 +1,7 @@
-//! The name of the node that makes a live check: not the name of the node that it checks.
+//! The name of the node that makes a live check: the launch line's name with a suffix.
 //!
-//! A launch line may hold `__name:=X`, and two nodes of one name cannot run: the master ends the first. rosrust reads
-//! the name from the process's arguments, so the process starts itself again with another name in them.
+//! A launch line may hold `__name:=X`, and the master ends the first of two nodes of one name. rosrust reads the name
+//! from the process's arguments, so the process restarts itself with another name in them.
 
 use std::ffi::OsString;
 use std::io;
@@ -13,51 +13,31 @@ use crate::NODE_NAME;
 /// ROS's special argument for the name.
 const NAME_ARGUMENT: &str = "__name:=";
 
-/// The names of the two nodes, without their namespace.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct NodeName {
-    /// The name of this process's node.
-    pub(crate) own: String,
-    /// The name that the launch line gives to the node it starts.
-    pub(crate) diagnosed: String,
+/// The names of this process's node and of the one that it checks, without their namespace. Where the arguments hold the
+/// latter, the process restarts itself with its own name in that place.
+///
+/// # Errors
+/// The process cannot be restarted.
+pub(super) fn node_names() -> io::Result<[String; 2]> {
+    let suffix = format!("_check_{}", std::process::id());
+    let mut arguments: Vec<OsString> = std::env::args_os().collect();
+    let Some(checked) = rename(&mut arguments, &suffix) else {
+        // Returns only if it fails. The process keeps its id, so it finds the name in place.
+        return Err(restart::<&str>(arguments.into_iter().skip(1), &[]));
+    };
+    Ok([format!("{checked}{suffix}"), checked])
 }
 
-impl NodeName {
-    /// The names for this process. Where its arguments hold the other node's name, the process starts itself again with
-    /// its own name in that place.
-    ///
-    /// # Errors
-    /// When the process cannot start itself again.
-    pub(crate) fn of_this_process() -> io::Result<Self> {
-        let suffix = format!("_check_{}", std::process::id());
-        let arguments: Vec<OsString> = std::env::args_os().collect();
-        match renamed(&arguments, &suffix) {
-            // Returns only if it fails. The process keeps its id, so it finds the name in place.
-            Some(arguments) => Err(restart::<&str>(arguments.into_iter().skip(1), &[])),
-            None => Ok(Self::from_arguments(&arguments, &suffix)),
-        }
+/// The name of the checked node, if this process's arguments have no name without the suffix; else adds the suffix.
+fn rename(arguments: &mut [OsString], suffix: &str) -> Option<String> {
+    let given = arguments.iter_mut().find(|argument| argument.to_string_lossy().starts_with(NAME_ARGUMENT));
+    let Some(argument) = given else { return Some(NODE_NAME.to_owned()) };
+    let checked = argument.to_str().and_then(|text| text.strip_prefix(NAME_ARGUMENT)?.strip_suffix(suffix));
+    let checked = checked.map(str::to_owned);
+    if checked.is_none() {
+        argument.push(suffix);
     }
-
-    fn from_arguments(arguments: &[OsString], suffix: &str) -> Self {
-        let given = arguments.iter().find_map(|argument| argument.to_str()?.strip_prefix(NAME_ARGUMENT));
-        let diagnosed = given.and_then(|name| name.strip_suffix(suffix)).unwrap_or(NODE_NAME).to_owned();
-        Self { own: format!("{diagnosed}{suffix}"), diagnosed }
-    }
-}
-
-/// The arguments with the check's own name in place of the node's; `None` where no other name is given.
-fn renamed(arguments: &[OsString], suffix: &str) -> Option<Vec<OsString>> {
-    let is_other = |argument: &OsString| {
-        argument.to_str().is_some_and(|text| text.starts_with(NAME_ARGUMENT) && !text.ends_with(suffix))
-    };
-    let rename = |argument: &OsString| {
-        let mut argument = argument.clone();
-        if is_other(&argument) {
-            argument.push(suffix);
-        }
-        argument
-    };
-    arguments.iter().any(is_other).then(|| arguments.iter().map(rename).collect())
+    checked
 }
 
 #[cfg(test)]
@@ -66,14 +46,10 @@ mod tests {
 
     #[test]
     fn the_check_never_takes_the_name_of_the_node_that_it_checks() {
-        let arguments = |name: &str| ["camera_stream", "check", name, "a:=b"].map(OsString::from).to_vec();
-        let renamed = renamed(&arguments("__name:=eyes"), "_check_7").unwrap();
-        assert_eq!(renamed, arguments("__name:=eyes_check_7"));
-        assert_eq!(super::renamed(&renamed, "_check_7"), None, "once");
-        let names = |own: &str, diagnosed: &str| NodeName { own: own.to_owned(), diagnosed: diagnosed.to_owned() };
-        assert_eq!(NodeName::from_arguments(&renamed, "_check_7"), names("eyes_check_7", "eyes"));
-        let unnamed = arguments("--live");
-        assert_eq!(super::renamed(&unnamed, "_check_7"), None);
-        assert_eq!(NodeName::from_arguments(&unnamed, "_check_7"), names("camera_stream_check_7", "camera_stream"));
+        let mut arguments = ["camera_stream", "check", "__name:=eyes", "a:=b"].map(OsString::from);
+        assert_eq!(rename(&mut arguments, "_check_7"), None);
+        assert_eq!(arguments, ["camera_stream", "check", "__name:=eyes_check_7", "a:=b"]);
+        assert_eq!(rename(&mut arguments, "_check_7").as_deref(), Some("eyes"), "once");
+        assert_eq!(rename(&mut ["check".into()], "_check_7").as_deref(), Some("camera_stream"));
     }
 }

@@ -4,14 +4,13 @@ use std::io::{self, Write};
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
-/// The longest part of a cell that is printed, in columns of a terminal, but for the last of the table. A cell that is
-/// longer would push all others out of sight.
+/// Widest cell in columns of a terminal, except in the last column of the table: longer ones are cut.
 const MAX_CELL_WIDTH: usize = 60;
 
 /// Prints the rows, each after `indent`. Control characters are escaped, so that a row is a line.
 ///
 /// # Errors
-/// When the output cannot be written.
+/// The output cannot be written.
 pub(crate) fn print<const N: usize>(rows: &[[String; N]], indent: &str, out: &mut dyn Write) -> io::Result<()> {
     let shorten = |(column, cell): (usize, &String)| {
         let text = escaped(cell);

@@ -1,4 +1,4 @@
-//! `camera_stream render`: pictures from a config and a bag, without a ROS master.
+//! `camera_stream render`: images of a config and a bag, without a ROS master.
 
 mod moments;
 mod player;
@@ -16,6 +16,7 @@ use rcs_bag::{full_name, Bag};
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
 use rcs_files::limited_read::read_limited;
+use rcs_node_support::key_value;
 use rcs_render::{LastStep, Orientation, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
@@ -23,86 +24,85 @@ use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::cli;
-use crate::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
+use crate::outputs::{Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
 use crate::projection_warning::ProjectionWarning;
 use crate::safety::names::{of_camera, ForCamera};
 use crate::safety::FramePolicy;
 use crate::scene::camera_pose::CameraProblem;
-use crate::scene::{renderer_view, SceneState};
-use rcs_node_support::key_value;
+use crate::scene::{renderer_view, status_tree, SceneState};
 
-pub use moments::Section;
-use moments::{BagTimes, Moments};
+pub use moments::BagSection;
+use moments::{BagTimes, RenderTimes};
 use player::Player;
-pub use projector::Projector;
+use projector::ProjectorOverride;
 
-/// Where pictures are rendered to.
+/// Output of `render`.
 #[derive(Clone, Debug)]
-pub enum Target {
-    /// One picture of a moment, by default after the bag's last message.
+pub enum RenderTarget {
+    /// One image, by default after the bag's last message.
     Picture {
         /// The PNG or JPEG file.
         file: PathBuf,
     },
-    /// Pictures numbered from 0: `frame_000000.png`.
+    /// Images numbered from 0: `frame_000000.png`.
     Sequence {
         /// The folder; it is created if it does not exist.
         folder: PathBuf,
-        /// Pictures a second.
+        /// Images per second.
         rate_hz: f64,
-        /// Whether the pictures of an earlier sequence in the folder are removed, or are an error.
+        /// Remove the images of an earlier sequence in the folder; otherwise they are an error.
         overwrite: bool,
     },
     /// A video.
     Video {
         /// The file.
         file: PathBuf,
-        /// Pictures a second.
+        /// Images per second.
         rate_hz: f64,
     },
 }
 
-/// What is rendered of a bag.
+/// The input and output of `render`.
 #[derive(Debug)]
-pub struct Job<'a> {
+pub struct RenderJob<'a> {
     /// The bag's files.
     pub bags: &'a [PathBuf],
     /// The bag's topics that get other names, see [`bag_names`].
     pub remappings: &'a HashMap<String, String>,
     /// The name of the camera; `None` if the config has only one.
     pub camera: Option<&'a str>,
-    /// The file that takes the place of the bag's CameraInfo and frames.
+    /// A projector's file that replaces the bag's CameraInfo and frames.
     pub projector: Option<&'a Path>,
-    /// Which part of the bag.
-    pub section: Section,
-    /// Where to.
-    pub target: &'a Target,
-    /// How P becomes a projection.
+    /// The part of the bag.
+    pub section: BagSection,
+    /// The output.
+    pub target: &'a RenderTarget,
+    /// Model of the projection.
     pub model: CameraModel,
-    /// How pictures are turned when they are drawn.
+    /// Orientations of images.
     pub orientations: Vec<ForCamera<Orientation>>,
 }
 
-/// Renders what one camera of the stage sees of a bag.
+/// Renders a bag as one camera of the scene sees it.
 ///
-/// A sequence begins when the camera has a CameraInfo and a pose, if that is after the moment that was asked for.
+/// A sequence begins when the camera has a CameraInfo and a pose, if that is later than requested.
 ///
 /// # Errors
 /// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
-pub fn render(stage: &mut SceneState, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
-    let view = choose_camera(stage.cameras(), job.camera)?.clone();
+pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Renderer) -> Result<()> {
+    let view = choose_camera(scene.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
     let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
     let bag = job.open()?;
     let Some(times) = BagTimes::of(&bag).with_context(|| job.name())? else {
         bail!("{}: the bag holds no messages", job.name())
     };
-    let projector = job.projector.map(|file| Projector::read(file, &view)).transpose()?;
+    let projector = job.projector.map(|file| ProjectorOverride::read(file, &view)).transpose()?;
     if let Some(projector) = &projector {
-        projector.place(stage, times.start);
+        projector.place(scene, times.start);
     }
-    let mut player = Player::new(stage, &bag, times, projector);
-    let moments = job.moments(&mut player, stage, &view, times)?;
+    let mut player = Player::new(scene, &bag, times, projector);
+    let moments = job.moments(&mut player, scene, &view, times)?;
     let interrupted = Interrupted::watch()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
@@ -112,28 +112,32 @@ pub fn render(stage: &mut SceneState, job: &Job<'_>, renderer: &mut dyn Renderer
         if interrupted.is_set() {
             bail!("interrupted at {moment}");
         }
-        player.play_until(stage, moment).with_context(|| job.name())?;
-        stage.update(moment);
-        let camera = match stage.camera(&view, job.model) {
+        player.play_until(scene, moment).with_context(|| job.name())?;
+        scene.update(moment);
+        let camera = match scene.camera(&view, job.model) {
             Ok(camera) => camera,
-            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, stage, &view, times)),
+            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, scene, &view, times)),
         };
-        projection.check(stage, &view, job.model);
-        let scene = stage.scene();
-        renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
+        projection.check(scene, &view, job.model);
+        let snapshot = scene.scene();
+        renderer.render(&renderer_view(&view, &snapshot, &camera), Arc::make_mut(&mut picture))?;
         policy.post.apply(Arc::make_mut(&mut picture), &mut turned);
-        let info = stage.camera_info(&view).cloned().unwrap_or_default();
-        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment), ..Frame::default() })?;
+        let info = scene.camera_info(&view).cloned().unwrap_or_default();
+        output.send(&OutputFrame {
+            picture: Arc::clone(&picture),
+            info,
+            stamp: ros_time(moment),
+            ..OutputFrame::default()
+        })?;
         progress.inc(1);
     }
     output.finish()?;
     progress.finish_and_clear();
-    player.status_log.conclude(&stage.status_entries(moments.last()), moments.last());
+    player.status_log.conclude(&status_tree::scene(scene, moments.last()), moments.last());
     Ok(())
 }
 
-impl Job<'_> {
-    /// The bags' names, for messages.
+impl RenderJob<'_> {
     fn name(&self) -> String {
         self.bags.iter().map(|bag| bag.display().to_string()).collect::<Vec<_>>().join(", ")
     }
@@ -148,21 +152,21 @@ impl Job<'_> {
         Ok(bag.remapped(self.remappings))
     }
 
-    /// The moments to be rendered. Plays the bag up to the first of a sequence.
+    /// The times to render. Plays the bag up to the first of a sequence.
     fn moments(
         &self,
         player: &mut Player,
-        stage: &mut SceneState,
+        scene: &mut SceneState,
         view: &CameraView,
         times: BagTimes,
-    ) -> Result<Moments> {
+    ) -> Result<RenderTimes> {
         let rate_hz = match self.target {
-            Target::Picture { .. } => return self.section.single(times),
-            Target::Sequence { rate_hz, .. } | Target::Video { rate_hz, .. } => *rate_hz,
+            RenderTarget::Picture { .. } => return self.section.single(times),
+            RenderTarget::Sequence { rate_hz, .. } | RenderTarget::Video { rate_hz, .. } => *rate_hz,
         };
         let [first, last] = self.section.bounds(times)?;
-        let whole = Moments::between([first, last], rate_hz)?;
-        let begin = player.play_until_camera(stage, view, self.model, [first, last]);
+        let whole = RenderTimes::between([first, last], rate_hz)?;
+        let begin = player.play_until_camera(scene, view, self.model, [first, last]);
         let Some(begin) = begin.with_context(|| self.name())? else {
             // The error of the first picture says what is missing.
             return Ok(whole);
@@ -176,22 +180,22 @@ impl Job<'_> {
                 "the first picture is of {begin}: {late_secs:.3} s later the camera has its CameraInfo and pose"
             );
         }
-        Moments::between([begin, last], rate_hz)
+        RenderTimes::between([begin, last], rate_hz)
     }
 
-    /// The error of a moment at which there is no camera. Plays on to see when there is one: the stage is done with.
+    /// The error of a time without a camera. Plays on until there is one: the scene is not needed any more.
     fn no_camera_at(
         &self,
         moment: Time,
         problem: CameraProblem,
         player: &mut Player,
-        stage: &mut SceneState,
+        scene: &mut SceneState,
         view: &CameraView,
         times: BagTimes,
     ) -> Error {
         let bag = self.name();
         let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
-        let begin = is_missing.then(|| player.play_until_camera(stage, view, self.model, [moment, times.end]));
+        let begin = is_missing.then(|| player.play_until_camera(scene, view, self.model, [moment, times.end]));
         match begin.and_then(Result::ok).flatten() {
             Some(begin) => {
                 // Rounded up, so that the moment is not before it.
@@ -207,8 +211,8 @@ impl Job<'_> {
     }
 }
 
-/// Whether a signal asks the program to end: at the next picture, so that what is unfinished is removed. A second
-/// signal ends it at once.
+/// Set by a signal that asks the program to end: at the next image, so that unfinished files are removed. A second signal
+/// ends it at once.
 struct Interrupted(Arc<AtomicBool>);
 
 impl Interrupted {
@@ -226,7 +230,7 @@ impl Interrupted {
     }
 }
 
-impl Target {
+impl RenderTarget {
     fn open(&self) -> Result<Box<dyn Output>> {
         Ok(match self {
             Self::Picture { file } => Box::new(PictureFile::new(file)),
@@ -236,11 +240,10 @@ impl Target {
     }
 }
 
-/// The whole names of a bag's topics that get other names, and those, from remappings such as
-/// `/robot1/points:=/points`.
+/// Renamed topics of a bag by their whole names, from remappings such as `/robot1/points:=/points`.
 ///
 /// # Errors
-/// One line that names what is no topic's name.
+/// One line with the invalid name.
 pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, String>> {
     let whole = |(from, to): &(String, String)| {
         for name in [from, to] {
@@ -251,11 +254,11 @@ pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, Stri
     remappings.iter().map(whole).collect()
 }
 
-/// The most bytes of a parameter's text.
+/// Most bytes of a parameter's text.
 const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 
-/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's
-/// own file may be anything that can be read, such as the output of another program.
+/// Reads parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's own file
+/// may be anything that can be read, such as a pipe.
 ///
 /// # Errors
 /// One line that names the parameter and the file that cannot be read.
@@ -272,11 +275,11 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
     given.iter().map(read).collect()
 }
 
-/// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
-pub fn set_parameters(stage: &mut SceneState, parameters: &HashMap<String, Arc<str>>) {
-    for name in stage.parameters() {
+/// Sets the parameters that the scene reads; those that are not among `parameters` are not set.
+pub fn set_parameters(scene: &mut SceneState, parameters: &HashMap<String, Arc<str>>) {
+    for name in scene.parameters() {
         let text = parameters.get(name.trim_start_matches('/'));
-        stage.take_parameter(&name, text, Time::ZERO);
+        scene.take_parameter(&name, text, Time::ZERO);
     }
 }
 
@@ -298,7 +301,7 @@ fn ros_time(time: Time) -> rcs_messages::Time {
     rcs_messages::Time { sec, nsec }
 }
 
-/// A progress bar on a terminal for more than one picture, nothing on a pipe.
+/// A progress bar on a terminal for more than one image, nothing on a pipe.
 fn progress(pictures: u64) -> ProgressBar {
     if pictures < 2 {
         return ProgressBar::hidden();

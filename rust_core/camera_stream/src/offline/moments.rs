@@ -1,28 +1,27 @@
-//! Which moments of a bag are rendered.
+//! The times of a bag that are rendered.
 
 use std::time::Duration;
 
 use anyhow::{bail, Result};
 use rcs_transforms::Time;
 
-/// The most pictures of a sequence: their numbers have six digits.
+/// Most images of a sequence: their numbers have six digits.
 const MAX_PICTURES: u64 = 1_000_000;
 
-/// The part of a bag that is asked for. A moment is a number of seconds after the bag's first message, or a ROS time
-/// where that lies within the bag.
+/// The part of a bag to render. Times are seconds after the bag's first message, or ROS times that lie within the bag.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Section {
-    /// This moment alone.
+pub struct BagSection {
+    /// This time alone.
     pub at_secs: Option<f64>,
-    /// From this moment on.
+    /// From this time on.
     pub start_secs: Option<f64>,
-    /// To this moment, or to the bag's end if that is earlier.
+    /// Up to this time, or the bag's end if that is earlier.
     pub end_secs: Option<f64>,
 }
 
-/// The moments that are rendered: evenly spaced, one at least.
+/// Evenly spaced times, one at least.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Moments {
+pub(super) struct RenderTimes {
     first: Time,
     rate_hz: f64,
     count: u64,
@@ -33,12 +32,12 @@ pub(super) struct Moments {
 pub(super) struct BagTimes {
     pub(super) start: Time,
     pub(super) end: Time,
-    /// Whether they are those of the bag's clock.
+    /// `true` if they are of the bag's clock.
     pub(super) has_clock: bool,
 }
 
 impl BagTimes {
-    /// The time of a moment that lies within the bag.
+    /// Converts a time that lies within the bag.
     fn moment(self, option: &str, secs: f64) -> Result<Time> {
         let Self { start, end, .. } = self;
         let absolute = secs >= start.as_secs_f64() && secs <= end.as_secs_f64();
@@ -55,14 +54,14 @@ impl BagTimes {
     }
 }
 
-impl Section {
-    /// One moment, by default the last.
-    pub(super) fn single(&self, bag: BagTimes) -> Result<Moments> {
+impl BagSection {
+    /// One time, by default the last.
+    pub(super) fn single(&self, bag: BagTimes) -> Result<RenderTimes> {
         let first = self.at_secs.map_or(Ok(bag.end), |secs| bag.moment("--at", secs))?;
-        Ok(Moments { first, rate_hz: 1.0, count: 1 })
+        Ok(RenderTimes { first, rate_hz: 1.0, count: 1 })
     }
 
-    /// Where a sequence begins, unless its camera appears later, and where it ends.
+    /// Beginning and end of a sequence. It begins later if its camera appears later.
     pub(super) fn bounds(&self, bag: BagTimes) -> Result<[Time; 2]> {
         if let Some(secs) = self.at_secs {
             let moment = bag.moment("--at", secs)?;
@@ -81,8 +80,8 @@ impl Section {
     }
 }
 
-impl Moments {
-    /// Evenly spaced moments from the first to the last.
+impl RenderTimes {
+    /// Evenly spaced times from the first to the last.
     pub(super) fn between([first, last]: [Time; 2], rate_hz: f64) -> Result<Self> {
         let length_secs = last.secs_since(first);
         // The last one is drawn although its time is rounded.
@@ -110,8 +109,7 @@ impl Moments {
     }
 }
 
-/// The time so many seconds after another, before it if they are negative; the last or first of all times where there
-/// is none.
+/// The time this many seconds after another, saturating.
 fn after(start: Time, secs: f64) -> Time {
     let duration = Duration::try_from_secs_f64(secs.abs()).unwrap_or(Duration::MAX);
     if secs < 0.0 {
@@ -134,10 +132,10 @@ mod tests {
 
     #[test]
     fn a_moment_is_within_the_bag() {
-        let single = |secs| Section { at_secs: Some(secs), ..Section::default() }.single(BAG);
+        let single = |secs| BagSection { at_secs: Some(secs), ..BagSection::default() }.single(BAG);
         let first = |secs| single(secs).unwrap().first.as_secs_f64();
         assert_eq!([0.0, 1.5, 102.0, 3.0].map(first), [100.0, 101.5, 102.0, 103.0]);
-        assert_eq!(Section::default().single(BAG).unwrap().first, at(103));
+        assert_eq!(BagSection::default().single(BAG).unwrap().first, at(103));
         for secs in [3.1, 99.0, 104.0, 1e9, 1e20, 1e300] {
             assert!(single(secs).unwrap_err().to_string().contains("the bag ends 3 s after"), "{secs}");
             assert!(single(-secs).unwrap_err().to_string().contains("the bag begins at 100"), "{secs}");
@@ -146,20 +144,20 @@ mod tests {
 
     #[test]
     fn a_sequence_is_a_part_of_the_bag() {
-        let bounds = |start_secs, end_secs| Section { at_secs: None, start_secs, end_secs }.bounds(BAG);
+        let bounds = |start_secs, end_secs| BagSection { at_secs: None, start_secs, end_secs }.bounds(BAG);
         assert_eq!(bounds(None, None).unwrap(), [at(100), at(103)]);
         assert_eq!(bounds(Some(1.0), Some(102.0)).unwrap(), [at(101), at(102)]);
         assert_eq!(bounds(Some(2.0), Some(99.0)).unwrap(), [at(102), at(103)], "to the end at most");
         for (start, end) in [(Some(4.0), None), (Some(-1.0), None), (None, Some(-1.0)), (Some(2.0), Some(1.0))] {
             assert!(bounds(start, end).is_err(), "{start:?} {end:?}");
         }
-        let one = Section { at_secs: Some(1.0), ..Section::default() }.bounds(BAG).unwrap();
-        assert_eq!(Moments::between(one, 30.0).unwrap().iter().collect::<Vec<_>>(), [at(101)]);
+        let one = BagSection { at_secs: Some(1.0), ..BagSection::default() }.bounds(BAG).unwrap();
+        assert_eq!(RenderTimes::between(one, 30.0).unwrap().iter().collect::<Vec<_>>(), [at(101)]);
     }
 
     #[test]
     fn a_sequence_is_evenly_spaced_and_has_a_limit() {
-        let moments = |rate_hz, end| Moments::between([at(100), at(end)], rate_hz);
+        let moments = |rate_hz, end| RenderTimes::between([at(100), at(end)], rate_hz);
         let times: Vec<f64> = moments(2.0, 102).unwrap().iter().map(Time::as_secs_f64).collect();
         assert_eq!(times, [100.0, 100.5, 101.0, 101.5, 102.0]);
         assert_eq!(moments(2.0, 102).unwrap().last(), at(102));

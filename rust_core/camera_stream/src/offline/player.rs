@@ -1,4 +1,4 @@
-//! A bag's messages, handed to a stage as the node hands it those that it receives.
+//! Plays a bag's messages to a scene, as the node does with those that it receives.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -12,29 +12,28 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_transforms::Time;
 
 use super::moments::BagTimes;
-use super::projector::Projector;
+use super::projector::ProjectorOverride;
 use super::ros_time::{clock_jumps_back, clock_of, is_clock, RosTime};
 use crate::scene::status_log::StatusLog;
-use crate::scene::SceneState;
+use crate::scene::{status_tree, SceneState};
 
-/// Plays a bag's messages to a stage.
+/// Plays a bag's messages to a scene.
 pub(super) struct Player {
     messages: std::iter::Peekable<rcs_bag::Messages>,
-    /// The topics of the config: the full name, the config's name, and the type that it expects.
+    /// The topics of the config: the full name, the config's name, and the expected type.
     wanted: Vec<(String, String, MessageKind)>,
     ros_time: RosTime,
-    /// When the bag ends.
     end: Time,
     /// The clock's times before and after it jumped back.
     jump: Option<(Time, Time)>,
-    /// The times of the first and the last of the transforms that the displays were not yet updated with.
-    unseen_transforms: Option<(Time, Time)>,
-    /// What takes the place of the bag's CameraInfo and frames.
-    projector: Option<Projector>,
+    /// The times of the first and last transforms since the displays were updated.
+    pending_transforms: Option<(Time, Time)>,
+    /// Replaces the bag's CameraInfo and frames.
+    projector: Option<ProjectorOverride>,
     pub(super) status_log: StatusLog,
 }
 
-/// The displays are updated with the transforms of so much time at once, as rviz is once a picture.
+/// Period of transforms that the displays are updated with at once, as rviz is once per image.
 const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 
 /// The topics of transforms.
@@ -45,8 +44,8 @@ fn is_transforms(connection: &Connection) -> bool {
 }
 
 impl Player {
-    pub(super) fn new(stage: &SceneState, bag: &Bag, times: BagTimes, projector: Option<Projector>) -> Self {
-        let requests = stage.topics();
+    pub(super) fn new(scene: &SceneState, bag: &Bag, times: BagTimes, projector: Option<ProjectorOverride>) -> Self {
+        let requests = scene.topics();
         let wanted: Vec<(String, String, MessageKind)> =
             requests.into_iter().map(|request| (full_name(&request.topic), request.topic, request.kind)).collect();
         warn_of_other_types(bag, &wanted);
@@ -57,16 +56,16 @@ impl Player {
         };
         let messages = bag.messages(is_wanted).peekable();
         let (ros_time, status_log) = (RosTime::new(times), StatusLog::default());
-        Self { messages, wanted, ros_time, end: times.end, jump: None, unseen_transforms: None, projector, status_log }
+        Self { messages, wanted, ros_time, end: times.end, jump: None, pending_transforms: None, projector, status_log }
     }
 
     /// Plays all messages up to a time.
     ///
     /// # Errors
     /// The bag's clock jumps back.
-    pub(super) fn play_until(&mut self, stage: &mut SceneState, moment: Time) -> Result<()> {
-        while self.play_next(stage, moment).is_some() {}
-        self.update_with_transforms(stage);
+    pub(super) fn play_until(&mut self, scene: &mut SceneState, moment: Time) -> Result<()> {
+        while self.play_next(scene, moment).is_some() {}
+        self.update_with_transforms(scene);
         if let Some((from, to)) = self.jump {
             return clock_jumps_back(from, to);
         }
@@ -83,22 +82,22 @@ impl Player {
     /// those, or that time if the camera is there already; `None` if there is no camera by the other time.
     pub(super) fn play_until_camera(
         &mut self,
-        stage: &mut SceneState,
+        scene: &mut SceneState,
         view: &CameraView,
         model: CameraModel,
         [moment, last]: [Time; 2],
     ) -> Result<Option<Time>> {
-        self.play_until(stage, moment)?;
+        self.play_until(scene, moment)?;
         let mut reached = moment;
-        while stage.camera(view, model).is_err() {
-            let Some(played) = self.play_next(stage, last) else { return Ok(None) };
+        while scene.camera(view, model).is_err() {
+            let Some(played) = self.play_next(scene, last) else { return Ok(None) };
             reached = played.max(moment);
         }
         Ok(Some(reached))
     }
 
     /// Plays one message, unless it is after a time. Returns its time.
-    fn play_next(&mut self, stage: &mut SceneState, last: Time) -> Option<Time> {
+    fn play_next(&mut self, scene: &mut SceneState, last: Time) -> Option<Time> {
         let ros_time = self.ros_time;
         if self.messages.peek()?.as_ref().is_ok_and(|message| ros_time.of(message) > last) {
             return None;
@@ -111,10 +110,10 @@ impl Player {
                         self.jump = self.jump.or((clock < before).then_some((before, clock)));
                         self.ros_time = RosTime::Clock(clock);
                     }
-                    _ => self.play(stage, &message, now),
+                    _ => self.play(scene, &message, now),
                 }
                 if self.status_log.is_due(now) {
-                    self.status_log.check(&stage.status_entries(now), now);
+                    self.status_log.check(&status_tree::scene(scene, now), now);
                 }
                 Some(now)
             }
@@ -126,26 +125,26 @@ impl Player {
     }
 
     /// Updates the displays with the transforms since their last update, at the time of the last of those.
-    fn update_with_transforms(&mut self, stage: &mut SceneState) {
-        if let Some((_, last)) = self.unseen_transforms.take() {
-            stage.update(last);
+    fn update_with_transforms(&mut self, scene: &mut SceneState) {
+        if let Some((_, last)) = self.pending_transforms.take() {
+            scene.update(last);
         }
     }
 
-    fn play(&mut self, stage: &mut SceneState, message: &BagMessage, now: Time) {
+    fn play(&mut self, scene: &mut SceneState, message: &BagMessage, now: Time) {
         let connection = &message.connection;
         let name = full_name(&connection.topic);
         let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: cannot decode a message: {error}");
-        if self.unseen_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= UPDATE_PERIOD) {
-            self.update_with_transforms(stage);
+        if self.pending_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= UPDATE_PERIOD) {
+            self.update_with_transforms(scene);
         }
         if is_transforms(connection) {
-            let first = self.unseen_transforms.map_or(now, |(first, _)| first);
-            self.unseen_transforms = Some((first, now));
+            let first = self.pending_transforms.map_or(now, |(first, _)| first);
+            self.pending_transforms = Some((first, now));
             match MessageKind::TFMessage.decode(&message.bytes) {
                 Ok(AnyMessage::TFMessage(transforms)) => {
                     let transforms = self.without_projectors(&transforms);
-                    stage.take_transforms(&transforms, name == "/tf_static", &connection.publisher);
+                    scene.take_transforms(&transforms, name == "/tf_static", &connection.publisher);
                 }
                 Ok(_) => {}
                 Err(error) => damaged(&error),
@@ -158,15 +157,15 @@ impl Player {
                 continue;
             }
             match kind.decode(&message.bytes) {
-                Ok(message) => stage.take(topic, &message, now),
+                Ok(message) => scene.take(topic, &message, now),
                 Err(error) => damaged(&error),
             }
         }
-        self.unseen_transforms = None;
-        stage.update(now);
+        self.pending_transforms = None;
+        scene.update(now);
     }
 
-    /// The transforms but for those of frames that the projector's file places.
+    /// The transforms without those of frames that the projector's file places.
     fn without_projectors(&self, message: &TFMessage) -> TFMessage {
         let mut message = message.clone();
         if let Some(projector) = &self.projector {
@@ -176,7 +175,7 @@ impl Player {
     }
 }
 
-/// Warns of topics whose messages are of another type than the config expects, once of each.
+/// Warns about each topic whose messages are of another type than the config expects.
 fn warn_of_other_types(bag: &Bag, wanted: &[(String, String, MessageKind)]) {
     let transforms = TRANSFORMS.map(|name| (name.to_owned(), name.to_owned(), MessageKind::TFMessage));
     let mut warnings = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! A projector's file in the place of a bag's CameraInfo and frames.
+//! A projector's file that replaces a bag's CameraInfo and frames.
 
 use std::path::Path;
 
@@ -11,22 +11,22 @@ use rcs_transforms::Time;
 
 use crate::scene::SceneState;
 
-/// What the file says, for one camera.
+/// The CameraInfo and frames of a projector's file, for one camera.
 #[derive(Debug)]
-pub struct Projector {
+pub(crate) struct ProjectorOverride {
     file: ProjectorFile,
-    /// The file's name, which stands for a publisher.
+    /// The file's name, as the publisher of its transforms.
     name: String,
     /// The camera's CameraInfo topic, by its name in the config.
     pub(super) topic: String,
 }
 
-impl Projector {
+impl ProjectorOverride {
     /// Reads the file for a camera.
     ///
     /// # Errors
-    /// One line that names the file and what is wrong.
-    pub fn read(path: &Path, camera: &CameraView) -> Result<Self> {
+    /// An invalid file, or a camera without a Camera Info Topic.
+    pub(crate) fn read(path: &Path, camera: &CameraView) -> Result<Self> {
         let name = path.display().to_string();
         let file = ProjectorFile::read(path)?;
         for warning in file.warnings() {
@@ -42,15 +42,15 @@ impl Projector {
         Ok(Self { file, name, topic })
     }
 
-    /// Hands CameraInfo and frames to the stage.
-    pub(super) fn place(&self, stage: &mut SceneState, now: Time) {
+    /// Hands CameraInfo and frames to the scene.
+    pub(super) fn place(&self, scene: &mut SceneState, now: Time) {
         let transforms = self.file.frames.iter().map(|frame| frame.to_message(rcs_messages::Time::default()));
-        stage.take_transforms(&TFMessage { transforms: transforms.collect() }, true, &self.name);
+        scene.take_transforms(&TFMessage { transforms: transforms.collect() }, true, &self.name);
         let info = AnyMessage::CameraInfo(self.file.camera_info.clone().into());
-        stage.take(&self.topic, &info, now);
+        scene.take(&self.topic, &info, now);
     }
 
-    /// Whether the file places this frame.
+    /// `true` if the file places this frame.
     pub(super) fn places(&self, frame: &str) -> bool {
         let name = frame.trim_start_matches('/');
         self.file.frames.iter().any(|placed| placed.child.trim_start_matches('/') == name)

@@ -1,4 +1,4 @@
-//! ROS time of a bag: that of its `/clock`, as for a node with `use_sim_time`; without one, the times of recording.
+//! ROS time of a bag: its `/clock`, as for a node with `use_sim_time`; without one, the times of recording.
 //!
 //! A bag may be recorded years after its messages were stamped, from a simulation or a bag that was played.
 
@@ -10,7 +10,7 @@ use rcs_transforms::Time;
 
 use super::moments::BagTimes;
 
-/// Whether the messages of a connection are ROS time.
+/// `true` for the connection of `/clock`.
 pub(super) fn is_clock(connection: &Connection) -> bool {
     full_name(&connection.topic) == "/clock" && connection.holds(MessageKind::Clock)
 }
@@ -20,7 +20,7 @@ pub(super) fn is_clock(connection: &Connection) -> bool {
 pub(super) enum RosTime {
     /// The time of recording.
     Recorded,
-    /// What `/clock` has said last; before its first message, what that will say.
+    /// The last `/clock`; before its first message, that one.
     Clock(Time),
 }
 
@@ -34,7 +34,7 @@ impl RosTime {
         }
     }
 
-    /// The time of a message that comes next.
+    /// The time of the next message.
     pub(super) fn of(self, message: &BagMessage) -> Time {
         match self {
             Self::Recorded => time_from_stamp(message.time),
@@ -44,7 +44,7 @@ impl RosTime {
 }
 
 impl BagTimes {
-    /// The times of a bag, unless it is empty.
+    /// The times of a bag; `None` if it is empty.
     ///
     /// # Errors
     /// [`clock_jumps_back`].
@@ -71,7 +71,7 @@ impl BagTimes {
     }
 }
 
-/// The error of a clock that does: a moment would be several.
+/// The error of a clock that jumps back: one time would occur twice.
 pub(super) fn clock_jumps_back<T>(from: Time, to: Time) -> Result<T> {
     bail!(
         "/clock jumps back from {from} to {to}: cut the bag there (rosbag filter), or take the times of recording \
@@ -79,7 +79,7 @@ pub(super) fn clock_jumps_back<T>(from: Time, to: Time) -> Result<T> {
     )
 }
 
-/// The time in a message of the clock; none for other messages.
+/// The time in a message of the clock; `None` for other messages.
 pub(super) fn clock_of(message: &BagMessage) -> Option<Time> {
     match is_clock(&message.connection).then(|| MessageKind::Clock.decode(&message.bytes))? {
         Ok(AnyMessage::Clock(clock)) => Some(time_from_stamp(clock.clock)),

@@ -1,12 +1,12 @@
-//! A camera's pictures as JPEG or PNG on the topic `compressed` below the image topic, as image_transport has it.
+//! A camera's images as JPEG or PNG on the topic `compressed` below the image topic, as image_transport has it.
 //!
-//! Encoding takes longer than publishing, so it has a thread of its own, with lower priority than those that draw: the
-//! newest picture waits for it in a single place, where a newer one replaces it, and nobody waits for the thread.
-//! Nothing is encoded while nobody subscribes, and the thread starts with the first picture that somebody gets.
+//! Encoding takes longer than publishing, so it has a thread of its own, with lower priority than those that draw. Its
+//! queue holds one image, which a newer one replaces, and nobody waits for the thread. Nothing is encoded while nobody
+//! subscribes, and the thread starts with the first image.
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::mpsc::{sync_channel, Receiver};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 
 use rcs_files::picture_file;
@@ -14,14 +14,13 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
 use rcs_ros::{Publisher, ReconfigureServer, RosNode};
-use rcs_scene::{wait_while, Picture};
+use rcs_scene::{lock, wait_while, Picture};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
 use crate::runtime::watchdog::Task;
 
-/// The compressed pictures of a camera.
 pub(super) struct CompressedOutput {
-    shared: Arc<Shared>,
+    shared: Arc<CompressionQueue>,
     /// The settings that the parameter server holds, until they have come.
     start: Option<Receiver<CompressionSettings>>,
     /// `None` before those have come, and where its services cannot be offered.
@@ -29,40 +28,36 @@ pub(super) struct CompressedOutput {
     is_started: bool,
 }
 
-/// What the thread has in common with its owner.
-struct Shared {
+/// The queue of the thread that encodes.
+struct CompressionQueue {
     publisher: Arc<Publisher<CompressedImage>>,
     work: Mutex<Work>,
     changed: Condvar,
 }
 
 struct Work {
-    /// The newest picture that is not encoded yet.
+    /// The newest image that is not encoded yet.
     next: Option<(Arc<Picture>, Header)>,
     settings: CompressionSettings,
     is_ended: bool,
 }
 
-impl Shared {
-    fn work(&self) -> MutexGuard<'_, Work> {
-        self.work.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The next picture, with the settings for it; `None` at the end.
+impl CompressionQueue {
+    /// The next image, with the settings for it; `None` at the end.
     fn wait(&self) -> Option<(Arc<Picture>, Header, CompressionSettings)> {
         let idle = |work: &mut Work| work.next.is_none() && !work.is_ended;
-        let mut work = wait_while(&self.changed, self.work(), idle);
+        let mut work = wait_while(&self.changed, lock(&self.work), idle);
         let (picture, header) = work.next.take().filter(|_| !work.is_ended)?;
         Some((picture, header, work.settings))
     }
 }
 
 impl CompressedOutput {
-    /// The pictures of a topic, compressed by default settings for now.
+    /// Uses default settings until those of the parameter server have come.
     pub(super) fn start(ros: &RosNode, publisher: &Arc<Publisher<CompressedImage>>) -> Self {
         let settings = CompressionSettings::default();
         let work = Mutex::new(Work { next: None, settings, is_ended: false });
-        let shared = Arc::new(Shared { publisher: Arc::clone(publisher), work, changed: Condvar::new() });
+        let shared = Arc::new(CompressionQueue { publisher: Arc::clone(publisher), work, changed: Condvar::new() });
         let (sender, start) = sync_channel(1);
         let events = Arc::clone(ros.events());
         // The master may be silent.
@@ -80,21 +75,21 @@ impl CompressedOutput {
     pub(super) fn poll_settings(&mut self, ros: &RosNode) {
         let Some(settings) = self.start.as_ref().and_then(|start| start.try_recv().ok()) else { return };
         self.start = None;
-        self.shared.work().settings = settings;
+        lock(&self.shared.work).settings = settings;
         let topic = self.shared.publisher.topic();
         let server = ros.serve_reconfigure(topic, CompressionSettings::description(), settings.values());
         self.server = server.map_err(|error| log::error!("{error}")).ok();
     }
 
-    /// Whether dynamic_reconfigure's server of this name is this one.
+    /// `true` if this has dynamic_reconfigure's server of that name.
     pub(super) fn serves(&self, server: &str) -> bool {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)
     }
 
-    /// Applies a user's values from the next picture on. Returns those that apply now.
+    /// Applies a user's values from the next image on. Returns those that apply now.
     pub(super) fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
         let values = {
-            let mut work = self.shared.work();
+            let mut work = lock(&self.shared.work);
             work.settings.set(request);
             work.settings.values()
         };
@@ -104,19 +99,19 @@ impl CompressedOutput {
         values
     }
 
-    /// Has a picture encoded and published if somebody subscribes. Never waits.
+    /// Has an image encoded and published if somebody subscribes. Never waits.
     pub(super) fn offer(&mut self, picture: &Arc<Picture>, header: Header) {
         if !self.shared.publisher.is_watched() {
             return;
         }
-        self.shared.work().next = Some((Arc::clone(picture), header));
+        lock(&self.shared.work).next = Some((Arc::clone(picture), header));
         self.shared.changed.notify_one();
         if !self.is_started {
             let shared = Arc::clone(&self.shared);
             let started = thread::Builder::new().name("compress".to_owned()).spawn(move || encode_all(&shared));
             self.is_started = started.is_ok();
             if let Err(error) = started {
-                log::error!("{}: no thread to compress on: {error}", self.shared.publisher.topic());
+                log::error!("{}: cannot start the thread that compresses: {error}", self.shared.publisher.topic());
             }
         }
     }
@@ -124,12 +119,12 @@ impl CompressedOutput {
 
 impl Drop for CompressedOutput {
     fn drop(&mut self) {
-        self.shared.work().is_ended = true;
+        lock(&self.shared.work).is_ended = true;
         self.shared.changed.notify_one();
     }
 }
 
-fn encode_all(shared: &Shared) {
+fn encode_all(shared: &CompressionQueue) {
     rcs_resources::yield_to_others();
     let mut is_failure_logged = false;
     let task = Task::watched(format!("compressing a picture of {}", shared.publisher.topic()));
@@ -155,7 +150,7 @@ fn encode_all(shared: &Shared) {
     }
 }
 
-/// Runs what encodes a picture. If it panics, which is logged, the next picture is encoded all the same.
+/// Catches a panic of the encoder, which is logged, so that the next image is encoded all the same.
 fn guarded<T>(encode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(encode)).unwrap_or_else(|_| Err("the encoder panicked".to_owned()))
 }

@@ -1,8 +1,8 @@
-//! The settings of compressed pictures, with the names, defaults and bounds that image_transport's plugin `compressed`
-//! has for dynamic_reconfigure: `format`, `jpeg_quality`, `png_level`.
+//! The settings of compressed images, with the names, defaults and bounds that image_transport's plugin `compressed` has
+//! for dynamic_reconfigure: `format`, `jpeg_quality`, `png_level`.
 //!
-//! As there, what the parameter server holds under these names at the start is taken over, so that a launch file can
-//! set them. Values out of bounds become the nearest ones.
+//! As there, values that the parameter server holds at the start are taken over, so that a launch file can set them.
+//! Values out of bounds become the nearest ones.
 
 use rcs_files::picture_file::Coding;
 use rcs_messages::dynamic_reconfigure::{
@@ -15,13 +15,12 @@ use crate::outputs::parameter_description::{choice_of, parameter};
 const FORMAT: &str = "format";
 const QUALITY: &str = "jpeg_quality";
 const LEVEL: &str = "png_level";
-/// The names of all settings.
 pub(super) const NAMES: [&str; 3] = [FORMAT, QUALITY, LEVEL];
 
 const JPEG: &str = "jpeg";
 const PNG: &str = "png";
 
-/// How pictures are compressed.
+/// Format and quality of compressed images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct CompressionSettings {
     is_png: bool,
@@ -38,7 +37,7 @@ impl Default for CompressionSettings {
 }
 
 impl CompressionSettings {
-    /// The defaults with what `parameter` says under each name.
+    /// The defaults, with the values that `parameter` has for each name.
     pub(super) fn start(parameter: impl Fn(&str) -> Option<String>) -> Self {
         let number = |name: &str| {
             let text = parameter(name)?;
@@ -60,7 +59,6 @@ impl CompressionSettings {
         settings
     }
 
-    /// Applies the values of a request.
     pub(super) fn set(&mut self, request: &Values) {
         for StrParameter { name, value } in request.strs.iter().filter(|param| param.name == FORMAT) {
             match value.as_str() {
@@ -78,7 +76,6 @@ impl CompressionSettings {
         }
     }
 
-    /// What to encode with.
     pub(super) fn coding(&self) -> Coding {
         match self.is_png {
             true => Coding::Png { level: self.png_level },
@@ -86,8 +83,8 @@ impl CompressionSettings {
         }
     }
 
-    /// What a message of such a picture is called: the encoding of the picture before, and what lies in the data. The
-    /// plugin's colours are bgr8 to it, in which order OpenCV reads any file; a JPEG file has no 16 bits.
+    /// The message's `format`: the encoding of the image before, and of the data. The plugin's colours are bgr8, in which
+    /// order OpenCV reads any file; a JPEG file has no 16 bits.
     pub(super) fn format(&self, encoding: Encoding) -> String {
         let (encoding, order) = match encoding {
             Encoding::Mono16 if !self.is_png => (Encoding::Mono8, ""),
@@ -100,7 +97,6 @@ impl CompressionSettings {
         format!("{}; {} compressed {order}", encoding.name(), if self.is_png { PNG } else { JPEG })
     }
 
-    /// All values, as dynamic_reconfigure publishes them.
     pub(super) fn values(&self) -> Values {
         let int = |name: &str, value: u8| IntParameter { name: name.to_owned(), value: value.into() };
         let format = if self.is_png { PNG } else { JPEG };

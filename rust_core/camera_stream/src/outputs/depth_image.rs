@@ -1,5 +1,5 @@
-//! The depths of a picture as a `sensor_msgs/Image`, as REP 118 has it: `32FC1` in metres, NaN where nothing is, or
-//! `16UC1` in millimetres, 0 where nothing is. Depth is along the optical axis.
+//! Depth images as in REP 118: `32FC1` in metres, NaN where nothing is, or `16UC1` in millimetres, 0 where nothing is.
+//! Depth is along the optical axis.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use rcs_messages::Image;
 use rcs_render::Orientation;
 use rcs_scene::{resize_block, DepthPicture};
 
-/// How depths are written.
+/// Encoding of a depth image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum DepthEncoding {
     /// 32-bit floating point numbers, metres
@@ -29,7 +29,7 @@ impl FromStr for DepthEncoding {
     }
 }
 
-/// Depths that are ready to be sent.
+/// An encoded depth image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DepthImage {
     size_px: [u32; 2],
@@ -38,7 +38,7 @@ pub struct DepthImage {
 }
 
 impl DepthImage {
-    /// The depths of a picture, turned as the picture is.
+    /// Encodes depths, with the orientation of the image.
     pub fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
         let mut bytes = Vec::new();
         resize_block(&mut bytes, depths.depths_m.len() * encoding.bytes_per_pixel(), 0);
@@ -82,7 +82,7 @@ fn write_cells<const N: usize>(depths: &DepthPicture, bytes: &mut [u8], cell: im
     }
 }
 
-/// 0 for what is nowhere, or farther away than the number can say.
+/// 0 for NaN, and for depths above 65.5 m.
 fn millimetres(depth_m: f32) -> u16 {
     let depth = (depth_m * 1000.0).round();
     if depth >= 1.0 && depth <= f32::from(u16::MAX) {

@@ -1,12 +1,12 @@
-//! Where finished pictures go: one trait for all outputs, one file for each kind.
+//! Outputs of finished frames: one trait for all, one file for each kind.
 //!
-//! A camera decides when a picture is due and what is drawn; an [`Output`] hands the finished [`Frame`] on, and reports
-//! whether anybody is watching. To add one: implement the trait in a file beside
-//! these, and add it to [`Outputs`].
+//! A camera decides when a frame is due and what it shows; an [`Output`] publishes the finished [`OutputFrame`], and
+//! reports whether anybody is watching. To add one: implement the trait in a file beside these, and add it to
+//! [`Outputs`].
 
 mod compressed;
 mod compressed_settings;
-pub mod depth_image;
+pub(crate) mod depth_image;
 pub(crate) mod parameter_description;
 mod picture_files;
 mod topic;
@@ -16,7 +16,7 @@ mod window;
 use std::io;
 use std::sync::Arc;
 
-use rcs_files::picture_file::PictureFileError;
+use anyhow::Result;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
 use rcs_scene::Picture;
@@ -25,67 +25,43 @@ use rcs_window::Refresh;
 use crate::outputs::depth_image::DepthImage;
 use crate::safety::permit::Permit;
 
-pub use picture_files::{PictureFile, PictureSequence, SequenceError};
-pub use topic::{retain, TopicNames, TopicOutput};
-pub use video::{VideoError, VideoFile};
-pub use window::{test_light, window_permit, WindowOutput, WindowThread};
+pub(crate) use picture_files::{PictureFile, PictureSequence};
+pub(crate) use topic::{retain, TopicNames, TopicOutput};
+pub(crate) use video::VideoFile;
+pub use window::window_permit;
+pub(crate) use window::{test_light, WindowOutput, WindowThread};
 
-/// A finished picture with the CameraInfo it was drawn with. Cheap to clone: picture and CameraInfo are shared.
+/// A finished image with its CameraInfo. Cheap to clone: both are shared.
 #[derive(Clone, Debug, Default)]
-pub struct Frame {
-    /// The picture. Its memory is drawn into again once no output holds it any more.
-    pub picture: Arc<Picture>,
-    /// The CameraInfo that the camera was made of.
-    pub info: Arc<CameraInfo>,
-    /// How far away is what the picture shows, where that was drawn.
-    pub depth: Option<Arc<DepthImage>>,
-    /// When the picture is handed on, in ROS time.
-    pub stamp: Time,
+pub(crate) struct OutputFrame {
+    /// The image. Its memory is drawn into again once no output holds it any more.
+    pub(crate) picture: Arc<Picture>,
+    pub(crate) info: Arc<CameraInfo>,
+    /// The image's depths, if somebody subscribes to them.
+    pub(crate) depth: Option<Arc<DepthImage>>,
+    pub(crate) stamp: Time,
     /// The permit for a window to show something else in its place.
-    pub permit: Permit,
-    /// The picture before post-processing, for a window that may hold it below newer masks.
-    pub drawn: Option<Arc<Picture>>,
+    pub(crate) permit: Permit,
+    /// The image before post-processing, for a window that may hold it below newer masks.
+    pub(crate) drawn: Option<Arc<Picture>>,
 }
 
-/// Why a frame was not handed on.
-#[derive(Debug, thiserror::Error)]
-pub enum OutputError {
-    /// A topic cannot be published on.
-    #[error(transparent)]
-    Topic(#[from] io::Error),
-    /// A picture cannot be written to a file.
-    #[error(transparent)]
-    Picture(#[from] PictureFileError),
-    /// The folder of a sequence cannot be created.
-    #[error(transparent)]
-    Sequence(#[from] SequenceError),
-    /// A video cannot be written.
-    #[error(transparent)]
-    Video(#[from] VideoError),
-}
+/// An output of a camera's frames.
+pub(crate) trait Output {
+    /// Publishes a frame. Does not wait for viewers.
+    fn send(&mut self, frame: &OutputFrame) -> Result<()>;
 
-/// Hands a camera's finished pictures on.
-pub trait Output {
-    /// Hands a frame on. Does not wait for those who watch.
-    ///
-    /// # Errors
-    /// See [`OutputError`].
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError>;
-
-    /// Completes what was handed on, after the last frame.
-    ///
-    /// # Errors
-    /// See [`OutputError`].
-    fn finish(&mut self) -> Result<(), OutputError> {
+    /// Completes the output after the last frame.
+    fn finish(&mut self) -> Result<()> {
         Ok(())
     }
 
-    /// Whether anybody is watching. Nothing is drawn for an output that nobody watches.
+    /// `true` if anybody is watching. Nothing is drawn for an output that nobody watches.
     fn is_watched(&self) -> bool {
         true
     }
 
-    /// Whether somebody began to watch since this was last asked, and so has no picture yet.
+    /// `true` if somebody began to watch since the last call, and so has no image yet.
     fn take_new_watcher(&mut self) -> bool {
         false
     }
@@ -93,11 +69,11 @@ pub trait Output {
 
 /// The outputs of one of the node's cameras.
 #[derive(Default)]
-pub struct Outputs {
+pub(crate) struct Outputs {
     /// The image topic; `None` where the config names none, or where it cannot be published.
-    pub topic: Option<TopicOutput>,
+    pub(crate) topic: Option<TopicOutput>,
     /// The window in this process, if there is one for this camera.
-    pub window: Option<WindowOutput>,
+    pub(crate) window: Option<WindowOutput>,
 }
 
 impl Outputs {
@@ -112,23 +88,21 @@ impl Outputs {
         window.chain(self.topic.iter_mut().map(|topic| topic as &mut dyn Output))
     }
 
-    /// When the screen that shows the pictures is refreshed, where that is known.
-    pub fn refresh(&self) -> Option<Refresh> {
+    /// The refresh of the screen that shows the images, where it is known.
+    pub(crate) fn refresh(&self) -> Option<Refresh> {
         self.window.as_ref()?.refresh()
     }
 
-    /// Whether anybody watches how far away things are.
-    pub fn wants_depth(&self) -> bool {
+    pub(crate) fn wants_depth(&self) -> bool {
         self.topic.as_ref().is_some_and(TopicOutput::wants_depth)
     }
 
-    /// Says that the last picture is still what is to be seen, to a window that would become black otherwise.
-    pub fn confirm(&self) {
+    /// Confirms the last image to a window that would become black otherwise.
+    pub(crate) fn confirm(&self) {
         self.window.iter().for_each(WindowOutput::confirm);
     }
 
-    /// Whether there is no output at all.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.all().next().is_none()
     }
 }
@@ -136,7 +110,7 @@ impl Outputs {
 /// All of them together.
 impl Output for Outputs {
     /// Hands the frame to each output, also after one that failed. Returns the first error.
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         let mut result = Ok(());
         for output in self.each() {
             let sent = output.send(frame);
@@ -151,7 +125,7 @@ impl Output for Outputs {
 
     fn take_new_watcher(&mut self) -> bool {
         let mut is_new = false;
-        // Each is asked, for each forgets when it is.
+        // No short-circuit: the call resets each flag.
         for output in self.each() {
             is_new |= output.take_new_watcher();
         }

@@ -1,118 +1,87 @@
-//! Pictures as files: one, or a numbered sequence.
+//! Images as files: one, or a numbered sequence.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use anyhow::{bail, Context, Result};
 use rcs_files::picture_file;
 
-use super::{Frame, Output, OutputError};
+use super::{Output, OutputFrame};
 
-/// One picture file; each frame replaces it.
+/// One image file; each frame replaces it.
 #[derive(Clone, Debug)]
-pub struct PictureFile {
+pub(crate) struct PictureFile {
     file: PathBuf,
 }
 
 impl PictureFile {
     /// Writes to this file, whose folder must exist.
-    pub fn new(file: &Path) -> Self {
+    pub(crate) fn new(file: &Path) -> Self {
         Self { file: file.to_owned() }
     }
 }
 
 impl Output for PictureFile {
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         Ok(picture_file::write(&self.file, &frame.picture)?)
     }
 }
 
 /// Numbered PNG files in a folder: `frame_000000.png` and so on.
 #[derive(Clone, Debug)]
-pub struct PictureSequence {
+pub(crate) struct PictureSequence {
     folder: PathBuf,
     next_number: u64,
-    /// The folder does not exist yet.
+    /// `true` if the folder does not exist yet.
     is_new: bool,
-}
-
-/// Why no sequence can be written into a folder.
-#[derive(Debug, thiserror::Error)]
-pub enum SequenceError {
-    /// The folder cannot be created or read, or an old picture in it cannot be removed.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The folder or the picture.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// The folder has pictures of an earlier sequence, which would mix with the new ones.
-    #[error("{}: has {} of an earlier sequence ({example}); --overwrite removes {}", path.display(),
-        if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
-        if *count == 1 { "it" } else { "them" })]
-    NotEmpty {
-        /// The folder.
-        path: PathBuf,
-        /// How many there are.
-        count: usize,
-        /// The name of one of them.
-        example: String,
-    },
 }
 
 const PREFIX: &str = "frame_";
 const ENDING: &str = ".png";
 
 impl PictureSequence {
-    /// Writes into this folder, which is created with the first picture if it does not exist. `overwrite` removes the
-    /// pictures of an earlier sequence, which are an error otherwise.
-    ///
-    /// # Errors
-    /// [`SequenceError`].
-    pub fn create(folder: &Path, overwrite: bool) -> Result<Self, SequenceError> {
-        let failed = |path: &Path| {
-            let path = path.to_owned();
-            |source| SequenceError::Io { path, source }
-        };
+    /// Writes into this folder, which is created with the first image if it does not exist. `overwrite` removes the
+    /// images of an earlier sequence, which are an error otherwise.
+    pub(crate) fn create(folder: &Path, overwrite: bool) -> Result<Self> {
+        let name_of = |path: &Path| path.display().to_string();
         let entries = match fs::read_dir(folder) {
             Ok(entries) => entries,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 return Ok(Self { folder: folder.to_owned(), next_number: 0, is_new: true });
             }
-            Err(error) => return Err(failed(folder)(error)),
+            Err(error) => return Err(error).with_context(|| name_of(folder)),
         };
         let mut old = Vec::new();
         for entry in entries {
-            let name = entry.map_err(failed(folder))?.file_name();
+            let name = entry.with_context(|| name_of(folder))?.file_name();
             old.extend(name.to_str().filter(|name| is_numbered(name)).map(str::to_owned));
         }
         old.sort();
-        match old.first() {
-            Some(example) if !overwrite => {
-                let (path, count, example) = (folder.to_owned(), old.len(), example.clone());
-                return Err(SequenceError::NotEmpty { path, count, example });
-            }
-            _ => {}
+        if let Some(example) = old.first().filter(|_| !overwrite) {
+            let (pictures, them) = match old.len() {
+                1 => ("a picture".to_owned(), "it"),
+                count => (format!("{count} pictures"), "them"),
+            };
+            bail!("{}: has {pictures} of an earlier sequence ({example}); --overwrite removes {them}", name_of(folder));
         }
         for path in old.iter().map(|name| folder.join(name)) {
-            fs::remove_file(&path).map_err(failed(&path))?;
+            fs::remove_file(&path).with_context(|| name_of(&path))?;
         }
         Ok(Self { folder: folder.to_owned(), next_number: 0, is_new: false })
     }
 }
 
-/// Whether a file's name is one that a sequence gives.
+/// `true` for a file name of a sequence.
 fn is_numbered(name: &str) -> bool {
     let number = name.strip_prefix(PREFIX).and_then(|rest| rest.strip_suffix(ENDING));
     number.is_some_and(|number| number.len() == 6 && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 impl Output for PictureSequence {
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         if self.is_new {
-            let failed = |source| SequenceError::Io { path: self.folder.clone(), source };
-            fs::create_dir_all(&self.folder).map_err(failed)?;
+            fs::create_dir_all(&self.folder).with_context(|| self.folder.display().to_string())?;
             self.is_new = false;
         }
         let name = format!("{PREFIX}{:06}{ENDING}", self.next_number);
@@ -136,7 +105,7 @@ mod tests {
         let frame = |width_px: u32| {
             let mut picture = Picture::default();
             picture.reset(width_px, 1, Encoding::Mono8);
-            Frame { picture: Arc::new(picture), ..Frame::default() }
+            OutputFrame { picture: Arc::new(picture), ..OutputFrame::default() }
         };
         let (file, sequence) = (folder.path().join("one.png"), folder.path().join("new/folder"));
         let mut outputs: [Box<dyn Output>; 2] =

@@ -1,9 +1,10 @@
-//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it, and the
-//! depths on the topic `depth` beside both.
+//! A camera's image topic, with the CameraInfo beside it, compressed images below it, and the depths on the topic
+//! `depth` beside both.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
+use anyhow::Result;
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
@@ -11,18 +12,18 @@ use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
 use rcs_ros::{Change, NodeError, Publisher, RosNode};
 
 use super::compressed::CompressedOutput;
-use super::{Frame, Output, OutputError};
+use super::{Output, OutputFrame};
 
 /// The whole names of the image's and the CameraInfo's topic.
-pub type TopicNames = [String; 2];
+pub(crate) type TopicNames = [String; 2];
 
-/// Publishes a camera's pictures.
-pub struct TopicOutput {
+/// Publishes a camera's images on topics.
+pub(crate) struct TopicOutput {
     publisher: ImagePublisher,
     compressed: CompressedOutput,
-    /// None where the pictures' own topic has that name.
+    /// `None` where the image topic has that name.
     depth: Option<Publisher<Image>>,
-    /// Somebody subscribed and has not received a picture yet.
+    /// `true` if somebody subscribed and has not received an image yet.
     new_subscriber: Arc<AtomicBool>,
 }
 
@@ -31,7 +32,7 @@ impl TopicOutput {
     ///
     /// # Errors
     /// [`NodeError::Name`].
-    pub fn advertise(ros: &RosNode, topic: &str) -> Result<Self, NodeError> {
+    pub(crate) fn advertise(ros: &RosNode, topic: &str) -> Result<Self, NodeError> {
         let new_subscriber = Arc::new(AtomicBool::new(false));
         let on_change = || {
             let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
@@ -52,44 +53,41 @@ impl TopicOutput {
         Ok(Self { publisher, compressed, depth: is_free.then_some(depth), new_subscriber })
     }
 
-    /// The image topic's whole name.
-    pub fn topic(&self) -> &str {
+    pub(crate) fn topic(&self) -> &str {
         self.publisher.topic()
     }
 
-    /// The whole names of both topics.
-    pub fn names(&self) -> TopicNames {
+    pub(crate) fn names(&self) -> TopicNames {
         [self.publisher.topic(), self.publisher.info_topic()].map(str::to_owned)
     }
 
-    /// Takes over what has come from the parameter server.
-    pub fn poll_settings(&mut self, ros: &RosNode) {
+    /// Takes over settings that have come from the parameter server.
+    pub(crate) fn poll_settings(&mut self, ros: &RosNode) {
         self.compressed.poll_settings(ros);
     }
 
-    /// Whether dynamic_reconfigure's server of this name has its settings.
-    pub fn has_parameters(&self, server: &str) -> bool {
+    /// `true` if dynamic_reconfigure's server of this name has its settings.
+    pub(crate) fn has_parameters(&self, server: &str) -> bool {
         self.compressed.serves(server)
     }
 
-    /// Takes a user's settings of the compressed pictures. Returns those that apply from now on.
-    pub fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
+    /// Takes a user's settings of the compressed images. Returns those that apply from now on.
+    pub(crate) fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
         self.compressed.reconfigure(ros, request)
     }
 
-    /// Whether another node subscribes to the depths.
-    pub fn wants_depth(&self) -> bool {
+    pub(crate) fn wants_depth(&self) -> bool {
         self.depth.as_ref().is_some_and(Publisher::is_watched)
     }
 
-    /// How many other nodes subscribe to the pictures, compressed ones included, or the CameraInfo.
-    pub fn subscriber_count(&self) -> usize {
+    /// Number of nodes that subscribe to the images, compressed ones included, or the CameraInfo.
+    pub(crate) fn subscriber_count(&self) -> usize {
         self.publisher.subscriber_count()
     }
 }
 
 impl Output for TopicOutput {
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         let header = self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
         self.compressed.offer(&frame.picture, header);
         let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
@@ -110,7 +108,7 @@ impl Output for TopicOutput {
 }
 
 /// Keeps one output for each of the `wanted` names and closes all others.
-pub fn retain(outputs: &mut Vec<TopicOutput>, mut wanted: Vec<&TopicNames>) {
+pub(crate) fn retain(outputs: &mut Vec<TopicOutput>, mut wanted: Vec<&TopicNames>) {
     outputs.retain(|output| {
         let found = wanted.iter().position(|names| **names == output.names());
         found.map(|index| wanted.swap_remove(index)).is_some()

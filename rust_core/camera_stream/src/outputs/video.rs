@@ -12,75 +12,30 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use anyhow::{anyhow, Context, Error, Result};
 use rcs_scene::{join_within, Encoding, Picture};
 
-use super::{Frame, Output, OutputError};
+use super::{Output, OutputFrame};
 
 /// Looked up in PATH.
 const ENCODER: &str = "ffmpeg";
-/// How long the encoder may take to say which one it is.
+/// Time for the encoder to print its version.
 const START_TIMEOUT: Duration = Duration::from_secs(60);
-/// How long it may take for a picture, and for the rest once it has all of them.
+/// Time for an image, and for the rest once it has all of them.
 const END_TIMEOUT: Duration = Duration::from_secs(600);
-/// How long what it printed may take, once it has ended.
+/// Time for the printed text, once it has ended.
 const PRINTED_TIMEOUT: Duration = Duration::from_secs(5);
-/// How long its end may take once it is killed.
+/// Time for its end once it is killed.
 const KILL_TIMEOUT: Duration = Duration::from_secs(5);
-/// How often its end is looked for.
 const POLL_PERIOD: Duration = Duration::from_millis(10);
 
-/// Why a video was not written.
-#[derive(Debug, thiserror::Error)]
-pub enum VideoError {
-    /// The encoder is not installed.
-    #[error("{}: ffmpeg is needed to write a video, and is not on PATH (apt install ffmpeg)", path.display())]
-    NoEncoder {
-        /// The video.
-        path: PathBuf,
-    },
-    /// The encoder cannot be run.
-    #[error("{}: cannot run ffmpeg: {source}", path.display())]
-    Run {
-        /// The video.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// The encoder failed.
-    #[error("{}: ffmpeg failed: {reason}", path.display())]
-    Failed {
-        /// The video.
-        path: PathBuf,
-        /// The last line that it printed, or how it ended.
-        reason: String,
-    },
-    /// All pictures of a video have one size.
-    #[error("{}: the CameraInfo changes the size from {} to {} pixels, but a video has one", path.display(), size(.first_px), size(.then_px))]
-    SizeChanged {
-        /// The video.
-        path: PathBuf,
-        /// Columns and rows so far.
-        first_px: [u32; 2],
-        /// Columns and rows of the next picture.
-        then_px: [u32; 2],
-    },
-    /// The finished file cannot get its name.
-    #[error("{}: cannot write: {source}", path.display())]
-    Write {
-        /// The video.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-}
-
-fn size([width, height]: &[u32; 2]) -> String {
+fn size([width, height]: [u32; 2]) -> String {
     format!("{width}x{height}")
 }
 
 /// A video file. Without [`finish`](Output::finish) there is none: what was written of it is removed.
 #[derive(Debug)]
-pub struct VideoFile {
+pub(crate) struct VideoFile {
     file: PathBuf,
     unfinished: PathBuf,
     rate_hz: f64,
@@ -88,14 +43,13 @@ pub struct VideoFile {
     running: Option<Running>,
 }
 
-/// The encoder at work.
+/// The running encoder.
 #[derive(Debug)]
 struct Running {
     child: Child,
     size_px: [u32; 2],
-    /// The thread that writes to its input.
-    input: Input,
-    /// Reads what it prints, so that it never waits for that.
+    input: EncoderInput,
+    /// Reads its standard error, so that it never blocks on it.
     printed: JoinHandle<String>,
 }
 
@@ -103,8 +57,8 @@ impl VideoFile {
     /// Writes to this file, whose folder must exist, and replaces one that is there.
     ///
     /// # Errors
-    /// [`VideoError`] if there is no ffmpeg.
-    pub fn create(file: &Path, rate_hz: f64) -> Result<Self, VideoError> {
+    /// ffmpeg is not installed or cannot be run.
+    pub(crate) fn create(file: &Path, rate_hz: f64) -> Result<Self> {
         #[expect(clippy::disallowed_methods, reason = "the encoder, without a shell")]
         let mut version = Command::new(ENCODER);
         version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -116,7 +70,7 @@ impl VideoFile {
         Ok(Self { file, unfinished, rate_hz, end_timeout: END_TIMEOUT, running: None })
     }
 
-    fn start(&self, size_px: [u32; 2], encoding: Encoding) -> Result<Running, VideoError> {
+    fn start(&self, size_px: [u32; 2], encoding: Encoding) -> Result<Running> {
         #[expect(clippy::disallowed_methods, reason = "the encoder, without a shell")]
         let mut command = Command::new(ENCODER);
         command.args(arguments(size_px, encoding, self.rate_hz, &self.unfinished));
@@ -124,14 +78,13 @@ impl VideoFile {
         Running::start(&mut command, size_px).map_err(|source| run_error(&self.file, source))
     }
 
-    /// Waits for the encoder's end, and returns why it failed.
-    fn wait(&self, mut running: Running) -> Result<(), VideoError> {
-        // The end of the pictures.
+    fn wait(&self, mut running: Running) -> Result<()> {
+        // Closes its input.
         drop(running.input);
         let status = end_of(&mut running.child, self.end_timeout).map_err(|source| run_error(&self.file, source))?;
         let Some(status) = status else {
             let reason = format!("it has not ended within {:?} after the last picture", self.end_timeout);
-            return Err(VideoError::Failed { path: self.file.clone(), reason });
+            return Err(self.failure(&reason));
         };
         if status.success() {
             return Ok(());
@@ -140,19 +93,25 @@ impl VideoFile {
         let printed = join_within(running.printed, PRINTED_TIMEOUT).and_then(Result::ok).unwrap_or_default();
         let last = printed.lines().map(str::trim).rfind(|line| !line.is_empty());
         let reason = last.map_or_else(|| status.to_string(), str::to_owned);
-        Err(VideoError::Failed { path: self.file.clone(), reason })
+        Err(self.failure(&reason))
     }
 
-    fn add(&mut self, picture: &Arc<Picture>) -> Result<(), VideoError> {
+    fn failure(&self, reason: &str) -> Error {
+        anyhow!("{}: ffmpeg failed: {reason}", self.file.display())
+    }
+
+    fn add(&mut self, picture: &Arc<Picture>) -> Result<()> {
         let size_px = [picture.width_px, picture.height_px];
         let mut running = match self.running.take() {
             Some(running) => running,
             None => self.start(size_px, picture.encoding)?,
         };
         if running.size_px != size_px {
-            let (path, first_px) = (self.file.clone(), running.size_px);
+            let (file, first, then) = (self.file.display(), size(running.size_px), size(size_px));
+            let error =
+                anyhow!("{file}: the CameraInfo changes the size from {first} to {then} pixels, but a video has one");
             self.running = Some(running);
-            return Err(VideoError::SizeChanged { path, first_px, then_px: size_px });
+            return Err(error);
         }
         match running.input.write(picture, self.end_timeout) {
             Some(Ok(())) => {
@@ -167,22 +126,22 @@ impl VideoFile {
             None => {
                 end_now(&mut running.child);
                 let reason = format!("it has not taken a picture within {:?}", self.end_timeout);
-                Err(VideoError::Failed { path: self.file.clone(), reason })
+                Err(self.failure(&reason))
             }
         }
     }
 }
 
 impl Output for VideoFile {
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
-        Ok(self.add(&frame.picture)?)
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
+        self.add(&frame.picture)
     }
 
-    fn finish(&mut self) -> Result<(), OutputError> {
+    fn finish(&mut self) -> Result<()> {
         if let Some(running) = self.running.take() {
             self.wait(running)?;
-            let failed = |source| VideoError::Write { path: self.file.clone(), source };
-            rcs_files::atomic_file::replace(&self.unfinished, &self.file).map_err(failed)?;
+            let replaced = rcs_files::atomic_file::replace(&self.unfinished, &self.file);
+            replaced.with_context(|| format!("{}: cannot write", self.file.display()))?;
         }
         Ok(())
     }
@@ -201,20 +160,20 @@ impl Drop for VideoFile {
 impl Running {
     fn start(command: &mut Command, size_px: [u32; 2]) -> io::Result<Self> {
         let (mut child, printed) = started(command)?;
-        let input = Input::start(child.stdin.take())?;
+        let input = EncoderInput::start(child.stdin.take())?;
         Ok(Self { child, size_px, input, printed })
     }
 }
 
-/// Writes pictures to a process on a thread, so that one that takes none is not waited for without a limit. Dropped, it
-/// ends the process's input.
+/// Writes images to a process on a thread, so that the wait for one that reads none has a limit. Closes the process's
+/// input when dropped.
 #[derive(Debug)]
-struct Input {
+struct EncoderInput {
     pictures: SyncSender<Arc<Picture>>,
     written: Receiver<io::Result<()>>,
 }
 
-impl Input {
+impl EncoderInput {
     fn start(stdin: Option<ChildStdin>) -> io::Result<Self> {
         let (pictures, to_write) = sync_channel::<Arc<Picture>>(1);
         let (outcome, written) = sync_channel(1);
@@ -233,7 +192,7 @@ impl Input {
         Ok(Self { pictures, written })
     }
 
-    /// Writes a picture. `None` if that takes longer than `timeout`.
+    /// Writes an image. `None` if that takes longer than `timeout`.
     fn write(&self, picture: &Arc<Picture>, timeout: Duration) -> Option<io::Result<()>> {
         let ended = || Err(io::ErrorKind::BrokenPipe.into());
         // There is room: each is waited for.
@@ -248,7 +207,7 @@ impl Input {
     }
 }
 
-/// A process, and what it prints on standard error, which a thread reads.
+/// Starts a process, and a thread that reads its standard error.
 fn started(command: &mut Command) -> io::Result<(Child, JoinHandle<String>)> {
     let mut child = command.spawn()?;
     let mut stderr = child.stderr.take();
@@ -264,7 +223,7 @@ fn started(command: &mut Command) -> io::Result<(Child, JoinHandle<String>)> {
     Ok((child, printed))
 }
 
-/// How a process has ended. `None` if it has not within this time: then it is killed.
+/// Waits for the end of a process. `None` if it takes longer: then it is killed.
 fn end_of(child: &mut Child, timeout: Duration) -> io::Result<Option<ExitStatus>> {
     let until = Instant::now() + timeout;
     loop {
@@ -279,7 +238,7 @@ fn end_of(child: &mut Child, timeout: Duration) -> io::Result<Option<ExitStatus>
     }
 }
 
-/// Kills a process and waits for its end: a moment, or it hangs in a file system and is left to that.
+/// Kills a process and waits for its end, unless it hangs in a file system.
 fn end_now(child: &mut Child) {
     // Fails only if it has ended.
     let _ = child.kill();
@@ -289,16 +248,17 @@ fn end_now(child: &mut Child) {
     }
 }
 
-fn run_error(file: &Path, source: io::Error) -> VideoError {
-    let path = file.to_owned();
-    if source.kind() == io::ErrorKind::NotFound {
-        VideoError::NoEncoder { path }
-    } else {
-        VideoError::Run { path, source }
+fn run_error(file: &Path, error: io::Error) -> Error {
+    let file = file.display();
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            anyhow!("{file}: ffmpeg is needed to write a video, and is not on PATH (apt install ffmpeg)")
+        }
+        _ => Error::new(error).context(format!("{file}: cannot run ffmpeg")),
     }
 }
 
-/// The name of the file until it is whole: hidden, in the same folder, with the same ending.
+/// Name of the unfinished file: hidden, in the same folder, with the same ending.
 fn unfinished_name(file: &Path) -> PathBuf {
     let mut name = OsString::from(".");
     name.push(file.file_stem().unwrap_or_default());
@@ -310,8 +270,8 @@ fn unfinished_name(file: &Path) -> PathBuf {
     file.with_file_name(name)
 }
 
-/// ffmpeg's arguments: raw pictures from its standard input, the file in colours that every player shows. Those need
-/// an even number of columns and rows; a black one is added to an odd number.
+/// ffmpeg's arguments: raw images from its standard input, the file in yuv420p, which every player shows. It needs even
+/// sizes; a black column or row is added to odd ones.
 fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -> Vec<OsString> {
     let pixels = match encoding {
         Encoding::Rgb8 => "rgb24",
@@ -321,7 +281,7 @@ fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -
         Encoding::Mono8 => "gray",
         Encoding::Mono16 => "gray16le",
     };
-    let (size, rate) = (size(&size_px), rate_hz.to_string());
+    let (size, rate) = (size(size_px), rate_hz.to_string());
     let input = ["-f", "rawvideo", "-pixel_format", pixels, "-video_size", &size, "-framerate", &rate, "-i", "pipe:0"];
     let output = ["-an", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-y"];
     let general = ["-hide_banner", "-loglevel", "error"];
@@ -336,11 +296,11 @@ fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -
 mod tests {
     use super::*;
 
-    /// What an end of the video says where the encoder does this, and how long that took.
-    fn error_of<E: std::fmt::Display + std::fmt::Debug>(
+    /// The error at the end of a video whose encoder is this script, and the time that took.
+    fn error_of(
         script: &str,
         end_timeout: Duration,
-        end: impl FnOnce(&mut VideoFile) -> Result<(), E>,
+        end: impl FnOnce(&mut VideoFile) -> Result<()>,
     ) -> (String, Duration) {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("out.mp4");
@@ -355,7 +315,7 @@ mod tests {
         (error, begun.elapsed())
     }
 
-    /// What `finish` says where the encoder does this once it has all pictures, and how long that took.
+    /// The error of `finish` with this encoder, and the time that took.
     fn finished(script: &str, end_timeout: Duration) -> (String, Duration) {
         error_of(script, end_timeout, VideoFile::finish)
     }

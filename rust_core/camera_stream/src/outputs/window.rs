@@ -1,46 +1,46 @@
-//! A camera's pictures in a window of this process, full screen on a monitor.
+//! A camera's images in a window of this process, full screen on a monitor.
 //!
-//! The window has a thread of its own, which waits for what its window system reports. While it cannot be open (no
-//! display, no such monitor, a display server that went away), that is logged once and tried again, and nothing else of
-//! the node depends on it.
+//! The window has a thread of its own, which waits for events of its window system. While it cannot be open (no display,
+//! no such monitor, a display server that went away), that is logged once and tried again, and nothing else of the node
+//! depends on it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use anyhow::Result;
 use rcs_render::LastStep;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{join_within, Encoding, Picture};
 use rcs_window::{
     run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit,
 };
 
-use super::{Frame, Output, OutputError};
+use super::{Output, OutputFrame};
 use crate::runtime::watchdog::{self, Task, Worker};
 use crate::safety::permit::{Allowance, Permit};
 
-/// How long a window that could not be opened is left alone.
+/// Time until a window that could not be opened is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(2);
-/// How long the window has to close.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
-/// Shows a camera's pictures.
+/// Shows a camera's images in a window.
 #[derive(Clone)]
-pub struct WindowOutput {
+pub(crate) struct WindowOutput {
     sink: PictureSink,
     viewer: Arc<Viewer>,
     /// Watched for as long as the output is used.
-    _showing: Arc<Showing>,
+    _worker: Arc<WindowWorker>,
 }
 
-/// The window's part in showing pictures: it hangs where its display server does.
-struct Showing {
+/// The window's thread for the watchdog: it hangs if its display server does.
+struct WindowWorker {
     source: String,
     sink: PictureSink,
     viewer: Arc<Viewer>,
 }
 
-impl Worker for Showing {
+impl Worker for WindowWorker {
     fn step(&self) -> Option<(String, Instant)> {
         let since = self.sink.waiting_since().filter(|_| self.viewer.is_there.load(Ordering::Acquire))?;
         Some((format!("showing a picture in the window of {}", self.source), since))
@@ -51,51 +51,51 @@ impl Worker for Showing {
     }
 }
 
-/// Who looks at the window's monitor.
+/// Viewers of the window.
 #[derive(Debug, Default)]
 struct Viewer {
     is_there: AtomicBool,
     is_new: AtomicBool,
 }
 
-/// A window's thread. Dropped, it closes the window.
-pub struct WindowThread {
+/// A window's thread. Closes the window when dropped.
+pub(crate) struct WindowThread {
     sink: PictureSink,
-    thread: JoinHandle<()>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl WindowOutput {
-    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no picture yet.
+    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no image yet.
     ///
     /// # Errors
-    /// The system has no thread or descriptor left.
-    pub fn open(
+    /// The thread or its descriptors cannot be created.
+    pub(crate) fn open(
         options: WindowOptions,
         wake: impl Fn() + Send + 'static,
     ) -> std::io::Result<(WindowOutput, WindowThread)> {
         let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
         let source = options.source.clone();
-        let showing = Arc::new(Showing { source, sink: sink.clone(), viewer: Arc::clone(&viewer) });
-        watchdog::watch(&showing);
-        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer), _showing: showing };
+        let worker = Arc::new(WindowWorker { source, sink: sink.clone(), viewer: Arc::clone(&viewer) });
+        watchdog::watch(&worker);
+        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer), _worker: worker };
         let window_sink = sink.clone();
         let running = move || keep_open(&options, &window_sink, &viewer, &wake);
         let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
-        Ok((output, WindowThread { sink, thread }))
+        Ok((output, WindowThread { sink, thread: Some(thread) }))
     }
 
-    /// When the window's monitor is refreshed; `None` where the display server does not tell, or nobody can look.
-    pub fn refresh(&self) -> Option<Refresh> {
+    /// The refresh of the window's monitor; `None` where the display server does not tell, or the window is closed.
+    pub(crate) fn refresh(&self) -> Option<Refresh> {
         self.sink.refresh().filter(|_| self.is_watched())
     }
 
-    /// Says that the last picture is still what is to be seen.
-    pub fn confirm(&self) {
+    /// Confirms that the last image is still valid.
+    pub(crate) fn confirm(&self) {
         self.sink.confirm();
     }
 
-    /// Shows black until the next picture: its camera is gone.
-    pub fn clear(&self) {
+    /// Shows black until the next image: its camera was removed.
+    pub(crate) fn clear(&self) {
         self.sink.clear();
     }
 }
@@ -139,7 +139,7 @@ fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake:
 }
 
 impl Output for WindowOutput {
-    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+    fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         if self.is_watched() {
             let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
             let permit = window_permit(&frame.permit, Some(drawn_px));
@@ -158,8 +158,8 @@ impl Output for WindowOutput {
     }
 }
 
-/// Converts an image's permit for a window. `drawn_px` is the size of its pictures before they are turned; without one,
-/// the monitor's.
+/// Converts an image's permit for a window. `drawn_px` is the size of its images before they are turned; without one, the
+/// monitor's.
 pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
     WindowPermit {
         paused: light(permit.paused, permit, drawn_px),
@@ -168,8 +168,7 @@ pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermi
     }
 }
 
-/// What test pictures may light.
-pub fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
+pub(crate) fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
     light(permit.test, permit, drawn_px)
 }
 
@@ -181,7 +180,7 @@ fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> L
     }
 }
 
-/// A camera's post-processing, for what a window shows in place of its image.
+/// A camera's post-processing, for images that a window shows in place of the newest.
 #[derive(Debug)]
 struct PostMask {
     post: Arc<LastStep>,
@@ -201,7 +200,7 @@ impl Mask for PostMask {
         let mut turned = Picture::default();
         turned.reset(width_px, height_px, Encoding::Mono8);
         turned.data.fill(u8::MAX);
-        // A share of the light is no mask.
+        // Blending is no mask.
         LastStep { blend: None, ..(*self.post).clone() }.apply(&mut turned, &mut Picture::default());
         let mut shares = Picture::default();
         shares.reset(monitor_px[0], monitor_px[1], Encoding::Mono8);
@@ -217,11 +216,10 @@ impl Mask for PostMask {
 impl Drop for WindowThread {
     fn drop(&mut self) {
         self.sink.close();
-        self.thread.thread().unpark();
-        let asked = Instant::now();
-        // One that waits for its display server ends with the process.
-        while !self.thread.is_finished() && asked.elapsed() < END_PATIENCE {
-            thread::sleep(Duration::from_millis(5));
+        if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
+            // One that waits for its display server ends with the process.
+            join_within(thread, END_PATIENCE);
         }
     }
 }

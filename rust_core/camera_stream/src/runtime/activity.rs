@@ -1,29 +1,27 @@
-//! What the scene's thread is doing, for those who wait for it and for the [watchdog](crate::runtime::watchdog).
+//! The present step of the scene's thread, for the control thread and the [watchdog](super::watchdog).
 
 use std::fmt;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
+
+use rcs_scene::lock;
 
 use crate::runtime::watchdog::Worker;
 
 /// A step of the scene's thread.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
+pub(crate) enum SceneStep {
     /// Takes a message of a topic, by its whole name.
     Message(std::sync::Arc<str>),
-    /// Takes transforms, parameters and what else arrives.
+    /// Takes transforms, parameters and other events.
     Event,
-    /// Applies another config.
     Config,
-    /// Brings the displays up to date.
     Displays,
-    /// Draws a picture of the camera of this name.
     Frame(String),
-    /// Collects and reports statuses.
     Statuses,
 }
 
-impl fmt::Display for Step {
+impl fmt::Display for SceneStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Message(topic) => write!(f, "taking a message of {topic}"),
@@ -36,50 +34,44 @@ impl fmt::Display for Step {
     }
 }
 
-/// Since when the thread has been busy, and with what.
+/// The work of a busy thread.
 #[derive(Clone, Debug)]
 pub(crate) struct Busy {
-    /// Since when it has not waited for events.
+    /// The last wait for events.
     pub(crate) since: Instant,
-    /// What it is doing.
-    pub(crate) step: Step,
-    /// Since when it has been doing that.
+    pub(crate) step: SceneStep,
+    /// The beginning of that step.
     step_since: Instant,
 }
 
-/// What the scene's thread is doing. It notes that itself; others read it.
+/// The activity of the scene's thread, which records it itself.
 #[derive(Debug, Default)]
 pub(crate) struct Activity {
     busy: Mutex<Option<Busy>>,
 }
 
 impl Activity {
-    fn lock(&self) -> MutexGuard<'_, Option<Busy>> {
-        self.busy.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The thread begins a step.
-    pub(crate) fn begin(&self, step: Step) {
+    pub(crate) fn begin(&self, step: SceneStep) {
         let now = Instant::now();
-        let mut busy = self.lock();
+        let mut busy = lock(&self.busy);
         let since = busy.as_ref().map_or(now, |busy| busy.since);
         *busy = Some(Busy { since, step, step_since: now });
     }
 
-    /// The thread is about to wait for events.
+    /// Records that the thread waits for events.
     pub(crate) fn wait_for_work(&self) {
-        *self.lock() = None;
+        *lock(&self.busy) = None;
     }
 
-    /// What the thread is doing, if it has been busy for at least this long.
+    /// The thread's work, if it has been busy for at least this long.
     pub(crate) fn busy_for(&self, duration: Duration) -> Option<Busy> {
-        self.lock().clone().filter(|busy| busy.since.elapsed() >= duration)
+        lock(&self.busy).clone().filter(|busy| busy.since.elapsed() >= duration)
     }
 }
 
 impl Worker for Activity {
     fn step(&self) -> Option<(String, Instant)> {
-        self.lock().as_ref().map(|busy| (busy.step.to_string(), busy.step_since))
+        lock(&self.busy).as_ref().map(|busy| (busy.step.to_string(), busy.step_since))
     }
 
     fn consequence(&self) -> Option<&'static str> {
@@ -92,12 +84,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_has_been_busy_since_it_last_rested() {
+    fn it_is_busy_until_it_waits_for_work() {
         let activity = Activity::default();
         assert!(activity.busy_for(Duration::ZERO).is_none());
-        activity.begin(Step::Displays);
+        activity.begin(SceneStep::Displays);
         let first = activity.busy_for(Duration::ZERO).unwrap();
-        activity.begin(Step::Frame("eye".to_owned()));
+        activity.begin(SceneStep::Frame("eye".to_owned()));
         let second = activity.busy_for(Duration::ZERO).unwrap();
         assert_eq!((second.since, second.step.to_string()), (first.since, "drawing camera eye".to_owned()));
         assert!(second.step_since >= first.step_since);

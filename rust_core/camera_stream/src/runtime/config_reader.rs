@@ -1,4 +1,4 @@
-//! Reads the config again, on a thread of its own: a file on a network share may not be there for minutes.
+//! Reads the config again, on a thread of its own: a file on a network share may be missing for minutes.
 
 use std::path::Path;
 use std::sync::mpsc::{sync_channel, Receiver, TryRecvError};
@@ -9,28 +9,27 @@ use std::time::{Duration, Instant};
 use rcs_resources::read_regular_file;
 use rcs_rviz_config::{parse_bytes, Config, ConfigError, MAX_FILE_BYTES};
 
-/// How long reading may take before that is logged; again after each doubling.
+/// Reading time that is logged; again after each doubling.
 const SLOW_AFTER: Duration = Duration::from_secs(5);
 
 type ReadResult = Result<Config, ConfigError>;
 
-/// Reads a file at a time, and again if that was asked for meanwhile.
+/// Reads the config, and once more if that was requested meanwhile.
 pub(crate) struct ConfigReader {
     read: Arc<dyn Fn() -> ReadResult + Send + Sync>,
     wake: Arc<dyn Fn() + Send + Sync>,
-    reading: Option<Reading>,
-    /// Asked for since this reading began, so that what comes of it may be too old.
-    is_asked_again: bool,
+    reading: Option<PendingRead>,
+    /// Requested again since this read began, whose result may be too old.
+    is_requested_again: bool,
 }
 
-struct Reading {
+struct PendingRead {
     result: Receiver<ReadResult>,
     begun: Instant,
-    /// How long it lasts when that is logged next.
     next_report: Duration,
 }
 
-/// The config in a regular file. At the node's start a pipe may do; later it would be waited for.
+/// Reads the config in a regular file: a pipe, which is allowed at the node's start, would block.
 pub(crate) fn load(file: &Path) -> ReadResult {
     let source = file.display().to_string();
     match read_regular_file(file, MAX_FILE_BYTES) {
@@ -40,18 +39,18 @@ pub(crate) fn load(file: &Path) -> ReadResult {
 }
 
 impl ConfigReader {
-    /// `read` and `wake`, which says that there is a result, are called on other threads.
+    /// `read`, and `wake` after there is a result, are called on other threads.
     pub(crate) fn new(
         read: impl Fn() -> ReadResult + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        Self { read: Arc::new(read), wake: Arc::new(wake), reading: None, is_asked_again: false }
+        Self { read: Arc::new(read), wake: Arc::new(wake), reading: None, is_requested_again: false }
     }
 
     /// Has the config read as it is now.
     pub(crate) fn request(&mut self) {
         if self.reading.is_some() {
-            self.is_asked_again = true;
+            self.is_requested_again = true;
             return;
         }
         let (sender, result) = sync_channel(1);
@@ -62,28 +61,28 @@ impl ConfigReader {
             wake();
         };
         match thread::Builder::new().name("config-read".to_owned()).spawn(reading) {
-            Ok(_) => self.reading = Some(Reading { result, begun: Instant::now(), next_report: SLOW_AFTER }),
-            Err(error) => log::error!("no thread to read the config on: {error}"),
+            Ok(_) => self.reading = Some(PendingRead { result, begun: Instant::now(), next_report: SLOW_AFTER }),
+            Err(error) => log::error!("cannot start the thread that reads the config: {error}"),
         }
     }
 
-    /// What was read since it was last asked for. Never waits.
+    /// The config that was read since the last call. Never waits.
     pub(crate) fn take(&mut self) -> Option<ReadResult> {
         let result = match self.reading.as_ref()?.result.try_recv() {
             Ok(result) => Some(result),
             Err(TryRecvError::Empty) => return None,
-            // It panicked, which is logged where panics are.
+            // It panicked, which was logged.
             Err(TryRecvError::Disconnected) => None,
         };
         self.reading = None;
-        if std::mem::take(&mut self.is_asked_again) {
+        if std::mem::take(&mut self.is_requested_again) {
             self.request();
             return None;
         }
         result
     }
 
-    /// For how long it has been reading, when that is to be logged.
+    /// The reading time so far, when it is to be logged.
     pub(crate) fn take_slow(&mut self) -> Option<Duration> {
         let reading = self.reading.as_mut()?;
         let lasts = reading.begun.elapsed();

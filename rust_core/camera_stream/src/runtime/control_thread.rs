@@ -1,15 +1,16 @@
-//! The control thread: answers whatever must not wait for a picture.
+//! The control thread: answers calls that must not wait for a frame.
 //!
-//! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
-//! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
-//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the
-//! [watchdog](crate::runtime::watchdog).
+//! It handles signals and the calls of services, has the config read again, and monitors the scene's thread. When that
+//! has been busy for [`REPEAT_AFTER`], the last frames are repeated from here at their frame rates; after
+//! [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the [watchdog](super::watchdog).
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Context, Result};
+use rcs_logging::one_line;
+use rcs_node_support::lifecycle::EndRequest;
 use rcs_ros::{RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 use rcs_scene::join_within;
@@ -21,52 +22,48 @@ use crate::private_parameters;
 use crate::runtime::activity::Busy;
 use crate::runtime::config_reader::{self, ConfigReader};
 use crate::runtime::file_watch::FileWatch;
-use crate::runtime::shared::{Reload, Shared};
+use crate::runtime::shared::{NodeState, Reload};
 use crate::runtime::watchdog::Task;
-use rcs_logging::one_line;
-use rcs_node_support::lifecycle::EndRequest;
 
-/// How long the thread sleeps at most: signals set a flag only.
+/// The longest sleep: signals set a flag only.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
-/// The same while the last pictures are repeated from here.
-const STAND_IN_SLEEP: Duration = Duration::from_millis(10);
-/// How long the scene's thread may be busy before the last pictures are repeated from here.
-const STAND_IN_AFTER: Duration = Duration::from_millis(50);
-/// How long it may be busy before that is a status.
+/// The longest sleep while the last frames are repeated from here.
+const REPEAT_SLEEP: Duration = Duration::from_millis(10);
+/// Busy time of the scene's thread after which the last frames are repeated from here.
+const REPEAT_AFTER: Duration = Duration::from_millis(50);
+/// Busy time of the scene's thread that is a status.
 const REPORT_AFTER: Duration = Duration::from_secs(1);
-/// How long a caller of `reload_config` waits for the scene's thread.
+/// Time that a caller of `reload_config` waits for the scene's thread.
 const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
 /// The answer for a caller whose config is not the newest.
 const READ_AGAIN: &str = "the config was read again since";
-/// How long a caller waits for the config to be read.
+/// Time that a caller waits for the config to be read.
 const READ_PATIENCE: Duration = Duration::from_secs(1);
-/// How long the scene's thread is waited for at the end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
-/// The control thread's part of the node.
-pub(crate) struct Control {
-    shared: Arc<Shared>,
+pub(crate) struct ControlThread {
+    shared: Arc<NodeState>,
     /// As it was last read.
     config: Config,
     reader: ConfigReader,
     /// The caller of `reload_config` for whom the config is being read.
     reload_reply: Option<TriggerReply>,
-    /// The file has changed since the config was last read.
+    /// `true` if the file has changed since the config was last read.
     has_changed: bool,
     /// The whole name of the service that reloads the config.
     reload_service: Arc<str>,
     watch: Option<FileWatch>,
-    /// When the caller of `reload_config` gets an answer at the latest.
+    /// Latest time of an answer to the caller of `reload_config`.
     answer_reload_at: Option<Instant>,
     task: Arc<Task>,
 }
 
-impl Control {
+impl ControlThread {
     /// Offers the service that reloads the config, and watches the config's file unless told not to.
     ///
     /// # Errors
     /// One line that names what failed.
-    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let file = cli.node.display_config.clone().unwrap_or_default();
         let calls = Arc::clone(shared.ros.calls());
         Ok(Self {
@@ -90,11 +87,11 @@ impl Control {
         let shared = Arc::clone(&self.shared);
         while !end.is_requested() && !scene.is_finished() {
             self.task.begin();
-            let busy = shared.activity.busy_for(STAND_IN_AFTER);
-            self.stand_in(busy.as_ref());
+            let busy = shared.activity.busy_for(REPEAT_AFTER);
+            self.repeat_frames(busy.as_ref());
             self.answer_late_reload();
             rcs_logging::report_suppressed();
-            let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
+            let sleep = if busy.is_some() { REPEAT_SLEEP } else { LONGEST_SLEEP };
             self.task.wait_for_work();
             let calls = shared.ros.calls().wait(sleep);
             self.task.begin();
@@ -108,13 +105,13 @@ impl Control {
             self.take_config();
         }
         shared.end();
-        // One that still draws ends with the process.
+        // A thread that still draws ends with the process.
         let ended = join_within(scene, END_PATIENCE);
         ended.unwrap_or(Ok(())).map_err(|_| anyhow!("the scene's thread has panicked"))
     }
 
-    /// Does what the scene's thread cannot do while it is busy.
-    fn stand_in(&self, busy: Option<&Busy>) {
+    /// Repeats frames and reports for the scene's thread while it is busy.
+    fn repeat_frames(&self, busy: Option<&Busy>) {
         let Some(busy) = busy else { return };
         for camera in self.shared.cameras().iter_mut() {
             if let Err(error) = camera.repeat_if_due() {
@@ -156,7 +153,7 @@ impl Control {
         self.reader.request();
     }
 
-    /// Hands over a config that was read. An error is the caller's, or logged if the file had changed.
+    /// Hands over a config that was read. An error is answered to the caller, and logged if the file had changed.
     fn take_config(&mut self) {
         if let Some(lasts) = self.reader.take_slow() {
             let source = &self.config.source;
@@ -192,7 +189,7 @@ impl Control {
     /// A config that was read; `None` if it is the same as before.
     ///
     /// # Errors
-    /// What is wrong with it; nothing has changed then.
+    /// A camera's topic is no valid name; nothing has changed then.
     fn check(&mut self, config: Config) -> Result<Option<Config>> {
         self.shared.request_retry();
         self.shared.ros.events().wake();
@@ -205,7 +202,7 @@ impl Control {
         Ok(Some(config))
     }
 
-    /// Gives the scene's thread another config. One that it has not applied yet is obsolete.
+    /// Hands another config to the scene's thread.
     fn hand_over(&mut self, reload: Reload) {
         let obsolete = self.shared.request_reload(reload);
         if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
@@ -222,7 +219,7 @@ impl Control {
         self.answer_reload_at = None;
         let source = &self.config.source;
         if let Some(reply) = self.reload_reply.take() {
-            reply.send(false, format!("{source}: still being read; it is applied when it was"));
+            reply.send(false, format!("{source}: still being read; it is applied afterwards"));
         }
         if let Some(reply) = self.shared.take_reload_reply() {
             reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));

@@ -1,6 +1,6 @@
-//! Reports the status of each display and camera: changes in the log, all of it on `/diagnostics` once a second.
+//! Reports the status of each display and camera: changes in the log, all statuses on `/diagnostics` once a second.
 //!
-//! The rate is of the computer's clock, so that a paused simulation is reported, too; the stamps are ROS time.
+//! The rate is by the computer's clock, so that a paused simulation is reported, too; the stamps are ROS time.
 
 use std::cmp::Reverse;
 use std::time::{Duration, Instant};
@@ -14,11 +14,11 @@ use crate::scene::status_log::StatusLog;
 use crate::scene::status_tree::{self, EntryKind, StatusEntry};
 use crate::scene::visibility::VISIBILITY;
 
-/// How often `/diagnostics` is published.
+/// Period of `/diagnostics`.
 const PERIOD: Duration = Duration::from_secs(1);
-/// A monitor shows that many statuses of a display at most: first problems, then whether a camera hides it.
+/// Most statuses of a display: first problems, then the visibility.
 const MOST_VALUES: usize = 100;
-/// What the diagnosed thing is.
+/// The hardware ID of all statuses.
 const HARDWARE_ID: &str = "rviz_camera_stream";
 
 /// Reports statuses to the log and on `/diagnostics`.
@@ -28,7 +28,7 @@ pub(crate) struct Diagnostics {
     started: Instant,
     published: Option<Instant>,
     last_error: Option<String>,
-    /// As last published.
+    /// The statuses that were published last.
     last_status: Vec<DiagnosticStatus>,
 }
 
@@ -40,12 +40,12 @@ impl Diagnostics {
         Self { log, publisher, started, published: None, last_error: None, last_status }
     }
 
-    /// How long until they are published again.
+    /// Time until the statuses are published again.
     pub(crate) fn until_due(&self, now: Instant) -> Duration {
         self.published.map_or(Duration::ZERO, |last| PERIOD.saturating_sub(now.saturating_duration_since(last)))
     }
 
-    /// Whether they are to be reported, in the log or on the topic.
+    /// `true` if the statuses are to be reported, in the log or on the topic.
     pub(crate) fn is_due(&self) -> bool {
         self.log.is_due(self.log_time()) || self.until_due(Instant::now()).is_zero()
     }
@@ -54,7 +54,7 @@ impl Diagnostics {
         Time::from_secs_f64(self.started.elapsed().as_secs_f64())
     }
 
-    /// Reports statuses as far as that is due. What belongs to the ROS graph is added.
+    /// Reports statuses as far as that is due, with those of the ROS graph.
     pub(crate) fn report(&mut self, ros: &RosNode, mut entries: Vec<StatusEntry<'_>>) {
         status_tree::add_ros_graph(&mut entries, ros);
         let log_time = self.log_time();
@@ -68,8 +68,7 @@ impl Diagnostics {
         }
     }
 
-    /// Publishes the last statuses again if that is due, with a warning of what keeps the scene's thread from
-    /// collecting new ones.
+    /// Publishes the last statuses again if that is due, with a warning about the busy scene's thread.
     pub(crate) fn report_busy(&mut self, ros: &RosNode, text: &str) {
         if !self.begin_publishing() {
             return;
@@ -85,7 +84,7 @@ impl Diagnostics {
         self.publish(status);
     }
 
-    /// Whether the topic is due, which counts as published then.
+    /// Returns `true` if the topic is due, which counts as published then.
     fn begin_publishing(&mut self) -> bool {
         let now = Instant::now();
         let is_due = self.until_due(now).is_zero();
@@ -122,7 +121,7 @@ fn level(level: Level) -> i8 {
     }
 }
 
-/// An entry as monitors show it: the worst status in the headline, below it all of them with the entry's values.
+/// Converts an entry: the worst status is the message, the values are the entry's and all statuses.
 fn diagnostic_status(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
     let message = match entry.statuses.worst() {
         Some((name, status)) if status.level > Level::Ok => format!("{name}: {}", status.text),

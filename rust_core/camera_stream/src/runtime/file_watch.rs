@@ -1,4 +1,4 @@
-//! Notices that a file was rewritten.
+//! Detects that a file was rewritten.
 //!
 //! The file's metadata is polled a few times a second. That also covers a file that an editor replaces, one behind a
 //! symbolic link and one on a network share, of which the kernel sends no notification. A change counts once two
@@ -12,10 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How often the file is polled.
 const POLL_PERIOD: Duration = Duration::from_millis(200);
 
-/// Distinguishes one state of a file from another.
+/// Distinguishes states of a file by its metadata.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Fingerprint {
     device: u64,
@@ -26,7 +25,7 @@ struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// None while there is no such regular file.
+    /// `None` while there is no such regular file.
     fn of(file: &Path) -> Option<Self> {
         let data = std::fs::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
         Some(Self {
@@ -47,7 +46,7 @@ struct ChangeDetector {
 }
 
 impl ChangeDetector {
-    /// Whether a change is complete.
+    /// Returns `true` if a change is complete.
     fn poll(&mut self, now: Option<Fingerprint>) -> bool {
         let settled = now.is_some() && now == self.last && now != self.reported;
         self.last = now;
@@ -58,7 +57,6 @@ impl ChangeDetector {
     }
 }
 
-/// Watches a file until it is dropped.
 pub(crate) struct FileWatch {
     changed: Arc<AtomicBool>,
     ended: Arc<AtomicBool>,
@@ -69,7 +67,7 @@ impl FileWatch {
     /// called for each change, on a separate thread.
     ///
     /// # Errors
-    /// When the thread cannot be started.
+    /// The thread cannot be started.
     pub(crate) fn start(file: PathBuf, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let (changed, ended) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let (change, end) = (Arc::clone(&changed), Arc::clone(&ended));
@@ -87,7 +85,6 @@ impl FileWatch {
         Ok(Self { changed, ended })
     }
 
-    /// Whether the file changed since the last call.
     pub(crate) fn take_change(&self) -> bool {
         self.changed.swap(false, Ordering::AcqRel)
     }

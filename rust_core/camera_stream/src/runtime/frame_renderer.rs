@@ -1,14 +1,21 @@
-//! The node's renderer, with the buffers that frames share and the times that they take.
+//! The node's renderer, with the buffers that frames share and the time that each display takes of a frame.
 
+use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use rcs_displays::DisplaySet;
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
-use rcs_scene::{DepthPicture, Picture, Scene};
+use rcs_scene::{DepthPicture, DisplayId, Picture, Scene};
 
-use super::costs::Costs;
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
+use crate::scene::status_tree::path_text;
+
+/// Duration from which a frame is reported.
+const SLOW_AFTER: Duration = Duration::from_secs(1);
+/// Share of the duration from which the slowest display is named.
+const NAMED_SHARE: f64 = 0.1;
 
 /// Draws the frames of all cameras.
 pub(super) struct FrameRenderer {
@@ -20,8 +27,10 @@ pub(super) struct FrameRenderer {
 }
 
 impl FrameRenderer {
+    /// Creates the chosen renderer.
+    ///
     /// # Errors
-    /// There is no renderer as it is chosen.
+    /// It is a GPU, and none works.
     pub(super) fn new(choice: RendererChoice) -> Result<Self> {
         let renderer = rcs_render::create(choice)?;
         Ok(Self { renderer, choice, buffers: SharedBuffers::default(), costs: Costs::default() })
@@ -46,7 +55,7 @@ impl FrameRenderer {
         Ok(frame.finish(self.renderer.as_mut(), memory, &mut self.buffers)?)
     }
 
-    /// What took so long, if the frame that is finished now was slow.
+    /// Describes the frame that is finished now, if it was slow.
     pub(super) fn slow_frame(&self, displays: &DisplaySet) -> Option<String> {
         self.costs.slow_frame(self.renderer.as_ref(), displays)
     }
@@ -78,6 +87,58 @@ fn has_gpu_failed(error: &Error) -> bool {
     matches!(error.downcast_ref(), Some(RenderError::Gpu { .. }))
 }
 
+/// The times of one frame, from the messages that it shows to the finished pixels.
+#[derive(Debug)]
+pub(super) struct Costs {
+    begun: Instant,
+    /// By display, for its messages and updates.
+    displays: HashMap<DisplayId, Duration>,
+}
+
+impl Default for Costs {
+    fn default() -> Self {
+        Self { begun: Instant::now(), displays: HashMap::new() }
+    }
+}
+
+impl Costs {
+    pub(super) fn clear(&mut self) {
+        self.begun = Instant::now();
+        self.displays.clear();
+    }
+
+    pub(super) fn add(&mut self, costs: impl IntoIterator<Item = (DisplayId, Duration)>) {
+        for (display, cost) in costs {
+            *self.displays.entry(display).or_default() += cost;
+        }
+    }
+
+    /// Describes the frame that is finished now, if it was slow.
+    pub(super) fn slow_frame(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
+        let took = self.begun.elapsed();
+        (took >= SLOW_AFTER).then(|| self.describe(took, renderer.costs(), |id| displays.path(id).map(path_text)))
+    }
+
+    fn describe(
+        &self,
+        took: Duration,
+        drawing: Vec<(DisplayId, Duration)>,
+        name: impl Fn(DisplayId) -> Option<String>,
+    ) -> String {
+        let mut costs = self.displays.clone();
+        for (display, cost) in drawing {
+            *costs.entry(display).or_default() += cost;
+        }
+        let is_much = |(_, cost): &(DisplayId, Duration)| *cost >= took.mul_f64(NAMED_SHARE);
+        let most = costs.into_iter().max_by_key(|(_, cost)| *cost).filter(is_much);
+        let took = format!("a picture took {:.1} s", took.as_secs_f64());
+        match most.and_then(|(display, cost)| Some((name(display)?, cost))) {
+            Some((name, cost)) => format!("{took}, of it {:.1} s for display {name}", cost.as_secs_f64()),
+            None => took,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +155,22 @@ mod tests {
         renderer.choice = RendererChoice::Auto;
         assert!(!renderer.handle_failure(&too_large) && renderer.describe() == "other");
         assert!(renderer.handle_failure(&lost()) && renderer.describe().starts_with("cpu"));
+    }
+
+    #[test]
+    fn a_slow_picture_names_the_display_that_costs_most() {
+        let secs = Duration::from_secs_f64;
+        let mut costs = Costs::default();
+        costs.add([(1, secs(0.3)), (2, secs(0.2))]);
+        costs.add([(1, secs(0.3))]);
+        let name = |display: DisplayId| Some(format!("d{display}"));
+        let drawing = vec![(2, secs(1.04)), (1, secs(0.1))];
+        let text = costs.describe(secs(2.0), drawing, name);
+        assert_eq!(text, "a picture took 2.0 s, of it 1.2 s for display d2");
+        assert_eq!(costs.describe(secs(2.0), Vec::new(), |_| None), "a picture took 2.0 s");
+        assert_eq!(costs.describe(secs(9.0), Vec::new(), name), "a picture took 9.0 s", "most is unaccounted for");
+        costs.clear();
+        assert_eq!(costs.describe(secs(2.0), Vec::new(), name), "a picture took 2.0 s");
     }
 
     struct OtherRenderer;

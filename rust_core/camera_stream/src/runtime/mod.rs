@@ -1,29 +1,27 @@
 //! `camera_stream` as a ROS node.
 //!
 //! ```text
-//!   topics, /tf ──► events ──► scene thread: displays, pictures ──► outputs ──► windows' threads
-//!                                  ▲    │                              ▲
-//!                        settings, │    │ what it is doing             │ the last pictures again
-//!                          config  │    ▼                              │ while a picture takes long
-//!   signals, services ─ calls ──► control thread ──────────────────────┘
+//!   topics, /tf ──► events ──► scene thread: displays, frames ──► outputs ──► windows' threads
+//!                                  ▲    │                            ▲
+//!                        settings, │    │ its present step           │ the last frames again
+//!                          config  │    ▼                            │ while one takes long
+//!   signals, services ─ calls ──► control thread ────────────────────┘
 //! ```
 //!
-//! The scene's thread owns the scene: it handles what was received, brings the displays up to date, draws what is
-//! watched and hands it to the outputs. Nothing is drawn that nobody subscribes to, and a scene that did not change is
-//! not drawn again: its last picture is published with a new stamp. The control thread answers whatever must not wait
-//! for a picture.
+//! The scene's thread owns the scene: it takes messages, updates the displays, draws frames and hands them to the
+//! outputs. Nothing is drawn that nobody subscribes to, and a scene that did not change is not drawn again: its last
+//! image is published with a new stamp. The control thread answers calls that must not wait for a frame.
 
 mod activity;
 mod config_reader;
 mod control_thread;
-mod costs;
 mod diagnostics;
 mod file_watch;
 mod frame_renderer;
 mod scene_thread;
 mod shared;
 pub(crate) mod watchdog;
-pub(crate) mod windows;
+mod windows;
 
 use std::sync::Arc;
 
@@ -32,33 +30,33 @@ use rcs_rviz_config::Config;
 
 use crate::cli::Cli;
 use crate::{log_findings, NODE_NAME};
-use control_thread::Control;
+use control_thread::ControlThread;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use scene_thread::SceneThread;
-use shared::Shared;
+use shared::NodeState;
 use watchdog::Watchdog;
 
-/// Runs the node until it is asked to end. Where it fails, [`lifecycle::finish`] is to end it.
+/// Runs the node until it is asked to end. After an error, [`lifecycle::finish`] is to end it.
 ///
 /// # Errors
 /// One line that names what failed: the master's address, a topic, the renderer.
-pub fn run(cli: &Cli, config: &Config) -> Result<()> {
+pub(crate) fn run(cli: &Cli, config: &Config) -> Result<()> {
     log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
     rcs_scene::name_threads();
     let Some(ros) = lifecycle::connect(NODE_NAME, &end)? else { return Ok(()) };
-    let shared = Arc::new(Shared::new(ros));
+    let shared = Arc::new(NodeState::new(ros));
     run_threads(cli, config, &shared, &end)?;
     shared.ros.shutdown();
     Ok(())
 }
 
-fn run_threads(cli: &Cli, config: &Config, shared: &Arc<Shared>, end: &EndRequest) -> Result<()> {
+fn run_threads(cli: &Cli, config: &Config, shared: &Arc<NodeState>, end: &EndRequest) -> Result<()> {
     // First, while little is in use.
     let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
         .context("cannot start the thread that gives memory back")?;
     let scene = SceneThread::start(cli, config, shared)?;
-    let control = Control::start(cli, config, shared)?;
+    let control = ControlThread::start(cli, config, shared)?;
     let _watchdog = Watchdog::start().context("cannot start the watchdog's thread")?;
     let thread = std::thread::Builder::new().name("scene".to_owned()).spawn(move || scene.run());
     control.run(thread.context("cannot start the scene's thread")?, end)

@@ -14,9 +14,9 @@ use rcs_ros::NodeEvent;
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
-use super::activity::Step;
+use super::activity::SceneStep;
 use super::frame_renderer::FrameRenderer;
-use super::shared::{Reload, Shared};
+use super::shared::{NodeState, Reload};
 use super::windows::Windows;
 use crate::camera::frame::FrameInFlight;
 use crate::camera::latency::Update;
@@ -33,9 +33,8 @@ use crate::safety::read_rules::{self, MaskTopics};
 use crate::safety::{status, LitView, Safety};
 use crate::scene::live::LiveScene;
 use crate::scene::visibility::{self, PlacedCamera};
-use crate::scene::SceneState;
+use crate::scene::{status_tree, SceneState};
 
-/// The longest sleep while nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(500);
 
 /// Markers placed in one update: at most a twentieth of a second of work.
@@ -43,7 +42,7 @@ const MARKERS_PER_UPDATE: usize = 20_000;
 
 /// The scene and what draws it.
 pub(super) struct SceneThread {
-    shared: Arc<Shared>,
+    shared: Arc<NodeState>,
     context: Arc<CameraContext>,
     scene: LiveScene,
     renderer: FrameRenderer,
@@ -63,7 +62,7 @@ impl SceneThread {
     ///
     /// # Errors
     /// One line that names what failed: a topic, the renderer.
-    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
@@ -98,7 +97,6 @@ impl SceneThread {
         time_from_stamp(self.shared.ros.now())
     }
 
-    /// Runs until the end is requested.
     pub(super) fn run(mut self) {
         let shared = Arc::clone(&self.shared);
         while !shared.is_ending() {
@@ -154,7 +152,7 @@ impl SceneThread {
     /// touched, and displays that are kept show what they did.
     fn reload(&mut self, Reload { config, reply }: Reload) {
         let shared = Arc::clone(&self.shared);
-        shared.activity.begin(Step::Config);
+        shared.activity.begin(SceneStep::Config);
         let ros = &shared.ros;
         let plans = match plan::plans(ros, &config) {
             Ok(plans) => plans,
@@ -182,9 +180,8 @@ impl SceneThread {
         }
     }
 
-    /// Brings the scene up to date.
     fn update(&mut self, now: Time) {
-        self.shared.activity.begin(Step::Displays);
+        self.shared.activity.begin(SceneStep::Displays);
         let transforms_received = self.scene.update(now);
         self.renderer.costs.add(self.scene.state.take_costs());
         let messages = self.scene.state.displays().newly_shown();
@@ -211,15 +208,14 @@ impl SceneThread {
         all.fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
     }
 
-    /// Reports the status of each display and camera.
     fn report_statuses(&mut self) {
         let shared = Arc::clone(&self.shared);
         if !shared.diagnostics().is_due() {
             return;
         }
-        shared.activity.begin(Step::Statuses);
+        shared.activity.begin(SceneStep::Statuses);
         let state = &self.scene.state;
-        let mut entries = state.status_entries(self.now());
+        let mut entries = status_tree::scene(state, self.now());
         for entry in entries.iter_mut().filter(|entry| self.scene.subscriptions.is_paused(&entry.topic)) {
             entry.values.push(("received", "not while nobody watches".to_owned()));
         }
@@ -236,11 +232,10 @@ impl SceneThread {
         shared.diagnostics().report(&shared.ros, entries);
     }
 
-    /// Applies an event to the scene.
     fn handle(&mut self, event: NodeEvent) {
         let step = match &event {
-            NodeEvent::Message { topic, .. } => Step::Message(Arc::clone(topic)),
-            _ => Step::Event,
+            NodeEvent::Message { topic, .. } => SceneStep::Message(Arc::clone(topic)),
+            _ => SceneStep::Event,
         };
         self.shared.activity.begin(step);
         match &event {
@@ -289,7 +284,6 @@ impl SceneThread {
         }
     }
 
-    /// Gives each camera its policy for now.
     fn assess(&mut self) {
         let now = Now { ros: self.now(), steady: Instant::now() };
         let state = &self.scene.state;
@@ -323,7 +317,7 @@ impl SceneThread {
         let shared = Arc::clone(&self.shared);
         let due = shared.cameras().get_mut(index).map(|camera| camera.poll(&self.scene.state)).transpose()?;
         let Some(due) = due.flatten() else { return Ok(None) };
-        shared.activity.begin(Step::Frame(due.view.name.clone()));
+        shared.activity.begin(SceneStep::Frame(due.view.name.clone()));
         let size_px = [due.camera.width_px(), due.camera.height_px()];
         let frame = self.renderer.submit(due, &self.scene.snapshot())?;
         *is_size_gone |= shared.cameras().get_mut(index).is_some_and(|camera| camera.set_drawn_px(size_px));

@@ -1,20 +1,20 @@
 //! The state that the scene's thread and the control thread share.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_rviz_config::Config;
+use rcs_scene::lock;
 
 use super::activity::Activity;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
 use crate::camera::output::CameraOutput;
 
-/// Shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
+/// NodeState by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
 /// displays are updated or images are drawn.
-pub(super) struct Shared {
+pub(super) struct NodeState {
     pub(super) ros: Arc<RosNode>,
-    /// The step of the scene's thread.
     pub(super) activity: Arc<Activity>,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
@@ -24,7 +24,6 @@ pub(super) struct Shared {
 /// Requests of the control thread to the scene's thread.
 #[derive(Default)]
 struct Requests {
-    /// A config to apply.
     reload: Option<Reload>,
     /// Load meshes and textures again that could not be used.
     retry_resources: bool,
@@ -38,11 +37,7 @@ pub(super) struct Reload {
     pub(super) reply: Option<TriggerReply>,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Shared {
+impl NodeState {
     /// Without cameras.
     pub(super) fn new(ros: Arc<RosNode>) -> Self {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
@@ -56,7 +51,6 @@ impl Shared {
         lock(&self.cameras)
     }
 
-    /// The statuses' log and topic.
     pub(super) fn diagnostics(&self) -> MutexGuard<'_, Diagnostics> {
         lock(&self.diagnostics)
     }
@@ -82,13 +76,11 @@ impl Shared {
         (requests.reload.take(), std::mem::take(&mut requests.retry_resources))
     }
 
-    /// Asks the scene's thread to end.
     pub(super) fn end(&self) {
         lock(&self.requests).end = true;
         self.ros.events().wake();
     }
 
-    /// `true` if the scene's thread is to end.
     pub(super) fn is_ending(&self) -> bool {
         lock(&self.requests).end
     }

@@ -1,32 +1,32 @@
-//! Names what hangs.
+//! Logs threads that hang.
 //!
-//! What works for the pictures on a thread of its own (the scene, calls, compression, windows) tells since when it has
-//! been busy with one step, and with which ([`Worker`]). One more thread looks at all of them each second, and logs a
-//! step that takes longer than [`HANG_AFTER`]; again after each doubling.
+//! Each thread that frames depend on (the scene, calls, compression, windows) is a [`Worker`] with a present step. One
+//! more thread polls all of them each second, and logs a step that takes longer than [`HANG_AFTER`]; again after each
+//! doubling.
 
 use std::io;
 use std::sync::mpsc::{sync_channel, RecvTimeoutError, SyncSender};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long a step may take before it is logged.
+use rcs_scene::lock;
+
+/// Duration from which a step is logged.
 const HANG_AFTER: Duration = Duration::from_secs(5);
-/// How often all workers are looked at.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// Something that may hang.
 pub(crate) trait Worker: Send + Sync {
-    /// What it is doing, and since when; `None` while it waits for work. Must not wait itself.
+    /// The present step and its beginning; `None` while it waits for work. Must not wait itself.
     fn step(&self) -> Option<(String, Instant)>;
 
-    /// What that means meanwhile, if there is more to say than that it hangs.
+    /// The consequence of a hang, if there is one to be logged.
     fn consequence(&self) -> Option<&'static str> {
         None
     }
 }
 
-/// A worker of one step.
+/// A worker with one step.
 #[derive(Debug)]
 pub(crate) struct Task {
     name: String,
@@ -41,12 +41,11 @@ impl Task {
         task
     }
 
-    /// Work begins.
     pub(crate) fn begin(&self) {
         *lock(&self.since) = Some(Instant::now());
     }
 
-    /// The task waits for work.
+    /// Ends the step: the task waits for work.
     pub(crate) fn wait_for_work(&self) {
         *lock(&self.since) = None;
     }
@@ -58,18 +57,18 @@ impl Worker for Task {
     }
 }
 
-/// A worker, and how long a hang lasts that is logged next.
-struct Watched {
+/// A worker, and the duration of a hang that is logged next.
+struct WatchedWorker {
     worker: Weak<dyn Worker>,
     next: Duration,
 }
 
-static WORKERS: Mutex<Vec<Watched>> = Mutex::new(Vec::new());
+static WORKERS: Mutex<Vec<WatchedWorker>> = Mutex::new(Vec::new());
 
 /// Has a worker watched for as long as it lives.
 pub(crate) fn watch<W: Worker + 'static>(worker: &Arc<W>) {
     let worker: Weak<W> = Arc::downgrade(worker);
-    lock(&WORKERS).push(Watched { worker, next: HANG_AFTER });
+    lock(&WORKERS).push(WatchedWorker { worker, next: HANG_AFTER });
 }
 
 /// Watches all workers until it is dropped.
@@ -82,7 +81,7 @@ impl Watchdog {
     /// Starts the thread.
     ///
     /// # Errors
-    /// The system's, where there is no thread left.
+    /// The thread cannot be started.
     pub(crate) fn start() -> io::Result<Self> {
         let (end, is_ended) = sync_channel(0);
         let watching = move || {
@@ -97,8 +96,8 @@ impl Watchdog {
     }
 }
 
-/// What is to be logged now.
-fn hangs(workers: &mut Vec<Watched>, now: Instant) -> Vec<String> {
+/// The lines that are to be logged now.
+fn hangs(workers: &mut Vec<WatchedWorker>, now: Instant) -> Vec<String> {
     let mut lines = Vec::new();
     workers.retain_mut(|watched| {
         let Some(worker) = watched.worker.upgrade() else { return false };
@@ -117,10 +116,6 @@ fn hangs(workers: &mut Vec<Watched>, now: Instant) -> Vec<String> {
     lines
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,7 +124,7 @@ mod tests {
     fn a_step_that_hangs_is_named_and_again_after_each_doubling() {
         let task = Arc::new(Task { name: "drawing".to_owned(), since: Mutex::default() });
         let worker: Weak<Task> = Arc::downgrade(&task);
-        let mut workers = vec![Watched { worker, next: HANG_AFTER }];
+        let mut workers = vec![WatchedWorker { worker, next: HANG_AFTER }];
         let begun = Instant::now();
         let mut after = |seconds: u64| hangs(&mut workers, begun + Duration::from_secs(seconds));
         assert!(after(100).is_empty(), "it waits for work");

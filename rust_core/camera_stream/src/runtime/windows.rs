@@ -12,21 +12,21 @@ use crate::private_parameters;
 use crate::safety::Safety;
 use crate::window_arguments::{CameraWindow, ScreenArgs};
 
-/// The windows, as long as the node runs. Dropped, it closes them.
+/// The windows of all cameras. Closes them when dropped.
 #[derive(Default)]
-pub(crate) struct Windows(Vec<Window>);
+pub(crate) struct Windows(Vec<OpenWindow>);
 
-struct Window {
+struct OpenWindow {
     camera: String,
     output: WindowOutput,
     _thread: WindowThread,
 }
 
 impl Windows {
-    /// Opens those of `--window` and `~window` for the cameras of a config.
+    /// Opens the windows of `--window` and `~window` for the cameras of a config.
     ///
     /// # Errors
-    /// One line that names what is wrong: no such camera, or a window for none of several.
+    /// One line: no such camera, two windows for one camera, or several cameras and no name.
     pub(crate) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
         let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
         let args = private_parameters::windows(ros, given)?;
@@ -44,7 +44,7 @@ impl Windows {
             let set_mode = args.set_mode;
             let options =
                 WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
-            windows.0.push(Window::open(ros, camera, options)?);
+            windows.0.push(OpenWindow::open(ros, camera, options)?);
         }
         Ok(windows)
     }
@@ -54,7 +54,7 @@ impl Windows {
         self.0.iter().find(|window| window.camera == camera).map(|window| window.output.clone())
     }
 
-    /// Makes the windows black whose cameras another config does not have.
+    /// Blacks out windows whose cameras another config does not have.
     pub(crate) fn clear_those_without(&self, plans: &[CameraPlan]) {
         for window in self.0.iter().filter(|window| !plans.iter().any(|plan| plan.name() == window.camera)) {
             log::warn!("camera {} is not in the config any more: its window is black", window.camera);
@@ -63,7 +63,7 @@ impl Windows {
     }
 }
 
-impl Window {
+impl OpenWindow {
     fn open(ros: &RosNode, camera: String, options: WindowOptions) -> Result<Self> {
         let events = Arc::clone(ros.events());
         let (output, thread) = WindowOutput::open(options, move || events.wake()).context("cannot open a window")?;
@@ -71,7 +71,7 @@ impl Window {
     }
 }
 
-/// The camera that a window is for.
+/// The camera of a window.
 fn camera(wanted: Option<String>, cameras: &[&str]) -> Result<String> {
     match (wanted, cameras) {
         (Some(wanted), _) => Ok(wanted),

@@ -1,14 +1,14 @@
-//! The picture of no light, with one small line on it that says why, if that is wanted.
+//! A black image, with one small line of text that says why, if wanted.
 
 use rcs_scene::{letters, Encoding, Letter, Picture, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 
-/// The line's height is this share of the picture's, within limits.
+/// Height of the text as a share of the image's, within limits.
 const HEIGHT_SHARE: f32 = 1.0 / 40.0;
 const EM_PX: std::ops::RangeInclusive<f32> = 9.0..=28.0;
-/// It is grey, for it is light, too.
+/// Level of the text: grey, because it is light, too.
 const BRIGHTEST: u32 = 140;
 
-/// A black picture with a note at its lower left, cut off at the right edge.
+/// A black image with a note at its lower left, cut off at the right edge.
 pub(crate) fn black_picture([width_px, height_px]: [u32; 2], encoding: Encoding, note: Option<&str>) -> Picture {
     let mut picture = Picture::default();
     picture.reset(width_px, height_px, encoding);
@@ -37,7 +37,7 @@ fn write(picture: &mut Picture, text: &str) {
     }
 }
 
-/// Draws a letter whose origin is there.
+/// Draws a letter with this origin.
 fn stamp(picture: &mut Picture, letter: &Letter, x: i64, baseline: i64) {
     let (encoding, step) = (picture.encoding, picture.step());
     let cell = encoding.bytes_per_pixel();
@@ -61,7 +61,7 @@ fn stamp(picture: &mut Picture, letter: &Letter, x: i64, baseline: i64) {
 mod tests {
     use super::*;
 
-    /// How many pixels are not black, and the bytes of the first pixel.
+    /// Number of pixels that are not black, and the bytes of the first pixel.
     fn lit(encoding: Encoding, note: Option<&str>) -> (usize, Vec<u8>) {
         let picture = black_picture([320, 200], encoding, note);
         assert_eq!((picture.width_px, picture.height_px, picture.encoding), (320, 200, encoding));

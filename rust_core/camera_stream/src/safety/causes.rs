@@ -1,14 +1,14 @@
-//! Why there is no light: the table of causes.
+//! Blackout: the table of causes.
 //!
 //! | cause | beats a pause | beats test pictures | says why in the image (`~stale_note`) |
 //! |---|---|---|---|
 //! | a rule names a camera that the config does not have | yes | yes | no |
-//! | a mask is missing, invalid or too old | yes | yes | no |
-//! | the place of a keep-out frame is missing or too old | yes | yes | no |
-//! | where the lens sends light around keep-out frames is unknown | yes | yes | no |
+//! | a mask is missing, invalid or stale | yes | yes | no |
+//! | the place of a keep-out frame is missing or stale | yes | yes | no |
+//! | the lens around keep-out frames is unknown | yes | yes | no |
 //! | the camera has no CameraInfo or pose | yes | where eyes are protected | where no eyes are protected |
-//! | the CameraInfo or the camera's frame is too old | yes | where eyes are protected | yes |
-//! | all that is shown is too old | yes | no | yes |
+//! | the CameraInfo or the camera's frame is stale | yes | where eyes are protected | yes |
+//! | all displays are stale | yes | no | yes |
 //! | nothing was drawn or confirmed in time: the node is busy, hangs or is gone | yes | where eyes are protected | no |
 //! | an image that is black came on a topic (`projector_window`) | yes | no | it has what it has |
 //!
@@ -18,32 +18,23 @@
 
 use std::fmt;
 
-/// A row of the table.
+/// A row of the table, in its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// A rule names a camera that the config does not have.
+pub(crate) enum DarkCause {
     UnknownCamera,
-    /// A mask is missing, invalid or too old.
     Mask,
-    /// The place of a keep-out frame is missing or too old.
     KeepOut,
-    /// Where the lens sends light around keep-out frames is unknown.
     Lens,
-    /// The camera has no CameraInfo or pose.
     NoCamera,
-    /// The CameraInfo or the camera's frame is too old.
     CameraData,
-    /// All that is shown is too old.
     Displays,
-    /// Nothing was drawn or confirmed in time.
     Silence,
-    /// A black image came on a topic.
     BlackImage,
 }
 
-impl Cause {
-    /// Whether test pictures, which are for focusing before the robot runs, are dark, too.
-    pub fn beats_test_pictures(self, protects_eyes: bool) -> bool {
+impl DarkCause {
+    /// `true` if test pictures, which are for focusing before the robot runs, are dark, too.
+    pub(crate) fn beats_test_pictures(self, protects_eyes: bool) -> bool {
         match self {
             Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => true,
             Self::NoCamera | Self::CameraData | Self::Silence => protects_eyes,
@@ -51,8 +42,8 @@ impl Cause {
         }
     }
 
-    /// Whether the black image may say why it is black: not where it is unknown where eyes are.
-    pub fn allows_note(self, protects_eyes: bool) -> bool {
+    /// `true` if the black image may say why it is black: not while it is unknown where eyes are.
+    pub(crate) fn allows_note(self, protects_eyes: bool) -> bool {
         match self {
             Self::CameraData | Self::Displays => true,
             Self::NoCamera => !protects_eyes,
@@ -60,13 +51,12 @@ impl Cause {
         }
     }
 
-    /// Whether somebody has to put it right: it does not end when data come again.
-    pub fn is_error(self) -> bool {
+    /// `true` if it does not end when data come again: somebody has to correct it.
+    pub(crate) fn is_error(self) -> bool {
         self == Self::UnknownCamera
     }
 
-    /// The name of the status that says so.
-    pub fn status(self) -> &'static str {
+    pub(crate) fn status(self) -> &'static str {
         match self {
             Self::CameraData | Self::Displays => super::STALE,
             _ => "Dark",
@@ -76,20 +66,20 @@ impl Cause {
 
 /// Why a camera is dark.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Dark {
-    /// The row of the table.
-    pub cause: Cause,
-    /// The reason, such as missing or stale data.
-    pub why: String,
+pub(crate) struct DarkReason {
+    /// Row of the table.
+    pub(crate) cause: DarkCause,
+    /// Text for logs, statuses and notes.
+    pub(crate) why: String,
 }
 
-impl Dark {
-    pub(super) fn new(cause: Cause, why: impl Into<String>) -> Self {
+impl DarkReason {
+    pub(super) fn new(cause: DarkCause, why: impl Into<String>) -> Self {
         Self { cause, why: why.into() }
     }
 }
 
-impl fmt::Display for Dark {
+impl fmt::Display for DarkReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.why)
     }

@@ -1,4 +1,4 @@
-//! Where there may be light, from images: those of a mask's topic, and those that somebody painted.
+//! Light masks from images: from messages of a mask's topic, and from PNG files.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use rcs_files::blend_file::BlendFile;
 use rcs_messages::Image;
 use rcs_render::LightMask;
 
-/// The mask that an image is.
+/// Reads a mask from an image message.
 ///
 /// # Errors
-/// Why it is none.
+/// Another encoding, or too few bytes.
 pub fn light_mask(image: &Image) -> Result<LightMask, String> {
     if !matches!(image.encoding.as_str(), "mono8" | "8UC1") {
         return Err(format!("its encoding is {}, not mono8", image.encoding));
@@ -27,11 +27,11 @@ pub fn light_mask(image: &Image) -> Result<LightMask, String> {
     levels.and_then(|levels| LightMask::new(size_px, levels)).ok_or_else(too_short)
 }
 
-/// Reads the mask that a PNG is. What is transparent is dark.
+/// Reads a mask from a PNG file. Transparent pixels are dark.
 ///
 /// # Errors
 /// A file that cannot be read, or no PNG.
-pub fn painted_mask(path: &Path) -> Result<LightMask> {
+pub(crate) fn painted_mask(path: &Path) -> Result<LightMask> {
     let BlendFile { size_px, weights, lifts } = BlendFile::read(path)?;
     let level = |(light, transparency): (u16, u16)| {
         let opaque = u32::from(light) * u32::from(u16::MAX - transparency) / u32::from(u16::MAX);

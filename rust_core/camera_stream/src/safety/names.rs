@@ -1,4 +1,4 @@
-//! Values of single cameras, `CAMERA=VALUE`, and the cameras that they name.
+//! Values for single cameras, `CAMERA=VALUE`, and the cameras that they name.
 //!
 //! A value for a camera that does not exist is a rule that nobody follows: a mask that darkens nothing, say. So each
 //! name has to be one of the config's, whether that camera is enabled or not.
@@ -50,7 +50,7 @@ pub(super) fn cameras_text(cameras: &[String]) -> String {
     }
 }
 
-/// What options take with `CAMERA=`.
+/// A value of an option with `CAMERA=`.
 pub trait CameraValue: Sized {
     /// Reads a value.
     ///
@@ -58,7 +58,7 @@ pub trait CameraValue: Sized {
     /// One line that names the text.
     fn read(text: &str) -> Result<Self, String>;
 
-    /// Whether a text with a `=` that names no camera is a value as it stands.
+    /// `true` if a text with a `=` that names no camera is a value as it stands.
     fn is_whole(_text: &str) -> bool {
         false
     }
@@ -93,7 +93,7 @@ impl<T: CameraValue> ForCamera<T> {
     ///
     /// # Errors
     /// [`NameError`].
-    pub fn read(text: &str, cameras: &[String]) -> Result<Self, NameError> {
+    pub(crate) fn read(text: &str, cameras: &[String]) -> Result<Self, NameError> {
         let known = split_at_known(text, cameras.iter().map(String::as_str));
         let (camera, value) = match (known, text.split_once('=')) {
             (Some((camera, value)), _) => (Some(camera.to_owned()), value),
@@ -113,13 +113,13 @@ impl<T: CameraValue> ForCamera<T> {
     ///
     /// # Errors
     /// The first that is wrong.
-    pub fn read_all(texts: &[String], cameras: &[String]) -> Result<Vec<Self>, NameError> {
+    pub(crate) fn read_all(texts: &[String], cameras: &[String]) -> Result<Vec<Self>, NameError> {
         texts.iter().map(|text| Self::read(text, cameras)).collect()
     }
 }
 
 /// A camera's value, or the one for all of them. The last one given wins.
-pub fn of_camera<'v, T>(values: &'v [ForCamera<T>], camera: &str) -> Option<&'v T> {
+pub(crate) fn of_camera<'v, T>(values: &'v [ForCamera<T>], camera: &str) -> Option<&'v T> {
     let last = |wanted: Option<&str>| values.iter().rev().find(|value| value.camera.as_deref() == wanted);
     last(Some(camera)).or_else(|| last(None)).map(|found| &found.value)
 }

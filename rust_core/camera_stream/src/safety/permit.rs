@@ -4,36 +4,34 @@ use std::sync::Arc;
 
 use rcs_render::LastStep;
 
-use super::causes::{Cause, Dark};
+use super::causes::{DarkCause, DarkReason};
 
-/// How much of something may be lit.
+/// Share of an image that may be lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Allowance {
+pub(crate) enum Allowance {
     /// All of it.
     #[default]
     All,
-    /// Only the light that the masks and keep-out frames leave.
+    /// Only outside masks and keep-out frames.
     Masked,
     /// Nothing.
     Nothing,
 }
 
-/// What comes with an image.
+/// The permit that comes with an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Permit {
-    /// A paused image.
-    pub paused: Allowance,
-    /// Test pictures.
-    pub test: Allowance,
+    pub(crate) paused: Allowance,
+    pub(crate) test: Allowance,
     /// Images of one number may be held in each other's place: they leave out the same data, of the same config.
-    pub epoch: u64,
+    pub(crate) epoch: u64,
     /// Post-processing, with masks and keep-out frames.
-    pub post: Arc<LastStep>,
+    pub(crate) post: Arc<LastStep>,
 }
 
 impl Permit {
     /// The permit of an image that is dark for a reason, or lit.
-    pub fn new(dark: Option<&Dark>, protects_eyes: bool, epoch: u64, post: &Arc<LastStep>) -> Self {
+    pub(crate) fn new(dark: Option<&DarkReason>, protects_eyes: bool, epoch: u64, post: &Arc<LastStep>) -> Self {
         let post = Arc::clone(post);
         let masked = if protects_eyes { Allowance::Masked } else { Allowance::All };
         let is_dark_in_tests = dark.is_some_and(|dark| dark.cause.beats_test_pictures(protects_eyes));
@@ -45,9 +43,9 @@ impl Permit {
         Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, epoch, post }
     }
 
-    /// The permit of an image on a topic of which nothing is known but its pixels.
+    /// The permit of an image on a topic, of which only the pixels are known.
     pub fn of_topic(is_black: bool) -> Self {
-        let dark = is_black.then(|| Dark::new(Cause::BlackImage, "the image is black"));
+        let dark = is_black.then(|| DarkReason::new(DarkCause::BlackImage, "the image is black"));
         Self::new(dark.as_ref(), false, 0, &Arc::default())
     }
 }
@@ -58,9 +56,9 @@ mod tests {
 
     #[test]
     fn each_cause_beats_a_pause_and_those_about_eyes_beat_test_pictures() {
-        use Cause::{BlackImage, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        use DarkCause::{BlackImage, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
         let test = |cause, protects_eyes| {
-            let permit = Permit::new(Some(&Dark::new(cause, "")), protects_eyes, 0, &Arc::default());
+            let permit = Permit::new(Some(&DarkReason::new(cause, "")), protects_eyes, 0, &Arc::default());
             assert_eq!(permit.paused, Allowance::Nothing, "{cause:?}");
             permit.test
         };
@@ -80,7 +78,7 @@ mod tests {
 
     #[test]
     fn only_what_is_too_old_is_said_in_the_image() {
-        use Cause::{CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        use DarkCause::{CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
         for cause in [UnknownCamera, Mask, KeepOut, Lens, Silence] {
             assert!(!cause.allows_note(false) && !cause.allows_note(true), "{cause:?}");
         }

@@ -1,4 +1,4 @@
-//! Reads the rules of light from the command line and the private parameters, and subscribes to masks.
+//! Reads the [rules](super::rules) from the command line and the private parameters, and subscribes to masks.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -13,8 +13,8 @@ use rcs_ros::{RosNode, TopicSubscription};
 use crate::cli::NodeArgs;
 use crate::light_arguments::{Gamma, StaleArgs};
 use crate::private_parameters::{blend_gamma, flag, strings, switch};
-use crate::safety::ages::limits::{Limit, Limits, StaleTimeout};
-use crate::safety::ages::Source;
+use crate::safety::ages::limits::{AgeLimit, AgeLimits, StaleTimeout};
+use crate::safety::ages::TopicSource;
 use crate::safety::names::{CameraValue, ForCamera};
 use crate::safety::painted_mask;
 use crate::safety::rules::Rules;
@@ -23,10 +23,10 @@ use crate::safety::rules::Rules;
 pub(crate) struct MaskTopics(Vec<TopicSubscription>);
 
 impl MaskTopics {
-    /// Who publishes a mask, by its topic's whole name.
-    pub(crate) fn source(&self, topic: &str) -> Option<Source> {
+    /// The publishers of a mask's topic, by its whole name.
+    pub(crate) fn source(&self, topic: &str) -> Option<TopicSource> {
         let found = self.0.iter().find(|subscription| &**subscription.topic() == topic)?;
-        Some(Source { topic: topic.to_owned(), publishing: found.publishing() })
+        Some(TopicSource { topic: topic.to_owned(), publishing: found.publishing() })
     }
 }
 
@@ -85,14 +85,14 @@ fn values<T: FromStr<Err = String> + Clone>(ros: &RosNode, given: &[T], paramete
 }
 
 /// The limits of the command line, else of the node's parameters.
-fn limits(ros: &RosNode, args: &StaleArgs) -> Result<Limits> {
+fn limits(ros: &RosNode, args: &StaleArgs) -> Result<AgeLimits> {
     const GENERAL: &str = "~stale_timeout";
     const TOPICS: &str = "~stale_timeouts";
-    let mut limits = Limits::off();
+    let mut limits = AgeLimits::off();
     let mut set = |timeout| limits.set(timeout, |topic| ros.resolve(topic));
     if let Some(text) = ros.text_param(GENERAL)? {
         match text.parse() {
-            Ok(Limit::Held) | Err(_) => return Err(anyhow!("parameter {GENERAL}: seconds from 0 (off) to 86400")),
+            Ok(AgeLimit::Held) | Err(_) => return Err(anyhow!("parameter {GENERAL}: seconds from 0 (off) to 86400")),
             Ok(limit) => set(StaleTimeout { topic: None, limit })?,
         }
     }

@@ -5,32 +5,30 @@ use std::sync::Arc;
 
 use rcs_render::{Blend, LightMask, Orientation};
 
-use super::ages::limits::Limits;
+use super::ages::limits::AgeLimits;
 use super::names::{cameras_text, unmatched, ForCamera};
 use rcs_node_support::key_value;
 
 /// The rules of all cameras.
 #[derive(Debug)]
-pub struct Rules {
-    /// How old data may be.
-    pub limits: Limits,
-    /// How images are turned.
-    pub orientations: Vec<ForCamera<Orientation>>,
+pub(crate) struct Rules {
+    /// Limits of the age of data.
+    pub(crate) limits: AgeLimits,
+    pub(crate) orientations: Vec<ForCamera<Orientation>>,
     /// The shares of projectors that light one surface.
-    pub blends: Vec<ForCamera<Arc<Blend>>>,
+    pub(crate) blends: Vec<ForCamera<Arc<Blend>>>,
     /// Masks from files.
-    pub painted_masks: Vec<ForCamera<Arc<LightMask>>>,
+    pub(crate) painted_masks: Vec<ForCamera<Arc<LightMask>>>,
     /// The topics of masks, by whole names.
-    pub mask_topics: Vec<ForCamera<String>>,
+    pub(crate) mask_topics: Vec<ForCamera<String>>,
     /// Frames around which there must be no light.
-    pub keep_out: Vec<KeepOutFrame>,
-    /// Whether all is dark while a mask or the place of a keep-out frame is missing or too old.
-    pub is_required: bool,
+    pub(crate) keep_out: Vec<KeepOutFrame>,
+    /// `true` if all is dark while a mask or the place of a keep-out frame is missing or stale.
+    pub(crate) is_required: bool,
 }
 
 impl Rules {
-    /// Whether images stay as they are drawn, all of them and always.
-    pub(super) fn change_nothing(&self) -> bool {
+    pub(super) fn is_noop(&self) -> bool {
         self.orientations.is_empty()
             && self.blends.is_empty()
             && self.painted_masks.is_empty()
@@ -38,7 +36,7 @@ impl Rules {
             && self.keep_out.is_empty()
     }
 
-    /// Which rules name cameras that are none of these; none where all fit.
+    /// The rules that name other cameras than these; `None` if there are none.
     pub(super) fn unmatched(&self, cameras: &[String]) -> Option<String> {
         let of = |option: &str, names: Vec<&str>| names.into_iter().map(|name| format!("{option} {name}")).collect();
         let wrong: [Vec<String>; 4] = [
@@ -56,9 +54,9 @@ impl Rules {
 /// A frame around which there must be no light: `FRAME=RADIUS`, metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeepOutFrame {
-    /// The frame.
+    /// `frame_id`, without a leading `/`.
     pub frame: String,
-    /// How far around its origin, metres.
+    /// Distance from its origin, metres.
     pub radius_m: f64,
 }
 

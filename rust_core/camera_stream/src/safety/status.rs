@@ -1,12 +1,11 @@
-//! Statuses of what is dark or left out.
+//! Statuses of stale displays and dark cameras.
 
 use rcs_displays::Level;
 
 use crate::safety::{FramePolicy, Safety, STALE};
 use crate::scene::status_tree::{EntryKind, StatusEntry};
 
-/// Adds a warning to whatever is not drawn because it is too old, and an error to the scene if rules name cameras that
-/// do not exist.
+/// Adds a warning to stale displays, and an error to the scene if rules name cameras that do not exist.
 pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
     for entry in entries {
         if let (EntryKind::Global, Some(why)) = (entry.kind, safety.unmatched()) {
@@ -19,9 +18,9 @@ pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
     }
 }
 
-/// Adds to a camera why it is dark.
+/// Adds a camera's reason for a blackout.
 pub(crate) fn add_dark(entry: &mut StatusEntry<'_>, policy: &FramePolicy) {
-    if let Some(dark) = &policy.dark {
+    if let Some(dark) = &policy.dark_reason {
         let level = if dark.cause.is_error() { Level::Error } else { Level::Warn };
         entry.statuses.to_mut().set(level, dark.cause.status(), format!("the picture is black: {dark}"));
     }

@@ -1,15 +1,14 @@
-//! Tests of policies: which cameras are dark, and what windows are told.
+//! Tests of policies: dark cameras, and the permits of windows.
 
 use rcs_messages::std_msgs::Header;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::Time;
 
-use super::ages::limits::{Limits, StaleTimeout};
+use super::ages::limits::{AgeLimits, StaleTimeout};
 use super::names::ForCamera;
 use super::permit::Allowance;
 use super::rules::KeepOutFrame;
 use super::*;
-use crate::scene::SceneState;
 
 const CONFIG: &str = "
 Visualization Manager:
@@ -21,7 +20,7 @@ Visualization Manager:
 
 fn rules() -> Rules {
     Rules {
-        limits: Limits::off(),
+        limits: AgeLimits::off(),
         orientations: Vec::new(),
         blends: Vec::new(),
         painted_masks: Vec::new(),
@@ -35,7 +34,7 @@ fn mask_of_cam() -> Vec<ForCamera<String>> {
     vec![ForCamera { camera: Some("cam".to_owned()), value: "/mask".to_owned() }]
 }
 
-fn stage() -> SceneState {
+fn scene() -> SceneState {
     let config = rcs_rviz_config::parse(CONFIG, "test").unwrap();
     SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])))
 }
@@ -45,13 +44,13 @@ fn cameras(names: &[&str]) -> Vec<String> {
 }
 
 /// Why each camera is dark, a while after the start.
-fn causes(safety: &mut Safety, start: Instant, after_secs: f64) -> Vec<Option<Cause>> {
-    let stage = stage();
+fn causes(safety: &mut Safety, start: Instant, after_secs: f64) -> Vec<Option<DarkCause>> {
+    let scene = scene();
     let view = |view| LitView { view, camera: None, unknown_lens: None };
-    let lit: Vec<_> = stage.cameras().iter().map(view).collect();
+    let lit: Vec<_> = scene.cameras().iter().map(view).collect();
     let now = Now { ros: Time::ZERO, steady: start + Duration::from_secs_f64(after_secs) };
-    let policies = safety.assess(&stage, &lit, |_, _| None, now);
-    policies.into_iter().map(|policy| policy.dark.map(|dark| dark.cause)).collect()
+    let policies = safety.assess(&scene, &lit, |_, _| None, now);
+    policies.into_iter().map(|policy| policy.dark_reason.map(|dark| dark.cause)).collect()
 }
 
 fn white_mask() -> Image {
@@ -62,10 +61,10 @@ fn white_mask() -> Image {
 fn a_mask_that_is_missing_or_too_old_makes_its_own_camera_dark() {
     let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), ..rules() });
     let start = Instant::now();
-    assert_eq!(causes(&mut safety, start, 0.0), [Some(Cause::Mask), None]);
+    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::Mask), None]);
     safety.take_image("/mask", &white_mask(), start);
     assert_eq!(causes(&mut safety, start, 0.9), [None, None]);
-    assert_eq!(causes(&mut safety, start, 1.1), [Some(Cause::Mask), None]);
+    assert_eq!(causes(&mut safety, start, 1.1), [Some(DarkCause::Mask), None]);
     let mut lenient = Safety::new(Rules { mask_topics: mask_of_cam(), is_required: false, ..rules() });
     assert_eq!(causes(&mut lenient, start, 0.0), [None, None]);
 }
@@ -74,7 +73,7 @@ fn a_mask_that_is_missing_or_too_old_makes_its_own_camera_dark() {
 fn a_keep_out_frame_without_a_place_makes_all_cameras_dark() {
     let head = KeepOutFrame { frame: "head".to_owned(), radius_m: 0.2 };
     let mut safety = Safety::new(Rules { keep_out: vec![head], ..rules() });
-    assert_eq!(causes(&mut safety, Instant::now(), 0.0), [Some(Cause::KeepOut); 2]);
+    assert_eq!(causes(&mut safety, Instant::now(), 0.0), [Some(DarkCause::KeepOut); 2]);
 }
 
 #[test]
@@ -83,9 +82,9 @@ fn a_rule_for_a_camera_that_is_gone_makes_all_cameras_dark_until_the_names_fit()
     let start = Instant::now();
     let expected = "the config has no camera for mask_topic cam; cameras: camm, other";
     assert_eq!(safety.set_cameras(&cameras(&["camm", "other"])), Some(expected));
-    assert_eq!(causes(&mut safety, start, 0.0), [Some(Cause::UnknownCamera); 2]);
+    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownCamera); 2]);
     assert_eq!(safety.set_cameras(&[]), Some("the config has no camera for mask_topic cam; it has none"));
-    assert_eq!(causes(&mut safety, start, 0.0), [Some(Cause::UnknownCamera); 2]);
+    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownCamera); 2]);
     assert_eq!(safety.set_cameras(&cameras(&["cam", "other"])), None);
     assert_eq!(causes(&mut safety, start, 0.0), [None, None]);
     let turned = vec![ForCamera { camera: Some("cam".to_owned()), value: "90".parse().unwrap() }];
@@ -97,18 +96,18 @@ fn a_rule_for_a_camera_that_is_gone_makes_all_cameras_dark_until_the_names_fit()
 fn without_a_camera_an_image_is_black_only_where_that_matters() {
     let policy = |rules| {
         let mut safety = Safety::new(rules);
-        let stage = stage();
+        let scene = scene();
         let lit: Vec<_> =
-            stage.cameras().iter().map(|view| LitView { view, camera: None, unknown_lens: None }).collect();
-        safety.assess(&stage, &lit, |_, _| None, Now { ros: Time::ZERO, steady: Instant::now() }).remove(0)
+            scene.cameras().iter().map(|view| LitView { view, camera: None, unknown_lens: None }).collect();
+        safety.assess(&scene, &lit, |_, _| None, Now { ros: Time::ZERO, steady: Instant::now() }).remove(0)
     };
     assert_eq!(policy(rules()).without_camera("no pose"), None);
-    let mut limits = Limits::off();
+    let mut limits = AgeLimits::off();
     limits.set("1".parse::<StaleTimeout>().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
     let dark = policy(Rules { limits, ..rules() }).without_camera("no pose");
-    assert_eq!(dark, Some(Dark::new(Cause::NoCamera, "no pose")));
+    assert_eq!(dark, Some(DarkReason::new(DarkCause::NoCamera, "no pose")));
     let dark = policy(Rules { mask_topics: mask_of_cam(), ..rules() }).without_camera("no pose").unwrap();
-    assert_eq!(dark.cause, Cause::Mask);
+    assert_eq!(dark.cause, DarkCause::Mask);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! From a CameraInfo and the frames to the camera that the scene is drawn with.
+//! The camera that the scene is drawn with, from a CameraInfo and the transforms.
 
 use rcs_camera::{optics, CameraModel, Lenses};
 use rcs_displays::World;
@@ -22,7 +22,7 @@ pub enum CameraProblem {
     BadCameraInfo {
         /// The config's "Camera Info Topic".
         topic: String,
-        /// What is wrong; names the field.
+        /// The invalid field and its value.
         error: CameraError,
     },
     /// The pose of the camera's frame is unknown.
@@ -30,7 +30,7 @@ pub enum CameraProblem {
     NoTransform {
         /// The config's "Camera Info Topic".
         topic: String,
-        /// What is missing; names both frames.
+        /// The missing transform; names both frames.
         error: Box<LookupError>,
     },
 }

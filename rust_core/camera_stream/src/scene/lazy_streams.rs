@@ -1,11 +1,11 @@
-//! Streams that nobody watches: which are not received, and until when pictures wait for those that are again.
+//! Lazy streams: topics that are not received while nobody watches, and how long frames wait for them afterwards.
 //!
-//! A cloud thirty times a second costs a sixth of a core just to be received, also while no picture is made of it. So
-//! while no camera is watched, a stream is paused: one that has proven itself periodic, that no publisher latches, and
-//! of which each message replaces all that earlier ones made. With the first subscriber of a picture all are resumed,
-//! and that picture waits a little for a fresh message of each, because what they sent before is old.
+//! A cloud thirty times a second costs a sixth of a core just to be received, also while no image is drawn of it. So
+//! while no camera is watched, a stream is paused if it is periodic, no publisher latches it, and each message replaces
+//! all that earlier ones made. With the first subscriber of an image all are resumed, and that image waits a little for
+//! a fresh message of each.
 //!
-//! This knows only names and moments; connections and displays are up to `Subscriptions`.
+//! Only names and times are tracked here; connections and displays are up to `Subscriptions`.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
@@ -14,48 +14,46 @@ use std::time::{Duration, Instant};
 use rcs_messages::MessageKind;
 
 /// A topic by its whole name and type.
-pub(crate) type Key = (Arc<str>, MessageKind);
+pub(crate) type StreamKey = (Arc<str>, MessageKind);
 
-/// How long nobody watches before streams are paused: a viewer that is started again finds everything running.
+/// Time without a viewer before streams are paused, so that one that is started again finds everything running.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// So many messages prove a stream.
+/// Messages before a topic counts as periodic.
 const MESSAGES: usize = 12;
-/// What comes more rarely is no stream: to wait for its next message would take long.
+/// Longest interval of a periodic topic: waiting for the next message of a rarer one would take long.
 const LONGEST_INTERVAL: Duration = Duration::from_secs(1);
-/// The longest interval is at most so many times the median.
+/// Upper bound of the longest interval, in medians.
 const MOST_UNEVEN: u32 = 4;
-/// How long a picture waits for fresh messages, beside the stream's longest interval: for the connection.
+/// Time for the connection, which a frame waits beside the stream's longest interval.
 const CONNECTION_TIME: Duration = Duration::from_millis(500);
 
-/// What is known of each stream.
+/// The streams of all topics.
 #[derive(Debug, Default)]
 pub(crate) struct LazyStreams {
-    streams: HashMap<Key, Stream>,
+    streams: HashMap<StreamKey, Stream>,
     unwatched_since: Option<Instant>,
-    /// Resumed, and without a message since.
-    awaited: HashSet<Key>,
+    /// Resumed streams without a message since.
+    awaited: HashSet<StreamKey>,
     awaited_until: Option<Instant>,
 }
 
 #[derive(Debug, Default)]
 struct Stream {
-    /// Of the last messages, the newest last.
+    /// Arrivals of the last messages, the newest last.
     arrivals: VecDeque<Instant>,
     /// The longest interval when it was paused; `None` while it is received.
     paused: Option<Duration>,
 }
 
-/// What is to be done.
+/// Streams to be paused and resumed.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(crate) struct Orders {
-    /// Not to be received from now on.
-    pub(crate) pause: Vec<Key>,
-    /// To be received again.
-    pub(crate) resume: Vec<Key>,
+pub(crate) struct StreamChanges {
+    pub(crate) pause: Vec<StreamKey>,
+    pub(crate) resume: Vec<StreamKey>,
 }
 
 impl Stream {
-    /// The longest interval between its last messages, if they are those of a stream that is still coming.
+    /// The longest interval between the last messages, if the topic is periodic and still published.
     fn period(&self, now: Instant) -> Option<Duration> {
         if self.arrivals.len() < MESSAGES {
             return None;
@@ -73,7 +71,7 @@ impl Stream {
 
 impl LazyStreams {
     /// Records a message.
-    pub(crate) fn note_message(&mut self, key: &Key, received: Instant) {
+    pub(crate) fn note_message(&mut self, key: &StreamKey, received: Instant) {
         self.awaited.remove(key);
         if !self.streams.contains_key(key) {
             self.streams.insert(key.clone(), Stream::default());
@@ -86,9 +84,14 @@ impl LazyStreams {
         }
     }
 
-    /// Decides what is paused and resumed. `may_pause`: whether that loses nothing.
-    pub(crate) fn update(&mut self, is_watched: bool, now: Instant, may_pause: impl Fn(&Key) -> bool) -> Orders {
-        let mut orders = Orders::default();
+    /// Decides which streams are paused and resumed. `may_pause`: pausing the stream loses nothing.
+    pub(crate) fn update(
+        &mut self,
+        is_watched: bool,
+        now: Instant,
+        may_pause: impl Fn(&StreamKey) -> bool,
+    ) -> StreamChanges {
+        let mut orders = StreamChanges::default();
         let unwatched_since = match is_watched {
             true => None,
             false => Some(self.unwatched_since.unwrap_or(now)),
@@ -116,19 +119,19 @@ impl LazyStreams {
         orders
     }
 
-    /// Forgets all other topics: they are not subscribed to any more.
-    pub(crate) fn retain(&mut self, is_subscribed: impl Fn(&Key) -> bool) {
+    /// Forgets topics that are not subscribed to any more.
+    pub(crate) fn retain(&mut self, is_subscribed: impl Fn(&StreamKey) -> bool) {
         self.streams.retain(|key, _| is_subscribed(key));
         self.awaited.retain(is_subscribed);
     }
 
-    /// Whether a topic is paused, by its whole name.
+    /// `true` if a topic is paused, by its whole name.
     pub(crate) fn is_paused(&self, topic: &str) -> bool {
         self.streams.iter().any(|((name, _), stream)| &**name == topic && stream.paused.is_some())
     }
 
-    /// How long a picture waits at most for messages of streams that were resumed; `None` if it need not wait.
-    pub(crate) fn waits(&mut self, now: Instant) -> Option<Duration> {
+    /// Longest time that frames wait for messages of resumed streams; `None` if they need not wait.
+    pub(crate) fn awaited_for(&mut self, now: Instant) -> Option<Duration> {
         let left = self.awaited_until.map(|until| until.saturating_duration_since(now)).filter(|left| !left.is_zero());
         if self.awaited.is_empty() || left.is_none() {
             self.awaited.clear();
@@ -149,7 +152,7 @@ mod tests {
         streams: LazyStreams,
     }
 
-    fn key(name: &str) -> Key {
+    fn key(name: &str) -> StreamKey {
         (name.into(), MessageKind::PointCloud2)
     }
 
@@ -167,38 +170,38 @@ mod tests {
             times.for_each(|millis| self.streams.note_message(&key(name), self.at(millis)));
         }
 
-        fn update(&mut self, is_watched: bool, millis: u64) -> Orders {
+        fn update(&mut self, is_watched: bool, millis: u64) -> StreamChanges {
             self.streams.update(is_watched, self.at(millis), |(name, _)| !name.contains("precious"))
         }
     }
 
-    fn pause(name: &str) -> Orders {
-        Orders { pause: vec![key(name)], ..Orders::default() }
+    fn pause(name: &str) -> StreamChanges {
+        StreamChanges { pause: vec![key(name)], ..StreamChanges::default() }
     }
 
-    fn resume(name: &str) -> Orders {
-        Orders { resume: vec![key(name)], ..Orders::default() }
+    fn resume(name: &str) -> StreamChanges {
+        StreamChanges { resume: vec![key(name)], ..StreamChanges::default() }
     }
 
     #[test]
     fn a_stream_is_paused_a_while_after_the_last_viewer_left_and_resumed_with_the_next() {
         let mut bench = Bench::new();
         bench.send("/cloud", (0..60).map(|i| i * 33));
-        assert_eq!(bench.update(true, 1950), Orders::default());
-        assert_eq!(bench.update(false, 2000), Orders::default());
+        assert_eq!(bench.update(true, 1950), StreamChanges::default());
+        assert_eq!(bench.update(false, 2000), StreamChanges::default());
         bench.send("/cloud", (60..120).map(|i| i * 33));
-        assert_eq!(bench.update(false, 3900), Orders::default());
-        assert_eq!(bench.update(true, 3950), Orders::default(), "somebody watches again");
-        assert_eq!(bench.update(false, 3960), Orders::default());
+        assert_eq!(bench.update(false, 3900), StreamChanges::default());
+        assert_eq!(bench.update(true, 3950), StreamChanges::default(), "somebody watches again");
+        assert_eq!(bench.update(false, 3960), StreamChanges::default());
         bench.send("/cloud", (120..200).map(|i| i * 33));
         assert_eq!(bench.update(false, 6500), pause("/cloud"));
         assert!(bench.streams.is_paused("/cloud") && !bench.streams.is_paused("/other"));
-        assert_eq!(bench.update(false, 7000), Orders::default());
+        assert_eq!(bench.update(false, 7000), StreamChanges::default());
         assert_eq!(bench.update(true, 9000), resume("/cloud"));
-        let left = bench.streams.waits(bench.at(9010));
+        let left = bench.streams.awaited_for(bench.at(9010));
         assert_eq!(left, Some(CONNECTION_TIME + Duration::from_millis(33 - 10)));
         bench.send("/cloud", std::iter::once(9040));
-        assert_eq!(bench.streams.waits(bench.at(9041)), None);
+        assert_eq!(bench.streams.awaited_for(bench.at(9041)), None);
     }
 
     #[test]
@@ -208,8 +211,8 @@ mod tests {
         bench.send("/cloud", (0..100).map(|i| i * 33));
         assert_eq!(bench.update(false, 3300), pause("/cloud"));
         assert_eq!(bench.update(true, 4000), resume("/cloud"));
-        assert!(bench.streams.waits(bench.at(4500)).is_some());
-        assert_eq!(bench.streams.waits(bench.at(4600)), None);
+        assert!(bench.streams.awaited_for(bench.at(4500)).is_some());
+        assert_eq!(bench.streams.awaited_for(bench.at(4600)), None);
     }
 
     #[test]
@@ -238,6 +241,6 @@ mod tests {
         let orders = bench.streams.update(false, bench.at(3400), |_| false);
         assert_eq!(orders, resume("/cloud"));
         bench.streams.retain(|_| false);
-        assert_eq!(bench.streams.waits(bench.at(3410)), None);
+        assert_eq!(bench.streams.awaited_for(bench.at(3410)), None);
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct LiveScene {
     pub(crate) subscriptions: Subscriptions,
     /// The scene of a version, for all cameras.
     snapshot: Option<(u64, Arc<Scene>)>,
-    /// When the last transforms were received since the last update.
+    /// Arrival of the last transforms since the last update.
     transforms_received: Option<Instant>,
     prediction: PredictionSettings,
     /// The command line's, which overrides the config's.
@@ -83,7 +83,7 @@ impl LiveScene {
         prediction.is_some()
     }
 
-    /// Brings the displays up to date. Returns when the last transforms were received, if there are new ones.
+    /// Brings the displays up to date. Returns the arrival of the last transforms, if there are new ones.
     pub(crate) fn update(&mut self, now: Time) -> Option<Instant> {
         self.state.update(now);
         self.transforms_received.take()

@@ -1,6 +1,6 @@
-//! A config at work: its displays, the frames, and the CameraInfos of its cameras.
+//! The state of a loaded config: its displays, the frames, and the CameraInfos of its cameras.
 //!
-//! Live topics and bags feed the same stage, and what its cameras see is a function of the messages and the time.
+//! Live topics and bags feed it in the same way, and the view of its cameras is a function of the messages and the time.
 //!
 //! ```
 //! use rcs_camera::Projection;
@@ -17,12 +17,12 @@
 //!      Camera Info Topic: /camera_info}
 //! ";
 //! let config = rcs_rviz_config::parse(config, "scene.rviz")?;
-//! let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
-//! assert_eq!(stage.topics()[0].topic, "/camera_info");
+//! let mut state = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
+//! assert_eq!(state.topics()[0].topic, "/camera_info");
 //! // Messages go in with `take` and `take_transforms`; then the scene is brought up to date.
-//! assert!(stage.update(Time::ZERO), "the grid is new in the scene");
-//! assert!(!stage.scene().drawables.is_empty());
-//! let without_camera_info = stage.camera(&stage.cameras()[0], Projection::Rviz).unwrap_err();
+//! assert!(state.update(Time::ZERO), "the grid is new in the scene");
+//! assert!(!state.scene().drawables.is_empty());
+//! let without_camera_info = state.camera(&state.cameras()[0], Projection::Rviz).unwrap_err();
 //! assert_eq!(without_camera_info.to_string(), "No CameraInfo received on [/camera_info]. Topic may not exist.");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -34,8 +34,7 @@ use std::time::{Duration, Instant};
 use nalgebra::Point3;
 use rcs_camera::{is_distorted, CameraModel, Lenses, NoLens};
 use rcs_displays::{
-    raw_transforms, time_from_stamp, CameraView, DisplayAge, DisplaySet, Reconfigured, ShownMessage, TopicRequest,
-    World,
+    raw_transforms, time_from_stamp, CameraView, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World,
 };
 use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -47,11 +46,9 @@ use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
 
-use crate::safety::ages::SceneAges;
 use crate::scene::camera_pose::{self, CameraProblem};
-use crate::scene::status_tree::{self, StatusEntry};
 
-/// Frames and reasons for which refused transforms are logged.
+/// Number of frames and reasons for which refused transforms are logged.
 const MOST_WARNINGS: usize = 1000;
 
 /// The frame in which the scene is built.
@@ -59,19 +56,19 @@ fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
     given.unwrap_or(&config.global.fixed_frame).trim_start_matches('/').to_owned()
 }
 
-/// What displays draw their messages with.
+/// The transforms and meshes that displays use, and the settings of updates.
 #[derive(Debug)]
-struct Surroundings {
+struct DisplayContext {
     transforms: TransformTree,
     fixed_frame: String,
-    /// The time that moving frames are led on to, if they are.
+    /// Extrapolation of moving frames; `None` if there is none.
     prediction: Option<Prediction>,
-    /// How many markers a display places in one update.
+    /// Most markers that a display places in one update.
     step: Option<usize>,
     meshes: MeshStore,
 }
 
-impl Surroundings {
+impl DisplayContext {
     fn world(&self, now: Time) -> World<'_> {
         let mut world = World::new(&self.transforms, &self.fixed_frame, now, &self.meshes);
         (world.prediction, world.step) = (self.prediction, self.step);
@@ -83,23 +80,23 @@ impl Surroundings {
 #[derive(Debug)]
 pub struct SceneState {
     displays: DisplaySet,
-    around: Surroundings,
-    /// That of the meshes at the last update.
+    context: DisplayContext,
+    /// Version of the meshes at the last update.
     meshes_version: u64,
-    /// By topic, with the moment when they were received, if that was given.
+    /// By topic, with the time of arrival, if that was given.
     camera_infos: HashMap<String, (Arc<CameraInfo>, Option<Instant>)>,
     lenses: Lenses,
     warned: std::collections::HashSet<String>,
-    /// It was logged that there are too many frames.
+    /// `true` after the warning of too many frames.
     has_warned_of_frames: bool,
 }
 
 impl SceneState {
-    /// An empty stage; `fixed_frame` overrides the config's.
+    /// No messages yet; `fixed_frame` overrides the config's.
     pub fn new(config: &Config, fixed_frame: Option<&str>, meshes: MeshStore) -> Self {
         Self {
             displays: DisplaySet::new(config),
-            around: Surroundings {
+            context: DisplayContext {
                 transforms: TransformTree::new(),
                 fixed_frame: fixed_frame_of(config, fixed_frame),
                 prediction: None,
@@ -114,18 +111,18 @@ impl SceneState {
         }
     }
 
-    /// Has displays place so many markers in one update at most, as in [`World::step`]: another update follows at once.
-    pub fn limit_markers_per_update(&mut self, step: usize) {
-        self.around.step = Some(step);
+    /// Limits the markers that a display places in one update, see [`World::step`]: another update follows at once.
+    pub fn limit_markers_per_update(&mut self, most: usize) {
+        self.context.step = Some(most);
     }
 
-    /// Replaces the config; `fixed_frame` overrides its own. Displays that both have are kept, and placed again if the
-    /// fixed frame changed.
+    /// Replaces the config; `fixed_frame` overrides its own. Displays in both are kept, and placed again if the fixed frame
+    /// changed.
     pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
-        let is_moved = fixed_frame != self.around.fixed_frame;
-        self.around.fixed_frame = fixed_frame;
-        let world = self.around.world(now);
+        let is_moved = fixed_frame != self.context.fixed_frame;
+        self.context.fixed_frame = fixed_frame;
+        let world = self.context.world(now);
         let changed = self.displays.reconfigure(config, &world);
         if is_moved {
             self.displays.change_fixed_frame(&world);
@@ -147,7 +144,7 @@ impl SceneState {
         &self.displays
     }
 
-    /// The topics of displays and cameras, by their names in the config; those of transforms are not among them.
+    /// The topics of displays and cameras, by their names in the config, without those of transforms.
     pub fn topics(&self) -> Vec<TopicRequest> {
         let mut topics = self.displays.topics();
         for camera in self.cameras() {
@@ -160,17 +157,17 @@ impl SceneState {
         topics
     }
 
-    /// Takes transforms of a publisher. One that is refused is logged once for each child frame and reason.
+    /// Takes transforms of a publisher. Refused ones are logged once for each child frame and reason.
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
         for transform in raw_transforms(message) {
-            if let Err(error) = self.around.transforms.insert(&transform, is_static, publisher) {
+            if let Err(error) = self.context.transforms.insert(&transform, is_static, publisher) {
                 let key = format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(&error.problem));
                 if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }
             }
         }
-        if self.around.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
+        if self.context.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
             self.has_warned_of_frames = true;
             log::warn!(
                 "more than {FRAMES_ALWAYS_KEPT} frames: those without new transforms for longest are forgotten; the last were \
@@ -184,22 +181,21 @@ impl SceneState {
         self.take_received(topic, message, None, now);
     }
 
-    /// As [`take`](Self::take), with the moment when the message was received, which
-    /// [`DisplaySet::newly_shown`] passes on.
+    /// Like [`take`](Self::take), with the time of arrival, which [`DisplaySet::newly_shown`] passes on.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, now: Time) {
         if let AnyMessage::CameraInfo(info) = message {
             self.camera_infos.insert(topic.to_owned(), (info.clone(), received));
         }
-        let world = self.around.world(now);
+        let world = self.context.world(now);
         self.displays.take_received(topic, message, received, &world);
     }
 
-    /// Whether each message of a topic, by its name in the config, replaces all that earlier ones made.
+    /// `true` if each message of a topic, by its name in the config, replaces all that earlier ones made.
     pub(crate) fn is_replaced_by_newest(&self, topic: &str, kind: MessageKind) -> bool {
         self.displays.is_replaced_by_newest(topic, kind)
     }
 
-    /// Shows nothing of such a topic until its next message.
+    /// Clears what came on a topic, until its next message.
     pub(crate) fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
         self.displays.forget_topic(topic, kind);
     }
@@ -211,7 +207,7 @@ impl SceneState {
 
     /// Takes the text of a parameter, by its name in the config; `None` while it is not set.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
-        let world = self.around.world(now);
+        let world = self.context.world(now);
         self.displays.take_parameter(name, text, &world);
     }
 
@@ -220,43 +216,42 @@ impl SceneState {
         self.displays.publisher_left(topic);
     }
 
-    /// Whether meshes or textures were loaded since the last update, which the displays then show.
+    /// `true` if meshes or textures were loaded since the last update.
     pub fn has_new_resources(&self) -> bool {
-        self.around.meshes.version() != self.meshes_version
+        self.context.meshes.version() != self.meshes_version
     }
 
-    /// Looks at meshes and textures again that could not be used.
+    /// Loads meshes and textures again that could not be used.
     pub fn retry_resources(&self) {
-        self.around.meshes.retry_failures();
+        self.context.meshes.retry_failures();
     }
 
-    /// Shows moving frames, cameras included, where they will be at a time from now on; `None`: at their latest
-    /// transforms.
+    /// Sets the extrapolation of moving frames, cameras included; `None`: frames are at their latest transforms.
     pub fn predict(&mut self, prediction: Option<Prediction>) {
-        self.around.prediction = prediction;
+        self.context.prediction = prediction;
     }
 
-    /// What moving frames are predicted for, if they are.
+    /// The extrapolation of moving frames, if there is any.
     pub fn prediction(&self) -> Option<&Prediction> {
-        self.around.prediction.as_ref()
+        self.context.prediction.as_ref()
     }
 
-    /// Brings the displays up to date. Returns whether the scene changed.
+    /// Brings the displays up to date. Returns `true` if the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
-        // First: what is loaded from now on is seen by the next update.
-        self.meshes_version = self.around.meshes.version();
-        let world = self.around.world(now);
+        // First: meshes that are loaded from now on count as new.
+        self.meshes_version = self.context.meshes.version();
+        let world = self.context.world(now);
         self.displays.update(&world)
     }
 
-    /// What each display's messages and updates took since this was last called.
+    /// The time that each display's messages and updates took since the last call.
     pub fn take_costs(&mut self) -> impl Iterator<Item = (DisplayId, Duration)> + '_ {
         self.displays.take_costs()
     }
 
-    /// The global status and those of each display at a ROS time.
-    pub(crate) fn status_entries(&self, now: Time) -> Vec<StatusEntry<'_>> {
-        status_tree::scene(&self.displays, &self.around.transforms, &self.around.fixed_frame, now)
+    /// The transforms, and the frame in which the scene is built.
+    pub(super) fn frames(&self) -> (&TransformTree, &str) {
+        (&self.context.transforms, &self.context.fixed_frame)
     }
 
     /// The scene as of the last update.
@@ -269,11 +264,11 @@ impl SceneState {
         self.camera_infos.get(&camera.settings.camera_info_topic).map(|(info, _)| info)
     }
 
-    /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms, or
-    /// what these [predict](Self::predict).
+    /// The projection and pose of a camera, from its last CameraInfo and the latest or [predicted](Self::predict)
+    /// transforms.
     ///
     /// # Errors
-    /// See [`CameraProblem`]: no picture can be drawn then.
+    /// See [`CameraProblem`]: no image can be drawn then.
     pub fn camera(
         &self,
         camera: &CameraView,
@@ -282,16 +277,15 @@ impl SceneState {
         let topic = &camera.settings.camera_info_topic;
         let info = self.camera_info(camera).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
         let near_m = f64::from(camera.settings.near_clip_m);
-        camera_pose::camera(info, topic, &self.around.world(Time::ZERO), near_m, model.into(), &self.lenses)
+        camera_pose::camera(info, topic, &self.context.world(Time::ZERO), near_m, model.into(), &self.lenses)
     }
 
-    /// Why the lens of a camera's last CameraInfo was not allowed for, if that was tried.
+    /// Why the lens of a camera's last CameraInfo could not be applied, if that was tried.
     pub(crate) fn no_lens(&self, camera: &CameraView) -> Option<NoLens> {
         self.lenses.problem(&camera.settings.camera_info_topic)
     }
 
-    /// Why it is not known where the distortion of a camera's CameraInfo sends light, if it has any that was not
-    /// allowed for in what is drawn.
+    /// Why the distortion of a camera's CameraInfo is unknown, if it has one that `drawn` lacks.
     pub(crate) fn unknown_lens(&self, camera: &CameraView, drawn: &rcs_scene::Camera) -> Option<NoLens> {
         let is_straight = drawn.lens().is_none();
         let info = self.camera_info(camera).filter(|info| is_straight && is_distorted(&fields_of(info)));
@@ -300,40 +294,39 @@ impl SceneState {
 
     /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.
     pub fn reset(&mut self) {
-        self.around.transforms.clear();
+        self.context.transforms.clear();
         self.displays.reset();
     }
-}
 
-impl SceneAges for SceneState {
-    fn ages(&self) -> Vec<DisplayAge<'_>> {
-        self.displays.ages().collect()
+    /// The CameraInfo topics of its cameras, by their names in the config.
+    pub(crate) fn camera_info_topics(&self) -> impl Iterator<Item = &str> {
+        self.cameras().iter().map(|view| view.settings.camera_info_topic.as_str())
     }
 
-    fn camera_info_topics(&self) -> Vec<&str> {
-        self.cameras().iter().map(|view| view.settings.camera_info_topic.as_str()).collect()
-    }
-
-    fn received_camera_info(&self, topic: &str) -> Option<(&str, ShownMessage)> {
+    /// The frame of the last CameraInfo of a topic, with its stamp and arrival.
+    pub(crate) fn received_camera_info(&self, topic: &str) -> Option<(&str, ShownMessage)> {
         let (info, received) = self.camera_infos.get(topic)?;
         let shown = ShownMessage { stamp: time_from_stamp(info.header.stamp), received: *received };
         Some((&info.header.frame_id, shown))
     }
 
-    fn known_until(&self, frame: &str) -> Option<Time> {
-        let is_fixed = frame.trim_start_matches('/') == self.around.fixed_frame;
+    /// Newest time at which a frame's place in the fixed frame is known; zero if nothing between them moves. `None` for
+    /// the fixed frame itself, and for a frame whose place is unknown.
+    pub(crate) fn known_until(&self, frame: &str) -> Option<Time> {
+        let is_fixed = frame.trim_start_matches('/') == self.context.fixed_frame;
         let found =
-            (!is_fixed).then(|| self.around.transforms.lookup_stamped(&self.around.fixed_frame, frame, Time::ZERO));
+            (!is_fixed).then(|| self.context.transforms.lookup_stamped(&self.context.fixed_frame, frame, Time::ZERO));
         found?.ok().map(|(_, stamp)| stamp)
     }
 
-    fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
-        let place = self.around.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
+    /// The origin of a frame in the fixed frame now; `None` if it is unknown.
+    pub(crate) fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
+        let place = self.context.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
         Some(Point3::from(place.translation.vector))
     }
 }
 
-/// What a renderer needs to draw a camera's picture.
+/// The renderer's input for a camera's image.
 pub fn renderer_view<'a>(view: &'a CameraView, scene: &'a Scene, camera: &'a rcs_scene::Camera) -> View<'a> {
     View {
         scene,

@@ -1,37 +1,35 @@
-//! Logs the changes of the statuses that rviz would show in its display tree: what is missing or wrong, and that it is
-//! ok again.
+//! Logs the changes of the statuses that rviz would show in its display tree.
 //!
-//! Each change is logged once. Frames are often a little late and publishers start in any order, so what may still
-//! arrive is logged only after it has been missing for a while; a wrong message is logged at once, as the next may be
-//! right. A status that changes back and forth is logged less and less often.
+//! Each change is logged once. Frames are often a little late and publishers start in any order, so a missing one is
+//! logged only after a while; an invalid message is logged at once, because the next may be valid. A status that changes
+//! back and forth is logged less and less often.
 
 use std::collections::HashMap;
 
 use rcs_displays::{Level, StatusCause, Statuses};
+use rcs_logging::log_status;
 use rcs_transforms::Time;
 
 use crate::scene::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
 use crate::scene::visibility::VISIBILITY;
-use rcs_logging::log_status;
 
-/// How long a frame may be missing before that is logged.
+/// Time without a frame before that is logged.
 const FRAME_PATIENCE_SECS: f64 = 2.0;
-/// How long a topic may be silent before that is logged.
+/// Time without a message before that is logged.
 const TOPIC_PATIENCE_SECS: f64 = 5.0;
-/// How long a status must be ok before that is logged.
+/// Time for which a status is ok before that is logged.
 const OK_PATIENCE_SECS: f64 = 2.0;
-/// How long a status is not logged again after a problem was; doubled each time.
+/// Time until a status is logged again after a problem was; doubled each time.
 const FIRST_SILENCE_SECS: f64 = 10.0;
 /// The longest such time.
 const LONGEST_SILENCE_SECS: f64 = 320.0;
 /// A status that was not logged for that long counts as new.
 const FORGOTTEN_AFTER_SECS: f64 = 900.0;
-/// How often the statuses are checked.
 const CHECK_PERIOD_SECS: f64 = 0.5;
-/// Statuses can name any number of markers, and nobody reads that many lines.
+/// Most statuses that are tracked: they can name any number of markers.
 const MOST_STATUSES: usize = 500;
 
-/// What is logged of a status that was a problem.
+/// Text of a status that is not a problem any more.
 const OK_AGAIN: &str = "ok again";
 
 /// Logs statuses as they change.
@@ -45,12 +43,12 @@ pub(crate) struct StatusLog {
 /// The history of one status.
 #[derive(Debug)]
 struct StatusHistory {
-    /// Whether it is a problem, and since when it is one or none.
+    /// `true` while it is a problem; `since` is the last change of that.
     is_bad: bool,
     since: Time,
     /// The problem that was logged last, unless its end was logged, too.
     logged: Option<String>,
-    /// When a problem was logged last.
+    /// Time of the last logged problem.
     logged_at: Option<Time>,
     silence_secs: f64,
 }
@@ -60,8 +58,8 @@ fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
-/// What statuses have in common that are limited together in the log: the display and the problem without its numbers.
-/// The name of a marker (`namespace/id`) is left out, because a publisher can make up any number of them.
+/// The key under which statuses are limited together in the log: the display and the problem without its numbers. The
+/// name of a marker (`namespace/id`) is left out, because a publisher can make up any number of them.
 fn cause_of(display: &str, status_name: &str, text: &str) -> String {
     let is_number = |id: &str| !id.is_empty() && id.bytes().all(|digit| digit.is_ascii_digit());
     let is_marker = |(_, id): (&str, &str)| is_number(id.strip_prefix('-').unwrap_or(id));
@@ -81,9 +79,9 @@ fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
     }
 }
 
-/// Whether a status is logged here: the node logs its cameras' problems itself, a class that is not drawn was logged
-/// when the config was read, that a topic is silent is enough without its missing publisher, and displays move in and
-/// out of view all the time.
+/// `true` if a status is logged here: the node logs its cameras' problems itself, an unknown class was logged when the
+/// config was read, a silent topic needs no line about its missing publisher as well, and displays move in and out of
+/// view all the time.
 fn is_logged(entry: &StatusEntry<'_>, status_name: &str, level: Level) -> bool {
     match (status_name, entry.kind) {
         (PUBLISHER, _) => level == Level::Error,
@@ -93,24 +91,24 @@ fn is_logged(entry: &StatusEntry<'_>, status_name: &str, level: Level) -> bool {
 }
 
 impl StatusLog {
-    /// Whether the statuses are to be checked again.
+    /// `true` if the statuses are to be checked again.
     pub(crate) fn is_due(&self, now: Time) -> bool {
         self.last_check.is_none_or(|last| last > now || now.secs_since(last) >= CHECK_PERIOD_SECS)
     }
 
-    /// Logs what changed. `now` is of any clock that advances.
+    /// Logs changes. `now` is of any clock that advances.
     pub(crate) fn check(&mut self, entries: &[StatusEntry<'_>], now: Time) {
         self.last_check = Some(now);
         self.log_changes(entries, now, false);
     }
 
-    /// Logs all problems that there are now, also those that might have resolved themselves later.
+    /// Logs all present problems, also those that might have resolved themselves later.
     pub(crate) fn conclude(&mut self, entries: &[StatusEntry<'_>], now: Time) {
         self.log_changes(entries, now, true);
     }
 
     fn log_changes(&mut self, entries: &[StatusEntry<'_>], now: Time, is_end: bool) {
-        let mut unseen: HashMap<(String, String), StatusHistory> = std::mem::take(&mut self.histories);
+        let mut old: HashMap<(String, String), StatusHistory> = std::mem::take(&mut self.histories);
         for entry in entries {
             for (name, status) in entry.statuses.iter().filter(|(name, status)| is_logged(entry, name, status.level)) {
                 let display = match entry.kind {
@@ -119,7 +117,7 @@ impl StatusLog {
                     EntryKind::Camera => format!("camera {}", entry.path),
                 };
                 let key = (display, name.to_owned());
-                let mut history = match (unseen.remove(&key), status.level) {
+                let mut history = match (old.remove(&key), status.level) {
                     (Some(history), _) => history,
                     (None, Level::Ok) => continue,
                     (None, _) if self.histories.len() >= MOST_STATUSES => continue,
@@ -139,7 +137,7 @@ impl StatusLog {
             }
         }
         // A problem whose status was removed is over.
-        for (key, mut history) in unseen {
+        for (key, mut history) in old {
             if history.update(0.0, Level::Ok, "", now, is_end) {
                 let (display, name) = &key;
                 let cause = cause_of(display, name, OK_AGAIN);
@@ -156,7 +154,7 @@ impl StatusHistory {
         Self { is_bad: false, since: now, logged: None, logged_at: None, silence_secs: FIRST_SILENCE_SECS }
     }
 
-    /// Records what the status is now. Returns whether to log it.
+    /// Records the present status. Returns `true` if it is to be logged.
     fn update(&mut self, patience_secs: f64, level: Level, text: &str, now: Time, is_end: bool) -> bool {
         let is_bad = level > Level::Ok;
         if is_bad != self.is_bad || self.since > now {
@@ -187,7 +185,6 @@ impl StatusHistory {
         true
     }
 
-    /// Whether it can be forgotten.
     fn is_over(&self, now: Time) -> bool {
         let is_old = |logged_at: Time| logged_at > now || now.secs_since(logged_at) >= FORGOTTEN_AFTER_SECS;
         !self.is_bad && self.logged.is_none() && self.logged_at.is_none_or(is_old)
@@ -202,7 +199,7 @@ mod tests {
         Time::from_secs_f64(secs)
     }
 
-    /// When and with what text a status is logged that is checked twice a second.
+    /// The times and texts of the log lines of a status that is checked twice a second.
     fn logged(name: &str, secs: f64, status: impl Fn(f64) -> (Level, &'static str)) -> Vec<(f64, &'static str)> {
         let mut history = StatusHistory::new(at(100.0));
         let mut logged = Vec::new();

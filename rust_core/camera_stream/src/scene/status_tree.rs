@@ -1,11 +1,11 @@
-//! What rviz's display tree would show, for the log, `/diagnostics` and `camera_stream check --live`.
+//! The statuses of rviz's display tree, for the log, `/diagnostics` and `camera_stream check --live`.
 //!
 //! A [`StatusEntry`] is an entry of that tree: the global status, a display or a camera, each with its statuses.
 
 use std::borrow::Cow;
 
 use rcs_camera::{deviations, figure, Advice, CameraModel};
-use rcs_displays::{CameraView, DisplayReport, DisplaySet, Level, Statuses};
+use rcs_displays::{CameraView, DisplayReport, Level, Statuses};
 use rcs_files::projector::fields_of;
 use rcs_messages::{stamp_nanos, MessageKind};
 use rcs_ros::{Publications, RosNode};
@@ -15,15 +15,15 @@ use rcs_transforms::{Time, TransformTree};
 use crate::scene::camera_pose::CameraProblem;
 use crate::scene::SceneState;
 
-/// The name of the status about a topic's publishers. rviz has none: it does not report a topic of another type.
+/// Name of the status of a topic's publishers. rviz has none: it does not report a topic of another type.
 pub(crate) const PUBLISHER: &str = "Publisher";
-/// The name of the status of the fixed frame.
+/// Name of the status of the fixed frame.
 pub(crate) const FIXED_FRAME: &str = "Fixed Frame";
 
 const MESSAGES: &str = "messages received";
 const AGE: &str = "age of the data shown ms";
 
-/// What an entry stands for.
+/// Kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EntryKind {
     /// The whole scene.
@@ -38,17 +38,16 @@ pub(crate) enum EntryKind {
 #[derive(Clone, Debug)]
 pub(crate) struct StatusEntry<'a> {
     pub(crate) kind: EntryKind,
-    /// Which display it is.
     pub(crate) display: Option<DisplayId>,
     /// The names of the groups around it and its own, as a text.
     pub(crate) path: String,
     /// Such as `rviz/Grid`; empty for the whole scene.
     pub(crate) class: String,
-    /// The topic by its name in the config: what a display shows, or a camera publishes. Empty without one.
+    /// The topic of a display's data or a camera's images, by its name in the config. Empty without one.
     pub(crate) topic: String,
-    /// What it subscribes to: the topics' names in the config, and their types.
+    /// The subscribed topics, by their names in the config, and their types.
     pub(crate) subscriptions: Vec<(String, MessageKind)>,
-    /// Whether a message was received on any of them.
+    /// `true` if a message was received on any of them.
     pub(crate) has_received: bool,
     pub(crate) statuses: Cow<'a, Statuses>,
     /// Further figures and properties: name and value.
@@ -62,24 +61,17 @@ impl StatusEntry<'_> {
     }
 }
 
-/// A path as one text.
 pub(crate) fn path_text(path: &[String]) -> String {
     path.join(" / ")
 }
 
-/// The age of data in milliseconds, negative for a stamp in the future. Data with stamp zero, or from before the first
-/// `/clock`, has no age.
+/// Age of data in milliseconds, negative for a stamp in the future. `None` for stamp zero, or before the first `/clock`.
 pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
     (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp) * 1e3)
 }
 
 /// The global status and the displays, in the config's order. `now` is ROS time, for the age of the data shown.
-pub(crate) fn scene<'a>(
-    displays: &'a DisplaySet,
-    transforms: &TransformTree,
-    fixed_frame: &str,
-    now: Time,
-) -> Vec<StatusEntry<'a>> {
+pub(crate) fn scene(state: &SceneState, now: Time) -> Vec<StatusEntry<'_>> {
     let values = |report: &DisplayReport<'_>| {
         if report.topics.is_empty() {
             return Vec::new();
@@ -88,7 +80,7 @@ pub(crate) fn scene<'a>(
         let age = figure(age_ms.map(|age_ms| format!("{age_ms:.0}")));
         vec![(MESSAGES, report.received.to_string()), (AGE, age)]
     };
-    let of_display = displays.reports().map(|report| StatusEntry {
+    let of_display = state.displays().reports().map(|report| StatusEntry {
         kind: EntryKind::Display,
         display: Some(report.id),
         path: path_text(&report.listed.path),
@@ -99,6 +91,7 @@ pub(crate) fn scene<'a>(
         subscriptions: report.topics.into_iter().map(|request| (request.topic, request.kind)).collect(),
         statuses: report.statuses,
     });
+    let (transforms, fixed_frame) = state.frames();
     std::iter::once(global(transforms, fixed_frame)).chain(of_display).collect()
 }
 
@@ -125,18 +118,18 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
     }
 }
 
-/// The program's arguments that mend what makes a projection miss.
+/// The program's arguments against deviations of a projection.
 const ADVICE: Advice = Advice { exact: "--projection exact follows P", undistort: "--undistort allows for it" };
 
-/// What makes a projection of a camera's picture miss, or is left out of its CameraInfo: a phrase for each.
-pub(crate) fn deviations_of(stage: &SceneState, view: &CameraView, model: CameraModel) -> Vec<String> {
-    let info = stage.camera_info(view);
-    let no_lens = stage.no_lens(view).filter(|_| model.undistort);
+/// The deviations of a camera's projection from its CameraInfo, each as a phrase.
+pub(crate) fn deviations_of(state: &SceneState, view: &CameraView, model: CameraModel) -> Vec<String> {
+    let info = state.camera_info(view);
+    let no_lens = state.no_lens(view).filter(|_| model.undistort);
     info.map(|info| deviations(&fields_of(info), model, no_lens, ADVICE)).unwrap_or_default()
 }
 
 /// A camera, with the statuses that rviz's CameraPub has.
-pub(crate) fn camera(stage: &SceneState, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
+pub(crate) fn camera(state: &SceneState, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
     let settings = &view.settings;
     let mut statuses = Statuses::default();
     if settings.image_topic.is_empty() {
@@ -149,9 +142,9 @@ pub(crate) fn camera(stage: &SceneState, view: &CameraView, model: CameraModel) 
         statuses.set(Level::Error, "Camera Info", "No topic set");
     } else {
         values.push(("camera info topic", settings.camera_info_topic.clone()));
-        match stage.camera(view, model) {
+        match state.camera(view, model) {
             Ok(_) => {
-                let deviations = deviations_of(stage, view, model);
+                let deviations = deviations_of(state, view, model);
                 if deviations.is_empty() {
                     statuses.set(Level::Ok, "Camera Info", "OK");
                 } else {
@@ -170,7 +163,7 @@ pub(crate) fn camera(stage: &SceneState, view: &CameraView, model: CameraModel) 
             }
         }
     }
-    let info = stage.camera_info(view);
+    let info = state.camera_info(view);
     if let Some(info) = info {
         values.push(("size", format!("{}x{}", info.width, info.height)));
         values.push(("frame", info.header.frame_id.clone()));
@@ -233,7 +226,7 @@ pub(crate) fn add_unreachable_publishers(entries: &mut [StatusEntry<'_>], ros: &
     }
 }
 
-/// Adds what is known from the ROS graph: the topics' publishers, and whether a simulation publishes its time.
+/// Adds statuses from the ROS graph: the topics' publishers, and a simulation that does not publish its time.
 pub(crate) fn add_ros_graph(entries: &mut [StatusEntry<'_>], ros: &RosNode) {
     if let Some(publications) = ros.publications() {
         for entry in entries.iter_mut() {

@@ -1,4 +1,4 @@
-//! The subscriptions of a config, for the node and for `check --live`, and what arrives on them.
+//! The subscriptions of a config, for the node and for `check --live`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,27 +9,27 @@ use rcs_messages::MessageKind;
 use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
-use crate::safety::ages::Source;
-use crate::scene::lazy_streams::{Key, LazyStreams};
+use crate::safety::ages::TopicSource;
+use crate::scene::lazy_streams::{LazyStreams, StreamKey};
 use crate::scene::SceneState;
 
-/// What is subscribed to, and the names that the config has for it.
+/// The subscribed topics, and their names in the config.
 #[derive(Default)]
 pub(crate) struct Subscriptions {
-    subscribed: HashMap<Key, TopicSubscription>,
-    names: HashMap<Key, Vec<String>>,
+    subscribed: HashMap<StreamKey, TopicSubscription>,
+    names: HashMap<StreamKey, Vec<String>>,
     lazy: LazyStreams,
 }
 
 impl Subscriptions {
-    /// Subscribes to what is requested and to nothing else. A subscription that is kept keeps its connections.
+    /// Subscribes to the requested topics and to nothing else. A subscription that is kept keeps its connections.
     pub(crate) fn update(&mut self, ros: &RosNode, requests: Vec<TopicRequest>) {
         self.names.clear();
-        let mut queue_sizes: HashMap<Key, usize> = HashMap::new();
+        let mut queue_sizes: HashMap<StreamKey, usize> = HashMap::new();
         // In the config's order.
-        let mut wanted: Vec<(Key, String)> = Vec::new();
+        let mut wanted: Vec<(StreamKey, String)> = Vec::new();
         for request in requests {
-            let key: Key = match ros.resolve(&request.topic) {
+            let key: StreamKey = match ros.resolve(&request.topic) {
                 Ok(topic) => (topic.into(), request.kind),
                 Err(error) => {
                     log::error!("{error}");
@@ -58,17 +58,17 @@ impl Subscriptions {
         }
     }
 
-    /// Stops receiving streams that nobody watches, and receives them again as soon as somebody does; see
-    /// [`LazyStreams`]. Returns whether the scene changed: what a stream sent before it was paused is old.
-    pub(crate) fn pause_streams(&mut self, is_watched: bool, stage: &mut SceneState) -> bool {
+    /// Pauses streams that nobody watches, and resumes them as soon as somebody does; see [`LazyStreams`]. Returns `true`
+    /// if the scene changed: data from before a pause are dropped.
+    pub(crate) fn pause_streams(&mut self, is_watched: bool, scene: &mut SceneState) -> bool {
         let Self { subscribed, names, lazy } = self;
-        let may_pause = |key: &Key| {
-            let is_replaced = |name: &String| stage.is_replaced_by_newest(name, key.1);
+        let may_pause = |key: &StreamKey| {
+            let is_replaced = |name: &String| scene.is_replaced_by_newest(name, key.1);
             subscribed.get(key).is_some_and(|subscription| !subscription.is_latched())
                 && names.get(key).is_some_and(|names| names.iter().all(is_replaced))
         };
-        let orders = lazy.update(is_watched, Instant::now(), may_pause);
-        for (keys, is_paused) in [(&orders.pause, true), (&orders.resume, false)] {
+        let changes = lazy.update(is_watched, Instant::now(), may_pause);
+        for (keys, is_paused) in [(&changes.pause, true), (&changes.resume, false)] {
             for (key, subscription) in keys.iter().filter_map(|key| Some((key, subscribed.get(key)?))) {
                 log::debug!(
                     "{}: {}",
@@ -79,21 +79,21 @@ impl Subscriptions {
             }
         }
         for (key, name) in
-            orders.pause.iter().flat_map(|key| names.get(key).into_iter().flatten().map(move |n| (key, n)))
+            changes.pause.iter().flat_map(|key| names.get(key).into_iter().flatten().map(move |n| (key, n)))
         {
-            stage.forget_topic(name, key.1);
+            scene.forget_topic(name, key.1);
         }
-        !orders.pause.is_empty()
+        !changes.pause.is_empty()
     }
 
-    /// How long pictures wait at most for streams that are received again; `None` if they need not wait.
+    /// Longest time that frames wait for resumed streams; `None` if they need not wait.
     pub(crate) fn awaited(&mut self, now: Instant) -> Option<Duration> {
-        self.lazy.waits(now)
+        self.lazy.awaited_for(now)
     }
 
-    /// Whether a topic, by its name in the config, is not received because nobody watches.
+    /// `true` if a topic, by its name in the config, is paused because nobody watches.
     pub(crate) fn is_paused(&self, topic: &str) -> bool {
-        let is_it = |(_, names): &(&Key, &Vec<String>)| names.iter().any(|name| name == topic);
+        let is_it = |(_, names): &(&StreamKey, &Vec<String>)| names.iter().any(|name| name == topic);
         self.names.iter().filter(is_it).any(|((whole, _), _)| self.lazy.is_paused(whole))
     }
 
@@ -102,34 +102,33 @@ impl Subscriptions {
         self.names.get(&(Arc::clone(topic), kind)).map(Vec::as_slice).unwrap_or_default()
     }
 
-    /// Who publishes a topic of this type at present, by its name in the config; none where it is not subscribed to.
-    pub(crate) fn source(&self, name: &str, kind: MessageKind) -> Option<Source> {
-        let has_name = |key: &&Key| key.1 == kind && self.names(&key.0, kind).iter().any(|known| known == name);
+    /// The publishers of a topic of this type, by its name in the config; `None` where it is not subscribed to.
+    pub(crate) fn source(&self, name: &str, kind: MessageKind) -> Option<TopicSource> {
+        let has_name = |key: &&StreamKey| key.1 == kind && self.names(&key.0, kind).iter().any(|known| known == name);
         let key = self.names.keys().find(has_name)?;
         let publishing = self.subscribed.get(key)?.publishing();
-        Some(Source { topic: key.0.to_string(), publishing })
+        Some(TopicSource { topic: key.0.to_string(), publishing })
     }
 
-    /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a
-    /// publisher that left, time that jumped back. `now` is ROS time.
-    pub(crate) fn apply(&mut self, event: NodeEvent, stage: &mut SceneState, now: Time) {
+    /// Applies an event to the scene. `now` is ROS time.
+    pub(crate) fn apply(&mut self, event: NodeEvent, scene: &mut SceneState, now: Time) {
         match event {
             NodeEvent::Message { topic, message, received, .. } => {
                 self.lazy.note_message(&(Arc::clone(&topic), message.kind()), received);
                 for name in self.names(&topic, message.kind()) {
-                    stage.take_received(name, &message, Some(received), now);
+                    scene.take_received(name, &message, Some(received), now);
                 }
             }
             NodeEvent::Transforms { message, is_static, authority, .. } => {
-                stage.take_transforms(&message, is_static, &authority);
+                scene.take_transforms(&message, is_static, &authority);
             }
-            NodeEvent::Parameter { name, text } => stage.take_parameter(&name, text.as_ref(), now),
+            NodeEvent::Parameter { name, text } => scene.take_parameter(&name, text.as_ref(), now),
             NodeEvent::PublisherLeft { topic } => {
                 for name in MessageKind::ALL.iter().flat_map(|kind| self.names(&topic, *kind)) {
-                    stage.publisher_left(name);
+                    scene.publisher_left(name);
                 }
             }
-            NodeEvent::TimeJumpedBack { .. } => stage.reset(),
+            NodeEvent::TimeJumpedBack { .. } => scene.reset(),
         }
     }
 }

@@ -1,24 +1,23 @@
-//! Which cameras cannot show a display: because their Visibility hides it, or because it lies outside their view.
+//! Status of displays that cameras do not show: because their Visibility hides them, or because they are out of view.
 //!
-//! A projector that stays black is often one of the two. Being hidden is what the config asks for, so that is no
-//! problem; a display that has something to show and is in view of no camera that would show it is warned about.
+//! A projector that stays black is often one of the two. The config asks for hidden displays, so that is no problem; a
+//! display that is not empty and is in view of no camera that would show it gets a warning.
 
 use rcs_displays::{CameraView, DisplaySet, InView, Level};
 use rcs_scene::{Camera, DisplayId};
 
 use crate::scene::status_tree::StatusEntry;
 
-/// The name of the status.
 pub(crate) const VISIBILITY: &str = "Visibility";
 
-/// A camera of the config, and where it is now; `None` while that is unknown.
+/// A camera of the config, and its pose now; `None` while that is unknown.
 #[derive(Debug)]
 pub(crate) struct PlacedCamera<'a> {
     pub(crate) view: &'a CameraView,
     pub(crate) camera: Option<Camera>,
 }
 
-/// Adds the status to those displays that some camera hides or does not have in view.
+/// Adds the status to displays that some camera hides or does not have in view.
 pub(crate) fn add(entries: &mut [StatusEntry<'_>], displays: &DisplaySet, cameras: &[PlacedCamera<'_>]) {
     for entry in entries {
         let Some(display) = entry.display else { continue };

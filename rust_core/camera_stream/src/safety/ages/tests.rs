@@ -1,4 +1,4 @@
-//! Tests of what the node leaves out because it is too old.
+//! Tests of stale data.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -11,7 +11,6 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::Publishing;
 
 use super::*;
-use crate::scene::SceneState;
 
 mod every_class;
 
@@ -27,9 +26,9 @@ Visualization Manager:
      Visibility: {Value: true, axes: false}}
 ";
 
-/// A stage, a clock and who is connected.
+/// A scene, a clock, and the topics with publishers.
 struct Bench {
-    stage: SceneState,
+    scene: SceneState,
     freshness: Freshness,
     start: Instant,
     secs: f64,
@@ -40,16 +39,16 @@ struct Bench {
 impl Bench {
     /// At 100 s, with a limit of a second.
     fn new() -> Self {
-        Self::with(Limits::general(Duration::from_secs(1)))
+        Self::with(AgeLimits::general(Duration::from_secs(1)))
     }
 
-    fn with(limits: Limits) -> Self {
+    fn with(limits: AgeLimits) -> Self {
         Self::of(CONFIG, limits)
     }
 
-    fn of(config: &str, limits: Limits) -> Self {
+    fn of(config: &str, limits: AgeLimits) -> Self {
         let config = rcs_rviz_config::parse(config, "test").unwrap();
-        let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
+        let mut scene = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
         let info = CameraInfo { width: 64, height: 48, ..CameraInfo::default() };
         let mut bench = Self {
             freshness: Freshness::new(limits).unwrap(),
@@ -57,9 +56,9 @@ impl Bench {
             secs: 100.0,
             connected: HashSet::new(),
             latched: HashSet::from(["/info"]),
-            stage: {
-                stage.update(Time::ZERO);
-                stage
+            scene: {
+                scene.update(Time::ZERO);
+                scene
             },
         };
         bench.take("/info", &AnyMessage::CameraInfo(Arc::new(info)));
@@ -72,8 +71,8 @@ impl Bench {
 
     fn take(&mut self, topic: &str, message: &AnyMessage) {
         let now = self.now();
-        self.stage.take_received(topic, message, Some(now.steady), now.ros);
-        self.stage.update(now.ros);
+        self.scene.take_received(topic, message, Some(now.steady), now.ros);
+        self.scene.update(now.ros);
     }
 
     /// A path of this stamp in this frame.
@@ -97,12 +96,12 @@ impl Bench {
         (transform.header.frame_id, transform.child_frame_id) = (parent.to_owned(), child.to_owned());
         transform.header.stamp.sec = stamp_secs;
         (transform.transform.translation.x, transform.transform.rotation.w) = (x, 1.0);
-        self.stage.take_transforms(&TFMessage { transforms: vec![transform] }, is_static, "/a");
+        self.scene.take_transforms(&TFMessage { transforms: vec![transform] }, is_static, "/a");
         let now = self.now();
         if !is_static {
             self.freshness.note_transforms(now.steady);
         }
-        self.stage.update(now.ros);
+        self.scene.update(now.ros);
     }
 
     fn wait(&mut self, secs: f64) -> Assessment {
@@ -111,16 +110,16 @@ impl Bench {
         let source = |topic: &str, _: MessageKind| {
             let is_latched = latched.contains(topic);
             let is_connected = is_latched || connected.contains(topic);
-            Some(Source { topic: topic.to_owned(), publishing: Publishing { is_connected, is_latched } })
+            Some(TopicSource { topic: topic.to_owned(), publishing: Publishing { is_connected, is_latched } })
         };
-        self.freshness.assess(&self.stage, source, now)
+        self.freshness.assess(&self.scene, source, now)
     }
 
     /// What the camera shows after some seconds: the hidden displays, and why it is black.
     fn shown(&mut self, secs: f64) -> (Vec<DisplayId>, Option<String>) {
         let assessment = self.wait(secs);
-        let shown = assessment.of_camera(&self.stage.cameras()[0]);
-        (shown.hidden, shown.black.map(|dark| dark.why))
+        let shown = assessment.of_camera(&self.scene.cameras()[0]);
+        (shown.hidden, shown.dark_reason.map(|dark| dark.why))
     }
 }
 
@@ -170,8 +169,8 @@ fn what_a_latching_publisher_sent_does_not_age_while_it_is_connected() {
 
 #[test]
 fn a_topic_may_have_a_limit_of_its_own() {
-    let mut limits = Limits::general(Duration::from_secs(1));
-    let set = |limits: &mut Limits, text: &str| {
+    let mut limits = AgeLimits::general(Duration::from_secs(1));
+    let set = |limits: &mut AgeLimits, text: &str| {
         limits.set(text.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
     };
     set(&mut limits, "/path=never");
@@ -233,7 +232,7 @@ fn a_display_that_follows_a_frame_is_as_old_as_the_frame() {
     let mut bench = Bench::new();
     bench.place(100, 1.0, false);
     let is_stale = |assessment: &Assessment| {
-        assessment.displays.iter().any(|display| display.path == "axes" && matches!(display.state, State::Stale(_)))
+        assessment.displays.iter().any(|display| display.path == "axes" && matches!(display.state, AgeState::Stale(_)))
     };
     assert!(!is_stale(&bench.wait(0.9)));
     assert!(is_stale(&bench.wait(0.2)));
@@ -243,7 +242,7 @@ fn a_display_that_follows_a_frame_is_as_old_as_the_frame() {
 #[test]
 fn frames_themselves_are_as_old_as_the_last_transforms_that_moved() {
     let config = CONFIG.replace("rviz/Axes, Name: axes", "rviz/TF, Name: axes").replace("axes: false", "axes: true");
-    let mut bench = Bench::of(&config, Limits::general(Duration::from_secs(1)));
+    let mut bench = Bench::of(&config, AgeLimits::general(Duration::from_secs(1)));
     bench.place(100, 1.0, false);
     bench.freshness.note_transforms(bench.now().steady);
     assert_eq!(bench.shown(0.9), NOTHING_HIDDEN);

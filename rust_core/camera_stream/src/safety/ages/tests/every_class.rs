@@ -221,9 +221,9 @@ Visualization Manager:
   - {{Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /image, Camera Info Topic: /info}}
 "
     );
-    let mut bench = Bench::of(&config, Limits::general(Duration::from_secs(1)));
+    let mut bench = Bench::of(&config, AgeLimits::general(Duration::from_secs(1)));
     let robot: Arc<str> = ROBOT.into();
-    bench.stage.take_parameter("robot", Some(&robot), bench.now().ros);
+    bench.scene.take_parameter("robot", Some(&robot), bench.now().ros);
     bench
 }
 
@@ -237,8 +237,8 @@ impl Bench {
     /// Whether the display shows something, and that something is current.
     fn is_lit(&mut self, secs: f64) -> bool {
         let assessment = self.wait(secs);
-        let is_shown = self.stage.displays().ages().all(|age| !age.is_empty);
-        is_shown && !assessment.displays.iter().any(|display| matches!(display.state, State::Stale(_)))
+        let is_shown = self.scene.displays().ages().all(|age| !age.is_empty);
+        is_shown && !assessment.displays.iter().any(|display| matches!(display.state, AgeState::Stale(_)))
     }
 
     /// Some seconds with a transform of the arm each.
@@ -314,7 +314,7 @@ fn what_is_drawn_without_a_place_is_dark() {
             bench.secs = f64::from(secs);
             bench.place_in(["odom", "arm"], secs, 0.0, false);
         }
-        assert!(bench.stage.known_until("arm").is_none());
+        assert!(bench.scene.known_until("arm").is_none());
         assert!(!bench.is_lit(0.0), "{class} {settings}");
     }
     for (class, settings) in
@@ -339,7 +339,7 @@ Visualization Manager:
   - {Class: rviz/Grid, Name: grid, Enabled: true}
   Views: {Current: {Class: rviz/Orbit, Target Frame: arm}}
 ";
-    let mut bench = Bench::of(config, Limits::general(Duration::from_secs(1)));
+    let mut bench = Bench::of(config, AgeLimits::general(Duration::from_secs(1)));
     bench.place(100, 0.0, false);
     assert!(bench.is_lit(5.0));
 }
@@ -351,8 +351,8 @@ fn a_map_that_stays_through_a_jump_in_time_ages_as_before() {
     bench.place(100, 0.0, true);
     bench.send_all(messages("Map", Follows, 100));
     assert!(bench.is_lit(5.0));
-    bench.stage.reset();
-    bench.stage.update(bench.now().ros);
+    bench.scene.reset();
+    bench.scene.update(bench.now().ros);
     assert!(bench.is_lit(5.0), "its publisher holds it");
     bench.latched.clear();
     assert!(!bench.is_lit(1.1), "its publisher is gone");
@@ -365,7 +365,7 @@ fn the_launch_files_keep_their_path_and_markers_while_these_are_held_and_their_f
     for name in ["projection", "fetch"] {
         let launch = std::fs::read_to_string(folder.join(format!("launch/{name}.launch"))).unwrap();
         let (_, after) = launch.split_once("<arg name=\"stale_timeouts\" default=\"").unwrap();
-        let mut limits = Limits::general(Duration::from_secs(1));
+        let mut limits = AgeLimits::general(Duration::from_secs(1));
         for limit in after.split('"').next().unwrap().split(' ') {
             limits.set(limit.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
         }
@@ -384,9 +384,9 @@ fn the_launch_files_keep_their_path_and_markers_while_these_are_held_and_their_f
         let stale = |bench: &mut Bench, secs: f64| {
             let displays = bench.wait(secs).displays.into_iter();
             let shown = displays.filter(|display| ["path", "markers"].iter().any(|name| display.path.ends_with(name)));
-            let states: Vec<State> = shown.map(|display| display.state).collect();
-            assert!(states.len() == 2 && !states.contains(&State::Undated), "{name}: {states:?}");
-            states.iter().filter(|state| matches!(state, State::Stale(_))).count()
+            let states: Vec<AgeState> = shown.map(|display| display.state).collect();
+            assert!(states.len() == 2 && !states.contains(&AgeState::Undated), "{name}: {states:?}");
+            states.iter().filter(|state| matches!(state, AgeState::Stale(_))).count()
         };
         for secs in 101..=130 {
             drive(&mut bench, secs);
