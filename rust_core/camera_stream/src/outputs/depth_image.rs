@@ -31,7 +31,7 @@ impl FromStr for DepthEncoding {
 
 /// An encoded depth image.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DepthImage {
+pub(crate) struct DepthImage {
     size_px: [u32; 2],
     encoding: DepthEncoding,
     bytes: Arc<Vec<u8>>,
@@ -39,7 +39,7 @@ pub struct DepthImage {
 
 impl DepthImage {
     /// Encodes depths, with the orientation of the image.
-    pub fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
+    pub(crate) fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
         let mut bytes = Vec::new();
         resize_block(&mut bytes, depths.depths_m.len() * encoding.bytes_per_pixel(), 0);
         match encoding {
@@ -56,7 +56,7 @@ impl DepthImage {
     }
 
     /// The message. Its pixels are shared.
-    pub fn message(&self, header: Header) -> Image {
+    pub(crate) fn message(&self, header: Header) -> Image {
         let name = match self.encoding {
             DepthEncoding::Metres => "32FC1",
             DepthEncoding::Millimetres => "16UC1",

@@ -13,7 +13,6 @@ mod topic;
 mod video;
 mod window;
 
-use std::io;
 use std::sync::Arc;
 
 use anyhow::Result;

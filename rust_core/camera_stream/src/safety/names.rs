@@ -20,7 +20,7 @@ pub struct ForCamera<T> {
 
 /// Why a text is no value for a camera of the config.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NameError {
+pub(crate) enum NameError {
     /// It has no value.
     #[error("\"{text}\" is neither VALUE nor CAMERA=VALUE")]
     NoValue {
