@@ -34,7 +34,7 @@ pub enum NoLens {
     #[error("R is not a rotation")]
     NoRotation,
     /// No pixel of the picture is near the view of P.
-    #[error("K and D lead outside of what P projects")]
+    #[error("no pixel of K and D is in the view of P")]
     Outside,
 }
 

@@ -46,7 +46,7 @@ pub struct InsertError {
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum InsertProblem {
     /// Parent and child are the same frame.
-    #[error("that is the same frame")]
+    #[error("which is the same frame")]
     SelfTransform,
     /// The parent, the child or both have no name.
     #[error("with an empty frame name")]

@@ -170,7 +170,7 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
     println!("{} lines in {secs:.1} s of 300 bad markers a second", lines.len());
     assert!((lines.len() as f64) < 2.0 * secs + 6.0, "{}", fixture.log());
     let counted = |text: &str| fixture.log_lines(&[text, "more like this before"]);
-    assert!(wait_until(PATIENCE, || counted("there is no action 7") > 1), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || counted("unknown action 7") > 1), "{}", fixture.log());
     // Each marker with a status of its own.
     fixture.python("repeated.stop()");
     fixture.python(

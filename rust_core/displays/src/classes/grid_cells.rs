@@ -10,9 +10,7 @@ use rcs_messages::geometry_msgs::Point;
 use rcs_messages::nav_msgs::GridCells;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::PlainColorSettings;
-use rcs_scene::{
-    DisplayId, Drawable, Geometry, Material, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
-};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointColors, PointStyle, Points, Rgba};
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
@@ -20,6 +18,7 @@ use crate::framework::message_display::InvalidFloats;
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::parts::bounds::middle;
 use crate::parts::cloud::max_points;
+use crate::parts::solids::drawable;
 use crate::{Level, Statuses, World};
 
 #[derive(Debug)]
@@ -80,13 +79,7 @@ impl GridCellsDisplay {
             blended: self.settings.alpha < Material::OPAQUE_FROM_ALPHA,
             auto_size: false,
         };
-        Drawable {
-            display: self.display,
-            fixed_from_object: fixed_from_cells.to_homogeneous(),
-            sort_point,
-            group: RenderGroup::Main,
-            geometry: Geometry::Points(points),
-        }
+        Drawable { sort_point, ..drawable(self.display, fixed_from_cells.to_homogeneous(), Geometry::Points(points)) }
     }
 }
 

@@ -86,7 +86,7 @@ fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
             let bytes = values.iter().flat_map(|value| depth_m(value).to_le_bytes()).collect();
             Ok(Image::new(header_of_image, size_px, encoding, size_px[0] * 4, Arc::new(bytes)))
         }
-        _ => Err(format!("format [{}] is none of depth", message.format)),
+        _ => Err(format!("format [{}] is no depth format; 16UC1 and 32FC1 are", message.format)),
     }
 }
 

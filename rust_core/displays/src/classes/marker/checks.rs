@@ -116,7 +116,7 @@ pub(super) fn check_marker(marker: &Marker) -> Findings {
         found.error("the position is not finite");
     }
     let Some(needs) = Needs::of(marker) else {
-        found.error(format!("there is no marker type {}", marker.type_));
+        found.error(format!("unknown marker type {}", marker.type_));
         return found;
     };
     if needs.orientation {

@@ -130,7 +130,7 @@ impl MarkerStore {
                 }
                 (self.locked, self.first_expiry) = (0, None);
             }
-            _ => log::error!("marker {}/{}: there is no action {}", marker.ns, marker.id, marker.action),
+            _ => log::error!("marker {}/{}: unknown action {}", marker.ns, marker.id, marker.action),
         }
     }
 

@@ -8,13 +8,12 @@ use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::PointCloud2;
 use rcs_rviz_config::{CloudSettings, ColorTransformer};
-use rcs_scene::{
-    DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup, MAX_POINT_SIZE_PX,
-};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, MAX_POINT_SIZE_PX};
 use rcs_transforms::Time;
 
 use crate::framework::frame;
 use crate::parts::bounds::middle;
+use crate::parts::solids::drawable;
 use crate::{Level, StatusText, Statuses, World};
 
 use super::buffer_pool::CloudPool;
@@ -161,26 +160,16 @@ impl Clouds {
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
         // The order of the pieces is visible only where they blend.
         let buffers = if blended { pieces::cut(buffer, &style, pool) } else { vec![buffer] };
-        let drawable = |buffer: PointBuffer| {
+        let piece = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed
             // one. Opaque ones are not sorted.
             let sort_point = if blended { middle(buffer.positions.iter().copied()) } else { [0.0; 3] };
             let buffer = Arc::new(buffer);
-            Drawable {
-                display: self.display,
-                fixed_from_object: placed.fixed_from_cloud.to_homogeneous(),
-                sort_point: Point3::from(sort_point).cast(),
-                group: RenderGroup::Main,
-                geometry: Geometry::Points(Points {
-                    buffer,
-                    style,
-                    alpha: settings.alpha,
-                    blended,
-                    auto_size: self.auto_size,
-                }),
-            }
+            let points = Points { buffer, style, alpha: settings.alpha, blended, auto_size: self.auto_size };
+            let placed = drawable(self.display, placed.fixed_from_cloud.to_homogeneous(), Geometry::Points(points));
+            Drawable { sort_point: Point3::from(sort_point).cast(), ..placed }
         };
-        (buffers.into_iter().map(drawable).collect(), non_finite_count)
+        (buffers.into_iter().map(piece).collect(), non_finite_count)
     }
 
     /// Adds new clouds, oldest first, and removes expired ones. Returns whether anything changed.
