@@ -42,13 +42,13 @@ const char TIMING[] = "Timing";
 const char TWIN[] = "Headless Twin";
 const char TWIN_NOT_DRAWN[] = "Headless Twin: not drawn";
 
-/// How long after a change of the config its twin is written, so that loading or dragging a value writes it once.
+/// Delay from a change of the config to writing its twin, so that loading or dragging a value writes it once.
 const int TWIN_DELAY_MS = 500;
-/// How often a picture that is read back is looked for, where rviz's window is drawn less often.
+/// Poll period of a readback while rviz's window is drawn less often.
 const int COLLECT_PERIOD_MS = 1;
 const uint64_t STATISTICS_PERIOD_NS = 1000000000;
 
-/// What an exception says; Ogre's also name a file and a line of its source.
+/// The message of an exception, without the file and line of Ogre's source.
 std::string reason(const std::exception& error)
 {
   const auto* of_ogre = dynamic_cast<const Ogre::Exception*>(&error);
@@ -97,12 +97,12 @@ void CameraPub::onInitialize()
   }
 }
 
-/// Makes what draws and publishes. Throws std::exception if the system has no room for it; the display then does nothing.
+/// Creates camera, reader and publisher. Throws std::exception without resources; the display then does nothing.
 void CameraPub::start()
 {
   visibility_bit_ = context_->visibilityBits()->allocBit();
   if (visibility_bit_ == 0)
-    setStatus(StatusProperty::Error, PICTURE, "rviz has no room for another camera: it has 32 at most");
+    setStatus(StatusProperty::Error, PICTURE, "Too many cameras: rviz supports 32");
   visibility_ = new rviz::DisplayGroupVisibilityProperty(
       visibility_bit_, context_->getRootDisplayGroup(), this, properties::VISIBILITY.name, true,
       properties::VISIBILITY.help);
@@ -111,7 +111,7 @@ void CameraPub::start()
 
   camera_.reset(new SceneCamera(*context_->getSceneManager(), visibility_bit_));
   reader_.reset(new PixelReader);
-  // The last that can fail: without it the display does nothing.
+  // Created last, because the display does nothing without it.
   publisher_.reset(new PicturePublisher);
   Ogre::Root::getSingleton().addFrameListener(this);
   if (auto* manager = dynamic_cast<rviz::VisualizationManager*>(context_))
@@ -139,12 +139,12 @@ void CameraPub::reset()
   Display::reset();
   if (!publisher_)
     return;
-  // The statuses of what is wrong are shown again.
+  // Display::reset has cleared the statuses.
   if (!namespace_ok_)
     updateNamespace();
   else if (!publisher_->isAdvertised())
     updateOutput();
-  // A latched CameraInfo comes again.
+  // Receives a latched CameraInfo again.
   updateInput();
 }
 
@@ -155,7 +155,7 @@ void CameraPub::setTopic(const QString& topic, const QString& datatype)
   else if (datatype == "sensor_msgs/Image")
     topic_->setValue(topic);
   else
-    // A transport's topic, such as /image/compressed, is below the picture's.
+    // A transport's topic, such as /image/compressed, is below the image's.
     topic_->setValue(topic.left(topic.lastIndexOf('/')));
 }
 
@@ -180,7 +180,7 @@ void CameraPub::updateNamespace()
   }
   catch (const ros::Exception& error)
   {
-    // Pictures come at the frame rate all the same.
+    // Images are published at the frame rate without it.
     namespace_ok_ = true;
     setStatus(StatusProperty::Warn, NAMESPACE_STATUS, QString("Could not create the trigger service: ") + error.what());
   }
@@ -278,7 +278,7 @@ void CameraPub::forgetCameraInfo()
   rcs_camera_clear_info(core_.get());
 }
 
-/// Whether the CameraInfo comes from where this display publishes it beside its pictures.
+/// True if the CameraInfo's topic is the one that this display publishes beside its images.
 bool CameraPub::isOwnInfoTopic() const
 {
   return !publisher_->infoTopic().empty() && info_subscriber_.getTopic() == publisher_->infoTopic();
@@ -286,7 +286,7 @@ bool CameraPub::isOwnInfoTopic() const
 
 void CameraPub::receive(const ros::MessageEvent<sensor_msgs::CameraInfo const>& event)
 {
-  // What this display has published itself would keep the camera for ever.
+  // A CameraInfo of this display itself would never change.
   if (isOwnInfoTopic() && event.getPublisherName() == ros::this_node::getName())
     return;
   info_ = event.getConstMessage();
@@ -333,7 +333,7 @@ void CameraPub::update(float, float)
 {
   if (!publisher_)
     return;
-  // At the latest now: the next picture may be drawn over it.
+  // Before the next picture, which may overwrite it.
   if (reader_->pending())
     publishRead();
   applyTopics();
@@ -350,7 +350,7 @@ void CameraPub::update(float, float)
   showStatistics(now_ns);
 }
 
-/// The view of the CameraInfo. Returns whether there is one.
+/// Updates the view of the CameraInfo. Returns false if there is none.
 bool CameraPub::updateView()
 {
   if (!info_)
@@ -371,7 +371,7 @@ bool CameraPub::updateView()
   return true;
 }
 
-/// Moves the camera to its frame. Returns whether that could be done.
+/// Moves the camera to its frame. Returns false on failure.
 bool CameraPub::placeCamera()
 {
   rviz::FrameManager& frames = *context_->getFrameManager();
@@ -384,7 +384,7 @@ bool CameraPub::placeCamera()
   }
   setStatus(StatusProperty::Ok, "Time", "ok");
 
-  // At the latest pose: a CameraInfo is sent rarely or once, and its frame moves on.
+  // At the latest pose: a CameraInfo may be sent once while its frame moves.
   Ogre::Vector3 position;
   Ogre::Quaternion orientation;
   std::string error;
@@ -404,8 +404,8 @@ bool CameraPub::placeCamera()
   catch (const std::exception& error)
   {
     setStatusStd(StatusProperty::Error, PICTURE,
-                 "No texture of " + std::to_string(view_.drawn_width) + "x" + std::to_string(view_.drawn_height) +
-                     " pixels: " + reason(error));
+                 "Cannot create a texture of " + std::to_string(view_.drawn_width) + "x" +
+                     std::to_string(view_.drawn_height) + " pixels: " + reason(error));
     return false;
   }
   return true;
@@ -464,7 +464,7 @@ void CameraPub::publishRead()
   {
     if (!frame || !reader_->fetch(frame->pixels))
     {
-      // The driver lost it, as when the screen's mode changes; the next one is drawn soon.
+      // The driver lost it, for example by a change of the screen's mode.
       reader_->abandon();
       return;
     }
@@ -479,7 +479,7 @@ void CameraPub::publishRead()
   showPublishing();
 }
 
-/// The image that was being drawn or read is dropped, and the status says why.
+/// Drops the image that was being drawn or read, and sets the status.
 void CameraPub::showLost(const std::string& what, const std::exception& error)
 {
   reader_->abandon();
@@ -505,7 +505,7 @@ void CameraPub::showPublishers()
     setStatus(StatusProperty::Ok, CAMERA_INFO, "OK");
 }
 
-/// Whether the last image that the publishing thread is done with was published.
+/// Sets the status of the last published image.
 void CameraPub::showPublishing()
 {
   const std::string error = publisher_->error();
@@ -556,7 +556,7 @@ void CameraPub::writeTwin()
   const auto* manager = dynamic_cast<const rviz::VisualizationManager*>(context_);
   if (!manager)
   {
-    setStatus(StatusProperty::Error, TWIN, "This program's config cannot be saved from here");
+    setStatus(StatusProperty::Error, TWIN, "Cannot save the config of this program");
     return;
   }
   if (twin_.write(*manager, twin_path_->getStdString()))

@@ -1,4 +1,4 @@
-// The display CameraPub: a camera in rviz's scene whose picture is published.
+// The display CameraPub: a camera in rviz's scene that publishes images.
 #ifndef RVIZ_CAMERA_STREAM_CAMERA_PUB_H
 #define RVIZ_CAMERA_STREAM_CAMERA_PUB_H
 
@@ -33,9 +33,9 @@ class StringProperty;
 
 namespace rviz_camera_stream
 {
-/// Draws rviz's whole scene as a camera with a CameraInfo sees it and publishes the picture. Properties, their defaults and
-/// a saved config are those of the plugin that this one replaces; properties that it adds are saved only where they are
-/// used. Runs on rviz's main thread, but for the conversion and publishing of finished pictures.
+/// Draws rviz's scene from a CameraInfo's camera and publishes the image. Properties, their defaults and saved configs
+/// are compatible with the plugin that this one replaces; added properties are saved only if used. Runs on rviz's main
+/// thread, except for the conversion and publishing of finished pictures.
 class CameraPub : public rviz::Display, public Ogre::FrameListener
 {
   Q_OBJECT
@@ -48,7 +48,7 @@ public:
   void reset() override;
   void setTopic(const QString& topic, const QString& datatype) override;
 
-  /// rviz's window has been drawn; what was read back meanwhile is published.
+  /// Publishes a picture that was read back while rviz's window was drawn.
   bool frameEnded(const Ogre::FrameEvent& event) override;
 
 protected:
@@ -57,17 +57,17 @@ protected:
   void onDisable() override;
 
 private Q_SLOTS:
-  /// Where pictures go to, or where CameraInfos come from, has changed. Topics are changed with the next frame, once for
-  /// all that a config's loading changes: a subscriber may miss one of several changes that follow at once.
+  /// Changes of output or input topics are applied with the next frame, all changes of a loading config at once: a
+  /// subscriber may miss one of several changes in a row.
   void updateOutput();
   void updateInput();
   void updateNamespace();
   void updateFrameRate();
   void updatePicture();
   void updateTwin();
-  /// Publishes what was read back; until it is there, looks again soon.
+  /// Publishes the picture that is being read back, or polls again.
   void collect();
-  /// Something in rviz's config has changed.
+  /// Handles a change of rviz's config.
   void configChanged();
   void writeTwin();
 
@@ -117,7 +117,7 @@ private:
 
   CoreCamera core_;
   sensor_msgs::CameraInfo::ConstPtr info_;
-  /// What the view below was computed from.
+  /// The inputs of the view.
   sensor_msgs::CameraInfo::ConstPtr viewed_info_;
   CameraModel viewed_model_;
   RcsView view_{};
@@ -127,9 +127,9 @@ private:
   uint32_t visibility_bit_ = 0;
   std::unique_ptr<SceneCamera> camera_;
   std::unique_ptr<PixelReader> reader_;
-  /// Null until the display has started, or if it could not; properties may change before that.
+  /// Null until the display has started; properties may change before that.
   std::unique_ptr<PicturePublisher> publisher_;
-  /// What is being read back, but for its pixels.
+  /// The frame that is being read back, without its pixels.
   std::unique_ptr<Frame> reading_;
   QTimer collect_timer_;
   uint64_t statistics_shown_ns_ = 0;

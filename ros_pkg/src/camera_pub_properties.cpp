@@ -1,4 +1,4 @@
-// CameraPub's properties: what they offer, their defaults, and what a change of each does.
+// CameraPub's properties: options, defaults and slots.
 
 #include "camera_pub_properties.h"
 
@@ -57,7 +57,7 @@ void CameraPub::createAddedProperties()
   depth_topic_ = new rviz::RosTopicProperty(DEPTH_TOPIC.name, "", datatype<sensor_msgs::Image>(), DEPTH_TOPIC.help, this,
                                             SLOT(updateOutput()));
   twin_path_ = new rviz::StringProperty(HEADLESS_TWIN.name, "", HEADLESS_TWIN.help, this, SLOT(updateTwin()));
-  // Where they are not used, a saved config is that of the plugin without them.
+  // Unused, they are not saved: the config is as with the plugin without them.
   projection_->setShouldBeSaved(false);
   undistort_->setShouldBeSaved(false);
   depth_topic_->setShouldBeSaved(false);

@@ -12,7 +12,7 @@ struct Text
   const char* help;
 };
 
-// Those of the plugin that this one replaces, in its order.
+// Properties of the plugin that this one replaces, in its order.
 const Text VISIBILITY = { "Visibility", "Changes the visibility of other Displays in the camera view." };
 const Text IMAGE_TOPIC = { "Image Topic", "sensor_msgs::Image topic to publish to." };
 const Text NAMESPACE = { "Display namespace", "Namespace for this display." };
@@ -28,20 +28,20 @@ const Text BACKGROUND_COLOR = { "Background Color", "Sets background color, valu
 const Text IMAGE_ENCODING = { "Image Encoding", "Sets the image encoding" };
 const Text NEAR_CLIP_DISTANCE = { "Near Clip Distance", "Set the near clip distance" };
 
-// Those that were added.
+// Added properties.
 const Text PROJECTION = { "Projection",
-                          "How the P of the CameraInfo becomes a projection. rviz: as rviz's own cameras draw, with one "
-                          "focal length for both axes. exact: as P says, to the pixel, which a projector needs." };
+                          "Projection of the CameraInfo's P. rviz: as in rviz's own cameras, with one focal length for "
+                          "both axes. exact: exactly P, to the pixel, which a projector needs." };
 const Text UNDISTORT = { "Undistort",
-                         "Bends the picture so that it is right after a projector's lens with the K and D of the "
-                         "CameraInfo. P is used exactly then." };
+                         "Corrects the image for a projector's lens with the K and D of the CameraInfo. P is then "
+                         "followed exactly." };
 const Text DEPTH_TOPIC = { "Depth Topic",
-                           "sensor_msgs::Image topic on which the depths of the picture are published: metres along the "
-                           "optical axis, 32FC1, NaN where nothing is. Translucent things have no depth. Empty: none." };
+                           "sensor_msgs::Image topic for the depths of the image: metres along the optical axis, 32FC1, "
+                           "NaN where nothing is drawn. Translucent objects have no depth. Empty: none." };
 const Text HEADLESS_TWIN = { "Headless Twin",
-                             "A file that is kept equal to rviz's current config, for the node camera_stream, which draws "
-                             "it without rviz, window or graphics card. The status shows the roslaunch line, and what the "
-                             "node cannot draw. Empty: none." };
+                             "File that is kept equal to rviz's current config, for the node camera_stream, which draws it "
+                             "without rviz, window or graphics card. The status has the roslaunch command and the displays "
+                             "that the node cannot draw. Empty: none." };
 }  // namespace properties
 }  // namespace rviz_camera_stream
 

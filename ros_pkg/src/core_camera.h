@@ -1,4 +1,4 @@
-// The Rust core's state for one camera, owned: see rviz_camera_stream/core.h for what each function means.
+// Owner of the Rust core's camera, see rviz_camera_stream/core.h.
 #ifndef RVIZ_CAMERA_STREAM_CORE_CAMERA_H
 #define RVIZ_CAMERA_STREAM_CORE_CAMERA_H
 
@@ -13,7 +13,7 @@
 
 namespace rviz_camera_stream
 {
-/// What decides how a CameraInfo becomes a picture.
+/// Settings for the view of a CameraInfo.
 struct CameraModel
 {
   RcsProjection projection = RCS_PROJECTION_RVIZ;
@@ -26,14 +26,14 @@ inline bool operator==(const CameraModel& a, const CameraModel& b)
   return a.projection == b.projection && a.undistort == b.undistort && a.near_m == b.near_m;
 }
 
-/// The clock of pacing and statistics, in nanoseconds.
+/// Time of the clock for pacing and statistics, in nanoseconds.
 inline uint64_t monotonicNow()
 {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
 }
 
-/// Why the core refused the last call on this thread.
+/// Error of the core's last failed call on this thread.
 std::string coreError();
 
 /// An RcsCamera. Used by one thread at a time.
@@ -48,13 +48,13 @@ public:
     return camera_.get();
   }
 
-  /// Computes the view of a CameraInfo. Returns an empty text, or why it cannot be drawn.
+  /// Computes the view of a CameraInfo. Returns an error, or an empty text.
   std::string setInfo(const sensor_msgs::CameraInfo& info, const CameraModel& model, RcsView& view);
 
-  /// What makes a projector with this CameraInfo miss, or an empty text.
+  /// Reasons why a projection with this CameraInfo misses its objects, or an empty text.
   std::string warning() const;
 
-  /// Rate and times of the last pictures in one line.
+  /// Rate and durations of the last pictures in one line.
   std::string statistics(uint64_t now_ns) const;
 
 private:

@@ -1,4 +1,4 @@
-// Texts of the C interface, which writes into a buffer of the caller and returns the whole length, as snprintf does.
+// Texts of the C interface, which writes to the caller's buffer and returns the whole length, as snprintf does.
 #ifndef RVIZ_CAMERA_STREAM_CORE_TEXT_H
 #define RVIZ_CAMERA_STREAM_CORE_TEXT_H
 

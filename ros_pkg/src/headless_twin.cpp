@@ -29,7 +29,7 @@ std::string absolutePath(const std::string& path)
   return QFileInfo(file).absoluteFilePath().toStdString();
 }
 
-/// Writes beside the file and renames. Returns what went wrong, or an empty text.
+/// Writes a temporary file and renames it. Returns an error, or an empty text.
 std::string replaceFile(const std::string& path, const std::string& text)
 {
   const std::string beside = path + ".new";
@@ -49,7 +49,7 @@ std::string replaceFile(const std::string& path, const std::string& text)
   return std::string();
 }
 
-/// The config as rviz's "Save Config" writes it, without the window's part.
+/// The config as written by rviz's "Save Config", without the window's layout.
 std::string configText(const rviz::VisualizationManager& manager, std::string& error)
 {
   rviz::Config config;
@@ -62,21 +62,22 @@ std::string configText(const rviz::VisualizationManager& manager, std::string& e
   return text.toStdString() + "\n";
 }
 
-/// What the core says about the config.
+/// The core's report on the config.
 TwinReport check(const std::string& text, const std::string& path)
 {
   TwinReport report;
   std::vector<char> lines(256), launch(256);
-  size_t lines_needed = 0, launch_needed = 0;
+  RcsText lines_text{}, launch_text{};
   RcsResult result = RCS_RESULT_OK;
   for (int attempt = 0; attempt < 2; ++attempt)
   {
-    result = rcs_config_report(text.data(), text.size(), path.c_str(), lines.data(), lines.size(), &lines_needed,
-                               launch.data(), launch.size(), &launch_needed, &report.displays_not_drawn);
-    if (result != RCS_RESULT_OK || (lines_needed < lines.size() && launch_needed < launch.size()))
+    lines_text = { lines.data(), lines.size(), 0 };
+    launch_text = { launch.data(), launch.size(), 0 };
+    result = rcs_config_report(text.data(), text.size(), path.c_str(), &lines_text, &launch_text);
+    if (result != RCS_RESULT_OK || (lines_text.needed < lines.size() && launch_text.needed < launch.size()))
       break;
-    lines.resize(lines_needed + 1);
-    launch.resize(launch_needed + 1);
+    lines.resize(lines_text.needed + 1);
+    launch.resize(launch_text.needed + 1);
   }
   if (result != RCS_RESULT_OK)
   {
@@ -84,7 +85,7 @@ TwinReport check(const std::string& text, const std::string& path)
     return report;
   }
   report.not_drawn = lines.data();
-  // One line, as statuses have room for.
+  // A status is one line.
   for (size_t at = report.not_drawn.find('\n'); at != std::string::npos; at = report.not_drawn.find('\n', at))
     report.not_drawn.replace(at, 1, "; ");
   report.launch_line = launch.data();

@@ -2,7 +2,6 @@
 #ifndef RVIZ_CAMERA_STREAM_HEADLESS_TWIN_H
 #define RVIZ_CAMERA_STREAM_HEADLESS_TWIN_H
 
-#include <cstdint>
 #include <string>
 
 namespace rviz
@@ -12,15 +11,14 @@ class VisualizationManager;
 
 namespace rviz_camera_stream
 {
-/// What became of a twin.
+/// Result of writing a twin.
 struct TwinReport
 {
-  /// Why there is none, or empty.
+  /// Error, or empty.
   std::string error;
   /// The displays and settings that the node cannot draw, separated by semicolons; empty if it draws all.
   std::string not_drawn;
-  uint32_t displays_not_drawn = 0;
-  /// The command that draws the same without rviz.
+  /// The command that draws the config without rviz.
   std::string launch_line;
 };
 
@@ -28,9 +26,8 @@ struct TwinReport
 class HeadlessTwin
 {
 public:
-  /// Writes the config to `path` (`~/` is the home folder; relative to rviz's working directory) if its text differs from
-  /// what was written there last. A file is replaced in one step, so that a node that watches it never reads half of it.
-  /// Returns whether there is something new to report.
+  /// Writes the config to `path` (`~/` is the home folder; relative to rviz's working directory) if its text differs
+  /// from the last one. The file is replaced atomically. Returns true if the report is new.
   bool write(const rviz::VisualizationManager& manager, const std::string& path);
 
   const TwinReport& report() const
@@ -38,7 +35,7 @@ public:
     return report_;
   }
 
-  /// Forgets what was written, so that the next one is written again.
+  /// Forgets the written config, so that the next one is written.
   void forget();
 
 private:

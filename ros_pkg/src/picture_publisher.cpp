@@ -92,7 +92,7 @@ std::unique_ptr<Frame> PicturePublisher::takeFree()
 
 void PicturePublisher::publish(std::unique_ptr<Frame> frame)
 {
-  // Only the calling thread changes it.
+  // Changed by the calling thread alone.
   frame->series = series_;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -131,7 +131,7 @@ void PicturePublisher::run()
     }
     catch (const std::exception& error)
     {
-      // An image that is too large for the memory: what it takes is freed, and the next one may be smaller.
+      // The image does not fit memory: frees it, because the next one may be smaller.
       frame.reset();
       const std::lock_guard<std::mutex> lock(mutex_);
       error_ = std::string("Cannot publish the image: ") + error.what();
@@ -191,7 +191,7 @@ std::string PicturePublisher::publishPicture(const Frame& frame, const std_msgs:
     return coreError();
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*frame.info);
   info->header = header;
-  // The picture is the whole one.
+  // Binning and region of interest are not applied.
   info->binning_x = info->binning_y = 0;
   info->roi = sensor_msgs::RegionOfInterest();
   const std::lock_guard<std::mutex> lock(publishing_);
@@ -212,7 +212,7 @@ std::string PicturePublisher::publishDepths(const Frame& frame, const std_msgs::
   image->step = view_.picture_width * static_cast<uint32_t>(sizeof(float));
   const size_t count = size_t(image->width) * image->height;
   image->data.resize(sizeof(float) * count);
-  // The vector's memory is aligned for any number.
+  // A vector's memory is aligned for every type.
   if (rcs_camera_encode_depth(converter_.get(), read.depths.data(), read.depths.size(), read.bottom_up,
                               reinterpret_cast<float*>(image->data.data()), count) != RCS_RESULT_OK)
     return coreError();

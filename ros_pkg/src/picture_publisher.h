@@ -1,4 +1,4 @@
-// Publishes pictures that were read back, on a thread of its own.
+// Publishes pictures on a thread of its own.
 #ifndef RVIZ_CAMERA_STREAM_PICTURE_PUBLISHER_H
 #define RVIZ_CAMERA_STREAM_PICTURE_PUBLISHER_H
 
@@ -18,26 +18,26 @@
 
 namespace rviz_camera_stream
 {
-/// A picture on its way to its topic.
+/// A picture from drawing to publishing.
 struct Frame
 {
   ReadPixels pixels;
-  /// As it was received; its header is replaced by the picture's.
+  /// As received; its header is replaced by the picture's.
   sensor_msgs::CameraInfo::ConstPtr info;
   CameraModel model;
   RcsEncoding encoding = RCS_ENCODING_RGB8;
-  /// What lies outside of what was drawn, for a picture that is bent for a lens.
+  /// Colour outside of the drawn picture, for lens correction.
   uint8_t background_rgb[3] = { 0, 0, 0 };
-  /// Of the scene that is shown.
+  /// Time of the scene.
   ros::Time stamp;
   RcsTimes times{};
-  /// Set by the publisher: a frame of an earlier series is dropped.
+  /// Set by the publisher, which drops frames of earlier series.
   uint64_t series = 0;
 };
 
-/// Converts pictures to messages and publishes them through image_transport, so that neither conversion nor compression
-/// nor a lens delays rviz. While one picture is published, the newest one waits; it replaces an older one that still does.
-/// All functions are called on one thread.
+/// Converts pictures to messages and publishes them through image_transport, so that conversion, compression and lens
+/// correction do not delay rviz. While one picture is published, only the newest one waits. All functions are called on
+/// one thread.
 class PicturePublisher
 {
 public:
@@ -47,36 +47,38 @@ public:
   PicturePublisher(const PicturePublisher&) = delete;
   PicturePublisher& operator=(const PicturePublisher&) = delete;
 
-  /// Advertises the picture's topic with camera_info beside it and, unless its name is empty, that of the depths. Ends
-  /// earlier ones. Throws ros::Exception if a name is invalid.
+  /// Advertises the picture's topic with camera_info beside it and, unless its name is empty, the depth topic. Ends
+  /// earlier topics. Throws ros::Exception if a name is invalid.
   void advertise(const ros::NodeHandle& handle, const std::string& topic, const std::string& depth_topic);
 
-  /// Ends the topics, and drops what is on its way.
+  /// Ends the topics, and drops unpublished pictures.
   void shutdown();
 
-  /// Drops what is on its way: nothing that was drawn before is published any more.
+  /// Drops all pictures that were drawn before.
   void drop();
 
   bool isAdvertised() const;
 
-  /// Resolved; empty if nothing is advertised.
+  /// Resolved topic; empty if nothing is advertised.
   std::string topic() const;
   std::string infoTopic() const;
 
-  /// Whether somebody subscribes to pictures, depths or CameraInfo.
+  /// True if pictures, depths or CameraInfo have subscribers.
   bool isWatched() const;
 
-  /// Whether somebody subscribes to depths.
+  /// True if depths have subscribers.
   bool areDepthsWatched() const;
 
-  /// A frame to fill, with the memory of one that was published.
+  /// A frame to fill, reusing a published one's memory.
   std::unique_ptr<Frame> takeFree();
 
-  /// Publishes it as soon as the one before is published.
+  /// Publishes a frame after the one before.
   void publish(std::unique_ptr<Frame> frame);
 
-  /// Rate and times of the last pictures in one line, and why the last one could not be converted, if that is so.
+  /// Rate and durations of the last pictures in one line.
   std::string statistics() const;
+
+  /// Error of the last picture, or empty.
   std::string error() const;
 
 private:
@@ -85,18 +87,18 @@ private:
   std::string publishPicture(const Frame& frame, const std_msgs::Header& header);
   std::string publishDepths(const Frame& frame, const std_msgs::Header& header);
 
-  /// Of the calling thread alone.
+  /// Used by the calling thread alone.
   image_transport::CameraPublisher picture_;
   image_transport::Publisher depths_;
 
-  /// Of the publishing thread alone.
+  /// Used by the publishing thread alone.
   CoreCamera converter_;
   sensor_msgs::CameraInfo::ConstPtr converted_info_;
   CameraModel converted_model_;
   RcsView view_{};
   std::string info_error_;
 
-  /// Held while publishing: topics do not end meanwhile.
+  /// Locked while publishing, so that topics do not end.
   std::mutex publishing_;
   image_transport::CameraPublisher publishing_picture_;
   image_transport::Publisher publishing_depths_;

@@ -16,17 +16,17 @@
 
 namespace rviz_camera_stream
 {
-// Not in the namespace without a name, because a class with outside linkage keeps them.
+// Not in the anonymous namespace, because a class with external linkage has a member of this type.
 namespace opengl
 {
-/// A function of OpenGL by its name, null if the driver lacks it.
+/// Loads a function of OpenGL; null if the driver lacks it.
 template <typename Function>
-void look(Function& function, const char* name)
+void load(Function& function, const char* name)
 {
   function = reinterpret_cast<Function>(glXGetProcAddressARB(reinterpret_cast<const GLubyte*>(name)));
 }
 
-/// What is needed beyond OpenGL 1.1.
+/// Functions beyond OpenGL 1.1.
 struct Functions
 {
   PFNGLGENBUFFERSPROC gen_buffers = nullptr;
@@ -42,15 +42,15 @@ struct Functions
 
   Functions()
   {
-    look(gen_buffers, "glGenBuffers");
-    look(delete_buffers, "glDeleteBuffers");
-    look(bind_buffer, "glBindBuffer");
-    look(buffer_data, "glBufferData");
-    look(map_buffer, "glMapBuffer");
-    look(unmap_buffer, "glUnmapBuffer");
-    look(fence_sync, "glFenceSync");
-    look(client_wait_sync, "glClientWaitSync");
-    look(delete_sync, "glDeleteSync");
+    load(gen_buffers, "glGenBuffers");
+    load(delete_buffers, "glDeleteBuffers");
+    load(bind_buffer, "glBindBuffer");
+    load(buffer_data, "glBufferData");
+    load(map_buffer, "glMapBuffer");
+    load(unmap_buffer, "glUnmapBuffer");
+    load(fence_sync, "glFenceSync");
+    load(client_wait_sync, "glClientWaitSync");
+    load(delete_sync, "glDeleteSync");
     complete = gen_buffers && delete_buffers && bind_buffer && buffer_data && map_buffer && unmap_buffer && fence_sync &&
                client_wait_sync && delete_sync;
   }
@@ -60,7 +60,7 @@ struct Functions
 
 namespace
 {
-/// GLX hands out an address for any name, so the version decides: buffers and fences are in OpenGL 3.2 or an extension.
+/// GLX returns an address for any name, so this checks for OpenGL 3.2 or the extension.
 bool hasBuffersAndFences()
 {
   const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
@@ -71,8 +71,8 @@ bool hasBuffersAndFences()
   return number >= 2.1 && extensions && std::strstr(extensions, "GL_ARB_sync");
 }
 
-/// The frame buffer that is bound is the texture's: Ogre draws into textures through frame buffers, unless the driver has
-/// none or this is not its OpenGL.
+/// True if the texture's frame buffer is bound: with OpenGL, Ogre draws into textures through frame buffers, unless the
+/// driver has none.
 bool isReadable()
 {
   const Ogre::String& name = Ogre::Root::getSingleton().getRenderSystem()->getName();
@@ -83,7 +83,7 @@ bool isReadable()
   return bound != 0;
 }
 
-/// Clears errors of what was done before. There is one for each kind, but a lost context may report its own for ever.
+/// Clears earlier errors. There is one of each kind, but a lost context may report errors for ever.
 void forgetErrors()
 {
   const int most = 16;
@@ -92,8 +92,7 @@ void forgetErrors()
   }
 }
 
-/// Reads colours from the bound frame buffer's texture, and restores what was read from before: Ogre 1.9 leaves its frame
-/// buffers without anything to read colours from.
+/// Selects the bound frame buffer's texture for reading colours, and restores the selection: Ogre 1.9 selects none.
 class ReadingColours
 {
 public:
@@ -113,7 +112,7 @@ private:
   GLint before_ = GL_NONE;
 };
 
-/// Sets how pixels are stored in memory to "without gaps", and restores it.
+/// Sets pixel packing without gaps, and restores it.
 class TightPacking
 {
 public:
@@ -141,7 +140,7 @@ private:
 const GLenum TightPacking::NAMES[] = { GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS };
 }  // namespace
 
-/// A buffer for colours, one for depths, and the fence behind the copies.
+/// A buffer for colours, one for depths, and the fence after the copies.
 struct PixelReader::Buffers
 {
   opengl::Functions gl;
@@ -188,7 +187,7 @@ struct PixelReader::Buffers
     const void* mapped = gl.map_buffer(GL_PIXEL_PACK_BUFFER, GL_READ_ONLY);
     if (mapped)
       std::memcpy(to, mapped, size);
-    // False if what was mapped was lost meanwhile.
+    // Unmapping fails if the buffer was lost.
     return mapped && gl.unmap_buffer(GL_PIXEL_PACK_BUFFER);
   }
 };
@@ -201,7 +200,7 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
   abandon();
   layout_.width = drawn.getWidth();
   layout_.height = drawn.getHeight();
-  // Ogre draws into a texture upside down, so that what OpenGL calls the lowest row is the picture's first.
+  // Ogre draws into a texture upside down, so OpenGL's lowest row is the picture's first.
   layout_.bottom_up = !drawn.requiresTextureFlipping();
   with_depths_ = with_depths;
 
@@ -240,7 +239,7 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
   pending_ = true;
 }
 
-/// This driver cannot; from now on pixels are copied directly.
+/// Disables buffers, because the driver failed: pixels are then copied directly.
 void PixelReader::giveUpBuffers()
 {
   abandon();
@@ -290,7 +289,7 @@ bool PixelReader::ready() const
   if (!pending_ || copied_)
     return pending_;
   const GLenum state = buffers_->gl.client_wait_sync(buffers_->fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0);
-  // A failure shows when it is fetched.
+  // On failure, fetching fails.
   return state != GL_TIMEOUT_EXPIRED;
 }
 

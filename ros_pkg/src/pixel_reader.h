@@ -13,20 +13,20 @@ class RenderTexture;
 
 namespace rviz_camera_stream
 {
-/// Pixels as OpenGL has them, four bytes each: blue, green, red, alpha; and depths, where they were asked for.
+/// Pixels of four bytes, blue, green, red, alpha, and depths if requested.
 struct ReadPixels
 {
   uint32_t width = 0;
   uint32_t height = 0;
-  /// The first row is the picture's last one.
+  /// True if the first row is the picture's last one.
   bool bottom_up = false;
   std::vector<uint8_t> bgra;
-  /// One for each pixel, 0 at the near clip distance to 1 at the far one; empty if they were not asked for.
+  /// Depth of each pixel, 0 at the near clip distance to 1 at the far one; empty if not requested.
   std::vector<float> depths;
 };
 
-/// Copies what was drawn into pixel buffers of OpenGL: `begin` returns at once, and the pixels are fetched when the
-/// graphics card is done with them. Where the driver has no such buffers or has failed with them once, or the environment
+/// Copies the drawn picture into pixel buffers of OpenGL: `begin` returns at once, and the pixels are fetched when the
+/// graphics card has copied them. If the driver has no such buffers or has failed with them, or the environment
 /// variable RVIZ_CAMERA_STREAM_READBACK is `direct`, `begin` waits and copies.
 ///
 /// Used on the thread that draws. All of Ogre's contexts share their buffers, so any of them may be current.
@@ -38,21 +38,21 @@ public:
   PixelReader(const PixelReader&) = delete;
   PixelReader& operator=(const PixelReader&) = delete;
 
-  /// Begins to read what was just drawn into the texture, whose frame buffer is still bound. Abandons what was being
-  /// read. Throws Ogre::Exception if the pixels cannot be copied at all, std::bad_alloc if they do not fit memory.
+  /// Begins to read the texture that was just drawn and whose frame buffer is still bound. Abandons an earlier read.
+  /// Throws Ogre::Exception if the pixels cannot be copied, std::bad_alloc if they do not fit memory.
   void begin(Ogre::RenderTexture& drawn, bool with_depths);
 
-  /// Whether something is being read.
+  /// True during a read.
   bool pending() const;
 
-  /// Whether it can be fetched without waiting.
+  /// True if the pixels can be fetched without waiting.
   bool ready() const;
 
-  /// Fetches what is being read, waiting for it where that is necessary. Returns false if nothing is being read or the
-  /// driver lost it. Throws std::bad_alloc if the pixels do not fit memory.
+  /// Fetches the pixels, waiting if necessary. Returns false without a read or if the driver lost them. Throws
+  /// std::bad_alloc if the pixels do not fit memory.
   bool fetch(ReadPixels& pixels);
 
-  /// Abandons what is being read.
+  /// Abandons the read.
   void abandon();
 
 private:
@@ -64,9 +64,9 @@ private:
   ReadPixels layout_;
   bool with_depths_ = false;
   bool pending_ = false;
-  /// Whether the driver has failed with pixel buffers, which are then not tried again.
+  /// True after the driver has failed with pixel buffers.
   bool buffers_failed_ = false;
-  /// Copied already, without buffers.
+  /// True if the pixels were copied without buffers.
   bool copied_ = false;
 };
 }  // namespace rviz_camera_stream

@@ -31,8 +31,8 @@ SceneCamera::SceneCamera(Ogre::SceneManager& scene, uint32_t visibility_mask)
   prepareTexts();
 }
 
-/// Draws a triangle that nobody sees. rviz's texts leave the last row of their matrix as the object drawn before left it;
-/// where there was none, they would be missing or distorted, in rviz's window as well.
+/// Draws a triangle into a temporary texture. rviz's texts inherit the last row of their matrix from the object drawn
+/// before; without one they would be missing or distorted, also in rviz's window.
 void SceneCamera::prepareTexts()
 {
   Ogre::ManualObject* triangle = scene_.createManualObject(name_ + "/triangle");
@@ -101,7 +101,7 @@ void SceneCamera::setView(const Ogre::Vector3& position, const Ogre::Quaternion&
   }
   // Ogre looks along -z with y up.
   const Ogre::Quaternion turned = orientation * Ogre::Quaternion(Ogre::Degree(180), Ogre::Vector3::UNIT_X);
-  // One axis after the other, because 32-bit numbers depend on it, and so do pixels at the edges of lines.
+  // One axis after the other: the order decides rounding, and so pixels at the edges of lines.
   Ogre::Vector3 eye = position + turned * Ogre::Vector3::UNIT_X * static_cast<Ogre::Real>(view.optical_from_eye[0]);
   eye += turned * Ogre::Vector3::UNIT_Y * static_cast<Ogre::Real>(-view.optical_from_eye[1]);
   eye -= turned * Ogre::Vector3::UNIT_Z * static_cast<Ogre::Real>(view.optical_from_eye[2]);

@@ -21,31 +21,31 @@ class SceneNode;
 
 namespace rviz_camera_stream
 {
-/// Draws what a CameraInfo's camera sees. The texture is created with the first picture and again when the size changes;
-/// there is never more than one. Used on the thread that draws.
+/// Draws the scene from a CameraInfo's camera. The texture is created with the first picture and again when the size
+/// changes. Used on the thread that draws.
 class SceneCamera
 {
 public:
-  /// `visibility_mask`: the bit of what is drawn.
+  /// `visibility_mask`: the bit of drawn objects.
   SceneCamera(Ogre::SceneManager& scene, uint32_t visibility_mask);
   ~SceneCamera();
   SceneCamera(const SceneCamera&) = delete;
   SceneCamera& operator=(const SceneCamera&) = delete;
 
-  /// Places the camera. `position` and `orientation` are those of the optical frame (x right, y down, z forward) in the
-  /// fixed frame. Throws Ogre::Exception if there can be no texture of the view's size.
+  /// Places the camera at `position` and `orientation` of the optical frame (x right, y down, z forward) in the fixed
+  /// frame. Throws Ogre::Exception if a texture of the view's size cannot be created.
   void setView(const Ogre::Vector3& position, const Ogre::Quaternion& orientation, const RcsView& view);
 
-  /// Draws one picture, on this background. Call setView before.
+  /// Draws one picture on a background. Call setView before.
   void draw(const Ogre::ColourValue& background);
 
-  /// What was drawn into; null before the first setView.
+  /// The drawn texture; null before the first setView.
   Ogre::RenderTexture* target() const
   {
     return target_;
   }
 
-  /// Gives the texture back.
+  /// Releases the texture.
   void releaseTexture();
 
 private:

@@ -8,7 +8,7 @@
 
 namespace rviz_camera_stream
 {
-/// One service of this process, with the displays that it triggers. A display that is gone leaves an expired entry.
+/// A service of this process, with the displays that it triggers. A destroyed display leaves an expired entry.
 class TriggerService::Shared
 {
 public:
@@ -19,7 +19,7 @@ public:
       throw ros::Exception("another service of this process has the name " + handle.resolveName("camera_trigger"));
   }
 
-  /// The service of this name, which is started if there is none yet.
+  /// The service of the handle's namespace, which is started if necessary.
   static std::shared_ptr<Shared> of(ros::NodeHandle& handle)
   {
     static std::map<std::string, std::weak_ptr<Shared>> services;
@@ -38,7 +38,7 @@ public:
     triggers_.push_back(trigger);
   }
 
-  /// Those that are still there.
+  /// The triggers of existing displays.
   std::vector<std::shared_ptr<Trigger>> triggers()
   {
     std::vector<std::shared_ptr<Trigger>> present;
@@ -74,7 +74,7 @@ private:
 
 void TriggerService::join(ros::NodeHandle& handle, const Trigger& trigger)
 {
-  // The new one first: where both are of one name, the service goes on without a gap.
+  // Before leaving the old service: if both have one name, there is no gap.
   const std::shared_ptr<Shared> shared = Shared::of(handle);
   trigger_ = std::make_shared<Trigger>(trigger);
   shared->add(trigger_);
@@ -85,10 +85,5 @@ void TriggerService::leave()
 {
   trigger_.reset();
   shared_.reset();
-}
-
-size_t TriggerService::others() const
-{
-  return shared_ ? shared_->triggers().size() - 1 : 0;
 }
 }  // namespace rviz_camera_stream

@@ -1,4 +1,4 @@
-// The service that asks CameraPub displays for one picture.
+// The service that triggers CameraPub displays.
 #ifndef RVIZ_CAMERA_STREAM_TRIGGER_SERVICE_H
 #define RVIZ_CAMERA_STREAM_TRIGGER_SERVICE_H
 
@@ -10,24 +10,21 @@
 
 namespace rviz_camera_stream
 {
-/// A display's place at the service `camera_trigger` of its namespace (std_srvs/Trigger). Displays of one namespace share
-/// the service: a call triggers all of them, and it stays until the last of them leaves. Used on the thread that spins
-/// ROS's global queue, as rviz's main loop does.
+/// A display's membership of the service `camera_trigger` in its namespace (std_srvs/Trigger). Displays of one
+/// namespace share the service: a call triggers all of them, and it ends with the last one. Used on the thread that
+/// spins ROS's global queue, which is rviz's main loop.
 class TriggerService
 {
 public:
-  /// Is asked for a picture. Sets the answer's message, returns whether a picture will come.
+  /// Requests a picture. Sets the answer's message, returns true if a picture follows.
   using Trigger = std::function<bool(std::string& message)>;
 
-  /// Joins the service of the handle's namespace, which begins with the first display. Throws ros::Exception where the
-  /// service's name is invalid or another service of this process has it.
+  /// Joins the service of the handle's namespace, which is started by the first display. Throws ros::Exception if the
+  /// service's name is invalid or used by another service of this process.
   void join(ros::NodeHandle& handle, const Trigger& trigger);
 
   /// Leaves the service, which ends with the last display.
   void leave();
-
-  /// The other displays that share the service.
-  size_t others() const;
 
 private:
   class Shared;

@@ -1,22 +1,22 @@
-/* The Rust core's C interface: what rviz's CameraPub plugin takes from it.
+/* The Rust core's C interface for rviz's CameraPub plugin.
  *
  * Generated from rust_core/capi by cbindgen. To write it again:
  * RCS_WRITE_HEADER=1 cargo test --release -p rcs_capi --test header
  *
- * Handles. An RcsCamera is used by one thread at a time; different ones by different threads at once. All other
+ * Handles. An RcsCamera is used by one thread at a time; different cameras by different threads at once. All other
  * functions may be called by any thread at any time.
  *
- * Pointers. The caller owns all memory but the handles, and nothing is kept after a call. Each pointer may be NULL:
- * where it is needed, the call fails with RCS_RESULT_NULL_POINTER (or returns 0, false or nothing where it has no
- * result) and writes nothing. Static texts are never freed. Numbers are those of the machine's byte order.
+ * Pointers. The caller owns all memory except handles, and it is not used after a call. Each pointer may be NULL: if
+ * it is required, the call fails with RCS_RESULT_NULL_POINTER (or returns 0, false or nothing if it has no result
+ * code) and writes nothing. Static texts are never freed. Numbers have the machine's byte order.
  *
- * Errors. A call that returns an RcsResult says by it whether it succeeded. rcs_last_error has the reason why the
- * last call on the same thread that failed did so, those without a result included. No call ends the process or
- * throws, but for a lack of memory, which ends the process.
+ * Errors. A call fails if it returns an RcsResult other than RCS_RESULT_OK. rcs_last_error has the error of the last
+ * failed call on the same thread, also of calls without a result code. No call ends the process or throws, except that
+ * a lack of memory ends the process.
  *
- * Linking. The library is librcs_capi.a; beside it: -lgcc_s -lutil -lrt -lpthread -lm -ldl -lc. A shared library
- * that links it should keep its symbols to itself and leave out what it does not call, which makes it 1 MB larger
- * instead of 6: -Wl,--exclude-libs,librcs_capi.a -Wl,--gc-sections.
+ * Linking. The library is librcs_capi.a, with -lgcc_s -lutil -lrt -lpthread -lm -ldl -lc. A shared library that links
+ * it should hide its symbols and drop unused code, which makes it 1 MB larger instead of 6:
+ * -Wl,--exclude-libs,librcs_capi.a -Wl,--gc-sections.
  */
 
 #ifndef RVIZ_CAMERA_STREAM_CORE_H
@@ -27,32 +27,32 @@
 #include <stdint.h>
 
 /**
- * What a call came to. After anything but `RCS_RESULT_OK`, `rcs_last_error` has the reason in words, and nothing was
- * written through the call's pointers.
+ * Result code of a call. After every code except `RCS_RESULT_OK`, `rcs_last_error` has the reason as text, and nothing
+ * was written through the call's pointers.
  */
 typedef enum RcsResult {
   /**
-   * Done.
+   * Success.
    */
   RCS_RESULT_OK = 0,
   /**
-   * A pointer that is needed is NULL.
+   * A required pointer is NULL.
    */
   RCS_RESULT_NULL_POINTER,
   /**
-   * A length is not what the sizes need, or more than a memory holds.
+   * A length does not match the sizes, or is larger than memory.
    */
   RCS_RESULT_BAD_LENGTH,
   /**
-   * A number is none of those that it may be, a pointer is not aligned, or two buffers overlap.
+   * A number is out of range, a pointer is not aligned, or two buffers overlap.
    */
   RCS_RESULT_BAD_VALUE,
   /**
-   * A field of the CameraInfo makes drawing impossible.
+   * A field of the CameraInfo is invalid.
    */
   RCS_RESULT_BAD_CAMERA_INFO,
   /**
-   * There is no valid CameraInfo: none was set, the last one was refused, or it was cleared.
+   * There is no valid CameraInfo: none was set, the last one was invalid, or it was cleared.
    */
   RCS_RESULT_NO_CAMERA_INFO,
   /**
@@ -60,7 +60,7 @@ typedef enum RcsResult {
    */
   RCS_RESULT_BAD_CONFIG,
   /**
-   * A fault of this library. The handle may be used further; please report it.
+   * A bug of this library; please report it. The handle can still be used.
    */
   RCS_RESULT_PANIC,
 } RcsResult;
@@ -97,21 +97,21 @@ typedef enum RcsEncoding {
 } RcsEncoding;
 
 /**
- * How P becomes a projection.
+ * Rule for the projection of P.
  */
 typedef enum RcsProjection {
   /**
-   * As rviz's CameraPub draws: one focal length for both axes, P[7] upwards.
+   * As in rviz's CameraPub: one focal length for both axes, P[7] upwards.
    */
   RCS_PROJECTION_RVIZ = 0,
   /**
-   * As P says, to the pixel.
+   * Exactly P, to the pixel.
    */
   RCS_PROJECTION_EXACT,
 } RcsProjection;
 
 /**
- * In which order the four bytes of a pixel stand in memory. The fourth is not looked at.
+ * Order of the four bytes of a pixel in memory. The fourth is ignored.
  */
 typedef enum RcsPixelOrder {
   /**
@@ -125,14 +125,14 @@ typedef enum RcsPixelOrder {
 } RcsPixelOrder;
 
 /**
- * One for each CameraPub display. It holds no thread and no file, and is used by one thread at a time; different
- * ones by different threads at once.
+ * The camera of a CameraPub display. It holds no thread and no file, and is used by one thread at a time; different
+ * cameras by different threads at once.
  */
 typedef struct RcsCamera RcsCamera;
 
 /**
- * The fields of a `sensor_msgs/CameraInfo` that say how a camera projects. The caller owns what is pointed to;
- * nothing of it is kept after the call.
+ * The fields of a `sensor_msgs/CameraInfo` that define the projection. The caller owns the memory behind its pointers,
+ * which is not used after the call.
  */
 typedef struct RcsCameraInfo {
   /**
@@ -152,7 +152,7 @@ typedef struct RcsCameraInfo {
    */
   const double *d;
   /**
-   * How many coefficients there are, 1024 at most.
+   * Number of coefficients, 1024 at most.
    */
   size_t d_length;
   /**
@@ -168,8 +168,8 @@ typedef struct RcsCameraInfo {
    */
   double p[12];
   /**
-   * `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is
-   * the whole one, and so must be the CameraInfo that is published with it (these fields 0).
+   * `binning_x`. Binning and region of interest are not applied, as `rcs_camera_warning` reports: publish the whole
+   * picture's CameraInfo with it (these fields 0).
    */
   uint32_t binning_x;
   /**
@@ -195,25 +195,24 @@ typedef struct RcsCameraInfo {
 } RcsCameraInfo;
 
 /**
- * The view to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
- * has none of it: `rcs_camera_encode` and `rcs_camera_encode_depth` flip what was drawn.
+ * The view to draw for a CameraInfo. For a mirrored picture (negative focal lengths) the texture is drawn unmirrored:
+ * `rcs_camera_encode` and `rcs_camera_encode_depth` flip it.
  */
 typedef struct RcsView {
   /**
-   * Width of the texture to draw, pixels: that of the picture, or another where a lens is allowed for. At most
-   * 16384.
+   * Width of the texture to draw, pixels, at most 16384: the picture's, or another one for a lens.
    */
   uint32_t drawn_width;
   /**
-   * Its height, pixels.
+   * Height of the texture, pixels.
    */
   uint32_t drawn_height;
   /**
-   * Width of the picture that is published, pixels: that of the CameraInfo.
+   * Width of the published picture, pixels: the CameraInfo's.
    */
   uint32_t picture_width;
   /**
-   * Its height, pixels.
+   * Height of the published picture, pixels.
    */
   uint32_t picture_height;
   /**
@@ -226,18 +225,17 @@ typedef struct RcsView {
    */
   double optical_from_eye[3];
   /**
-   * Nearer than this nothing is drawn, metres along the optical axis: the near clip distance that was given, moved
-   * into what is possible.
+   * Near clip distance along the optical axis, metres, clamped to the possible range.
    */
   double near_m;
   /**
-   * Farther than this nothing is drawn, metres.
+   * Far clip distance, metres.
    */
   double far_m;
 } RcsView;
 
 /**
- * A drawn picture as it was read back, four bytes for each pixel. The caller owns it; nothing is kept after the call.
+ * A drawn picture as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
  */
 typedef struct RcsPixels {
   /**
@@ -245,7 +243,7 @@ typedef struct RcsPixels {
    */
   const uint8_t *data;
   /**
-   * How many bytes there are from `data` on; those after the last row's last pixel are not read.
+   * Bytes from `data` on; bytes after the last row's last pixel are not read.
    */
   size_t length;
   /**
@@ -257,7 +255,7 @@ typedef struct RcsPixels {
    */
   uint32_t height;
   /**
-   * Bytes from the beginning of a row to that of the next one in memory, at least four for each pixel.
+   * Bytes from the beginning of a row to the next one in memory, at least four for each pixel.
    */
   size_t row_bytes;
   /**
@@ -265,13 +263,13 @@ typedef struct RcsPixels {
    */
   enum RcsPixelOrder order;
   /**
-   * The first row in memory is the picture's lowest one, as OpenGL reads back.
+   * True if the first row in memory is the picture's lowest one, as OpenGL reads back.
    */
   bool bottom_up;
 } RcsPixels;
 
 /**
- * When the steps of one picture were done: nanoseconds of the clock that is used with `rcs_camera_due`.
+ * Times at which the steps of one picture ended: nanoseconds of the clock that is used with `rcs_camera_due`.
  */
 typedef struct RcsTimes {
   /**
@@ -279,18 +277,36 @@ typedef struct RcsTimes {
    */
   uint64_t begun_ns;
   /**
-   * It was drawn.
+   * Drawing ended.
    */
   uint64_t drawn_ns;
   /**
-   * Its pixels were read back.
+   * The pixels were read back.
    */
   uint64_t read_ns;
   /**
-   * It was converted and published.
+   * The picture was converted and published.
    */
   uint64_t published_ns;
 } RcsTimes;
+
+/**
+ * A buffer of the caller for a text, filled as in `rcs_last_error`.
+ */
+typedef struct RcsText {
+  /**
+   * The buffer; may be NULL if `length` is 0.
+   */
+  char *buffer;
+  /**
+   * Bytes of the buffer.
+   */
+  size_t length;
+  /**
+   * Set by the call: length of the whole text without its NUL.
+   */
+  size_t needed;
+} RcsText;
 
 #ifdef __cplusplus
 extern "C" {
@@ -302,31 +318,30 @@ extern "C" {
 const char *rcs_version(void);
 
 /**
- * Writes why the last call on this thread that failed did so: one line in UTF-8. `buffer` gets at most `length`
- * bytes, the NUL at the end included, cut where a character ends; it may be NULL where `length` is 0. Returns the
- * length of the whole text without its NUL, as `snprintf` does: 0 if no call has failed yet. Calls that succeed
- * leave the text alone.
+ * Writes the error of the last failed call on this thread: one line in UTF-8. `buffer` gets at most `length` bytes,
+ * including the NUL, cut at the end of a character; it may be NULL if `length` is 0. Returns the length of the whole
+ * text without its NUL, as `snprintf` does: 0 if no call has failed yet. Successful calls keep the text.
  */
 size_t rcs_last_error(char *buffer, size_t length);
 
 /**
- * Bytes of one pixel in an encoding; 0 for a number that is none.
+ * Bytes of one pixel in an encoding; 0 for an invalid encoding.
  */
 size_t rcs_encoding_bytes_per_pixel(enum RcsEncoding encoding);
 
 /**
- * The name of an encoding, such as `"rgb8"`; static, NULL for a number that is none.
+ * The name of an encoding, such as `"rgb8"`; static, NULL for an invalid encoding.
  */
 const char *rcs_encoding_name(enum RcsEncoding encoding);
 
 /**
- * Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for any other text than the six names.
+ * Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for an unknown name.
  */
 enum RcsResult rcs_encoding_from_name(const char *name, enum RcsEncoding *encoding);
 
 /**
- * A camera without a CameraInfo, for which a picture is due at each call. The caller gives it back to
- * `rcs_camera_free`. NULL only after a fault of this library.
+ * A camera without a CameraInfo, for which a picture is due at each call. The caller frees it with `rcs_camera_free`.
+ * NULL only after a bug of this library.
  */
 struct RcsCamera *rcs_camera_new(void);
 
@@ -336,17 +351,16 @@ struct RcsCamera *rcs_camera_new(void);
 void rcs_camera_free(struct RcsCamera *camera);
 
 /**
- * Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
+ * Sets the camera's CameraInfo: checks it as the node does, and writes the view to draw for it to `view`.
  * `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
- * K and D; the texture is larger then, and P is taken exactly whatever `projection` says. A lens that cannot be
- * allowed for is no error: the picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres,
- * moved into what is possible (1e-6 to 99.9).
+ * K and D; the texture is larger then, and P is followed exactly at any `projection`. A lens that cannot be corrected
+ * is no error: the picture is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
+ * clamped to 1e-6 to 99.9.
  *
  * A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
  *
- * `RCS_RESULT_BAD_CAMERA_INFO`: `rcs_last_error` names the field and what is wrong, such as "P[0] (a focal length)
- * is 0". After any failure but a camera that is NULL, the camera has no CameraInfo, as after
- * `rcs_camera_clear_info`.
+ * `RCS_RESULT_BAD_CAMERA_INFO`: `rcs_last_error` names the field and its fault, such as "P[0] (a focal length) is 0".
+ * After every failure except a NULL camera, the camera has no CameraInfo, as after `rcs_camera_clear_info`.
  */
 enum RcsResult rcs_camera_set_info(struct RcsCamera *camera,
                                    const struct RcsCameraInfo *info,
@@ -361,47 +375,46 @@ enum RcsResult rcs_camera_set_info(struct RcsCamera *camera,
 void rcs_camera_clear_info(struct RcsCamera *camera);
 
 /**
- * Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
- * P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
- * for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest
- * are not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
- * `rcs_last_error`.
+ * Writes the reasons why a projection of the picture misses its objects, as in the node's status Camera Info: with
+ * rviz's projection fx ≠ fy, P[7] ≠ 0, skews, a mirror and a third row of P; D ≠ 0 without lens correction, each with
+ * its size in pixels; why a lens could not be corrected; and binning and regions of interest, which are not applied.
+ * Empty without reasons or CameraInfo. Buffer and returned length are as in `rcs_last_error`.
  */
 size_t rcs_camera_warning(const struct RcsCamera *camera,
                           char *buffer,
                           size_t length);
 
 /**
- * Sets how often a picture is due, in pictures a second. Below 0: at each call of `rcs_camera_due`, which is made
- * once per frame of rviz's window. 0, or NaN: only when triggered. Above 0: in the long run exactly that often, or
- * at each call if there are fewer calls. NULL is allowed.
+ * Sets the rate of pictures, per second. Below 0: a picture is due at each call of `rcs_camera_due`, once per frame of
+ * rviz's window. 0, or NaN: only when triggered. Above 0: at that rate on average, or at each call if there are fewer
+ * calls. NULL is allowed.
  */
 void rcs_camera_set_frame_rate(struct RcsCamera *camera, float frame_rate_hz);
 
 /**
- * Makes one picture due at the next call of `rcs_camera_due`, whatever the frame rate and whether anybody watches,
- * and at those after it until `rcs_camera_begin`. NULL is allowed.
+ * Makes one picture due, at any frame rate and also without subscribers, from the next call of `rcs_camera_due` until
+ * `rcs_camera_begin`. NULL is allowed.
  */
 void rcs_camera_trigger(struct RcsCamera *camera);
 
 /**
- * Whether a picture is due now; to be called once per frame of the window, because how often it is called counts.
- * `watched`: somebody subscribes to the picture; if nobody does, only a triggered one is due. After a pause a
- * picture is due at once, and no burst follows. False for NULL.
+ * Returns true if a picture is due now. Call it exactly once per frame of the window. `watched`: the picture has
+ * subscribers; without, only a triggered one is due. After a pause a picture is due at once, and no burst follows.
+ * False for NULL.
  */
 bool rcs_camera_due(struct RcsCamera *camera, uint64_t now_ns, bool watched);
 
 /**
- * Says that a picture is being drawn: takes the trigger, and times the next picture. NULL is allowed.
+ * Records that a picture is being drawn: resets the trigger, and schedules the next picture. NULL is allowed.
  */
 void rcs_camera_begin(struct RcsCamera *camera, uint64_t now_ns);
 
 /**
- * Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. Where the
- * view has a lens, the picture is bent by it, and what the lens does not show has the background's colour. Where the
- * CameraInfo describes a mirrored picture, it is flipped.
+ * Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
+ * lens the picture is bent, and pixels outside of the drawn picture have the background's colour. A mirrored picture
+ * is flipped.
  *
- * `pixels` has the size that the view says is drawn; `out_length` is exactly the picture's width · height ·
+ * `pixels` has the view's drawn size; `out_length` is exactly the picture's width · height ·
  * `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
  * overlap `pixels` (`RCS_RESULT_BAD_VALUE`). `RCS_RESULT_NO_CAMERA_INFO` without a CameraInfo.
  */
@@ -413,9 +426,9 @@ enum RcsResult rcs_camera_encode(struct RcsCamera *camera,
                                  size_t out_length);
 
 /**
- * Writes what a depth buffer holds as metres along the optical axis, as a `32FC1` image: rows from the top; NaN
- * where nothing was drawn, as on the node's depth topic. Where the view has a lens, each pixel has the depth of the
- * one that is nearest to where the lens sends it. It is flipped as the picture is.
+ * Writes a depth buffer as metres along the optical axis, as a `32FC1` image: rows from the top; NaN where nothing was
+ * drawn, as on the node's depth topic. With a lens each pixel has the depth of the nearest drawn pixel. A mirrored
+ * picture is flipped.
  *
  * `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
  * with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are
@@ -434,34 +447,26 @@ enum RcsResult rcs_camera_encode_depth(struct RcsCamera *camera,
 enum RcsResult rcs_camera_record(struct RcsCamera *camera, const struct RcsTimes *times);
 
 /**
- * Writes one line about the last hundred recorded pictures: how many a second, and of each step and of all together
- * the median and the 95th percentile in milliseconds. Empty before the first one. Buffer and returned length are as
- * those of `rcs_last_error`.
+ * Writes one line about the last hundred recorded pictures: their rate, and the median and the 95th percentile of each
+ * step and of the whole in milliseconds. Empty before the first one. Buffer and returned length are as in
+ * `rcs_last_error`.
  */
 size_t rcs_camera_statistics(const struct RcsCamera *camera, uint64_t now_ns, char *buffer, size_t length);
 
 /**
- * Says what the node could not draw of a config, and how to start it.
+ * Reports what the node cannot draw of a config, and the command that starts the node.
  *
- * `yaml`, `yaml_length`: the text of a `.rviz` file in UTF-8 (64 MiB at most, else `RCS_RESULT_BAD_LENGTH`), which
- * need not end with a NUL. `path`: where the file is or will be; ends with a NUL. `report`: one line for each
- * display or setting that the node does not draw as rviz does, in the words of `camera_stream check`, separated by
- * newlines; empty if it draws all. `launch_line`: the roslaunch command that draws the config without rviz. Buffers
- * are filled as that of `rcs_last_error`, and the whole texts' lengths without NUL are written to `report_needed`
- * and `launch_line_needed`; `displays_not_drawn` gets the number of enabled displays that the node cannot draw. Each
- * of these pointers may be NULL (a buffer with the length 0). `RCS_RESULT_BAD_CONFIG` if the text is no `.rviz`
- * file.
+ * `yaml`, `yaml_length`: the text of a `.rviz` file in UTF-8 (64 MiB at most, else `RCS_RESULT_BAD_LENGTH`), without a
+ * NUL. `path`: the file's path; ends with a NUL. `report`: one line for each display or setting that the node does not
+ * draw as rviz does, in the words of `camera_stream check`, separated by newlines; empty if it draws all.
+ * `launch_line`: the roslaunch command that draws the config without rviz. `RCS_RESULT_BAD_CONFIG` if the text is no
+ * `.rviz` file.
  */
 enum RcsResult rcs_config_report(const char *yaml,
                                  size_t yaml_length,
                                  const char *path,
-                                 char *report,
-                                 size_t report_length,
-                                 size_t *report_needed,
-                                 char *launch_line,
-                                 size_t launch_line_length,
-                                 size_t *launch_line_needed,
-                                 uint32_t *displays_not_drawn);
+                                 struct RcsText *report,
+                                 struct RcsText *launch_line);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -1,4 +1,4 @@
-//! One camera: its CameraInfo, and what the node would do with it.
+//! One camera: its CameraInfo and view.
 
 use std::ffi::c_char;
 use std::sync::Arc;
@@ -14,15 +14,15 @@ use crate::text::write_text;
 use crate::view::{view, with_fields, RcsCameraInfo, RcsView};
 use crate::{guard, pointers};
 
-/// What the plugin's settings that mend a deviation are called.
+/// Names of the plugin's settings that correct a deviation.
 const ADVICE: Advice =
     Advice { exact: "the property Projection: exact follows P", undistort: "the property Undistort allows for it" };
 
-/// What the lenses call this camera's CameraInfo; there is only one.
+/// The lenses' key for this camera's CameraInfo, the only one.
 const TOPIC: &str = "";
 
-/// One for each CameraPub display. It holds no thread and no file, and is used by one thread at a time; different
-/// ones by different threads at once.
+/// The camera of a CameraPub display. It holds no thread and no file, and is used by one thread at a time; different
+/// cameras by different threads at once.
 #[derive(Debug, Default)]
 pub struct RcsCamera {
     lenses: Lenses,
@@ -31,13 +31,13 @@ pub struct RcsCamera {
     pub(crate) pacing: CallPacing,
     pub(crate) steps: StepTimes<3>,
     pub(crate) rate: PictureRate,
-    /// What was drawn, for the lens; kept for the next picture.
+    /// Scratch buffer for the picture before the lens.
     pub(crate) before_lens: Picture,
-    /// The same for depths.
+    /// Scratch buffer for depths before the lens.
     pub(crate) depth_before_lens: DepthPicture,
 }
 
-/// What is drawn for the CameraInfo that was set.
+/// The view of the CameraInfo that was set.
 #[derive(Debug)]
 pub(crate) struct Current {
     pub(crate) view: RcsView,
@@ -51,8 +51,8 @@ impl RcsCamera {
     }
 }
 
-/// A camera without a CameraInfo, for which a picture is due at each call. The caller gives it back to
-/// `rcs_camera_free`. NULL only after a fault of this library.
+/// A camera without a CameraInfo, for which a picture is due at each call. The caller frees it with `rcs_camera_free`.
+/// NULL only after a bug of this library.
 #[no_mangle]
 pub extern "C" fn rcs_camera_new() -> *mut RcsCamera {
     guard::value(std::ptr::null_mut(), || Ok(Box::into_raw(Box::default())))
@@ -73,17 +73,16 @@ pub unsafe extern "C" fn rcs_camera_free(camera: *mut RcsCamera) {
     });
 }
 
-/// Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
+/// Sets the camera's CameraInfo: checks it as the node does, and writes the view to draw for it to `view`.
 /// `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
-/// K and D; the texture is larger then, and P is taken exactly whatever `projection` says. A lens that cannot be
-/// allowed for is no error: the picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres,
-/// moved into what is possible (1e-6 to 99.9).
+/// K and D; the texture is larger then, and P is followed exactly at any `projection`. A lens that cannot be corrected
+/// is no error: the picture is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
+/// clamped to 1e-6 to 99.9.
 ///
 /// A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
 ///
-/// `RCS_RESULT_BAD_CAMERA_INFO`: `rcs_last_error` names the field and what is wrong, such as "P[0] (a focal length)
-/// is 0". After any failure but a camera that is NULL, the camera has no CameraInfo, as after
-/// `rcs_camera_clear_info`.
+/// `RCS_RESULT_BAD_CAMERA_INFO`: `rcs_last_error` names the field and its fault, such as "P[0] (a focal length) is 0".
+/// After every failure except a NULL camera, the camera has no CameraInfo, as after `rcs_camera_clear_info`.
 ///
 /// # Safety
 /// `camera` is not freed; `info` and what it points to are as `RcsCameraInfo` says; `view` points to an `RcsView`.
@@ -128,11 +127,10 @@ pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
     });
 }
 
-/// Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
-/// P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
-/// for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest
-/// are not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
-/// `rcs_last_error`.
+/// Writes the reasons why a projection of the picture misses its objects, as in the node's status Camera Info: with
+/// rviz's projection fx ≠ fy, P[7] ≠ 0, skews, a mirror and a third row of P; D ≠ 0 without lens correction, each with
+/// its size in pixels; why a lens could not be corrected; and binning and regions of interest, which are not applied.
+/// Empty without reasons or CameraInfo. Buffer and returned length are as in `rcs_last_error`.
 ///
 /// # Safety
 /// `camera` is not freed; `buffer` has room for `length` bytes.
@@ -158,7 +156,7 @@ impl RcsCamera {
         // SAFETY: as the caller promises.
         let (optics, warning) = unsafe {
             with_fields(info, |fields| {
-                // Only lenses and mirrors are work that is shared, and rviz needs no threads for what is none.
+                // Only lenses and mirrors are computed by several threads.
                 let is_mirrored = fields.p[0] < 0.0 || fields.p[5] < 0.0;
                 if is_mirrored || (model.undistort && is_distorted(fields)) {
                     rcs_scene::name_threads();

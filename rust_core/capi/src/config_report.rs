@@ -1,4 +1,4 @@
-//! What the node would draw of a config: for the plugin's Headless Twin.
+//! The node's report on a config, for the plugin's Headless Twin.
 
 use std::ffi::c_char;
 
@@ -8,39 +8,60 @@ use crate::fault::{Fault, RcsResult};
 use crate::text::write_text;
 use crate::{guard, pointers};
 
-/// More bytes than any config has.
-const MOST_BYTES: usize = 64 << 20;
+/// Largest config, in bytes.
+const MAX_BYTES: usize = 64 << 20;
 
-/// Says what the node could not draw of a config, and how to start it.
+/// A buffer of the caller for a text, filled as in `rcs_last_error`.
+#[repr(C)]
+#[derive(Debug)]
+pub struct RcsText {
+    /// The buffer; may be NULL if `length` is 0.
+    pub buffer: *mut c_char,
+    /// Bytes of the buffer.
+    pub length: usize,
+    /// Set by the call: length of the whole text without its NUL.
+    pub needed: usize,
+}
+
+impl RcsText {
+    fn check(&self, name: &str) -> Result<(), Fault> {
+        if self.buffer.is_null() && self.length > 0 {
+            return Err(Fault::null(name));
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// The buffer has `length` bytes.
+    unsafe fn write(&mut self, text: &str) -> Result<(), Fault> {
+        // SAFETY: as the caller promises.
+        self.needed = unsafe { write_text(text, self.buffer, self.length) }?;
+        Ok(())
+    }
+}
+
+/// Reports what the node cannot draw of a config, and the command that starts the node.
 ///
-/// `yaml`, `yaml_length`: the text of a `.rviz` file in UTF-8 (64 MiB at most, else `RCS_RESULT_BAD_LENGTH`), which
-/// need not end with a NUL. `path`: where the file is or will be; ends with a NUL. `report`: one line for each
-/// display or setting that the node does not draw as rviz does, in the words of `camera_stream check`, separated by
-/// newlines; empty if it draws all. `launch_line`: the roslaunch command that draws the config without rviz. Buffers
-/// are filled as that of `rcs_last_error`, and the whole texts' lengths without NUL are written to `report_needed`
-/// and `launch_line_needed`; `displays_not_drawn` gets the number of enabled displays that the node cannot draw. Each
-/// of these pointers may be NULL (a buffer with the length 0). `RCS_RESULT_BAD_CONFIG` if the text is no `.rviz`
-/// file.
+/// `yaml`, `yaml_length`: the text of a `.rviz` file in UTF-8 (64 MiB at most, else `RCS_RESULT_BAD_LENGTH`), without a
+/// NUL. `path`: the file's path; ends with a NUL. `report`: one line for each display or setting that the node does not
+/// draw as rviz does, in the words of `camera_stream check`, separated by newlines; empty if it draws all.
+/// `launch_line`: the roslaunch command that draws the config without rviz. `RCS_RESULT_BAD_CONFIG` if the text is no
+/// `.rviz` file.
 ///
 /// # Safety
-/// There are as many bytes behind `yaml` and room for as many behind the buffers as their lengths say; `path` ends
-/// with a NUL.
+/// `yaml` has `yaml_length` bytes, `path` ends with a NUL, and `report` and `launch_line` are different, with buffers
+/// as long as they say.
 #[no_mangle]
 pub unsafe extern "C" fn rcs_config_report(
     yaml: *const c_char,
     yaml_length: usize,
     path: *const c_char,
-    report: *mut c_char,
-    report_length: usize,
-    report_needed: *mut usize,
-    launch_line: *mut c_char,
-    launch_line_length: usize,
-    launch_line_needed: *mut usize,
-    displays_not_drawn: *mut u32,
+    report: *mut RcsText,
+    launch_line: *mut RcsText,
 ) -> RcsResult {
     guard::result(|| {
-        if yaml_length > MOST_BYTES {
-            let text = format!("yaml_length is {yaml_length}, more than {MOST_BYTES}");
+        if yaml_length > MAX_BYTES {
+            let text = format!("yaml_length is {yaml_length}, more than {MAX_BYTES}");
             return Err(Fault::new(RcsResult::BadLength, text));
         }
         if yaml.is_null() {
@@ -50,36 +71,16 @@ pub unsafe extern "C" fn rcs_config_report(
         let yaml = unsafe { pointers::slice(yaml.cast::<u8>(), yaml_length, "yaml") }?;
         // SAFETY: as the caller promises.
         let path = unsafe { pointers::text(path, "path") }?;
-        for (pointer, name) in [(report_needed, "report_needed"), (launch_line_needed, "launch_line_needed")] {
-            optional(pointer, name)?;
-        }
-        optional(displays_not_drawn, "displays_not_drawn")?;
-        for (buffer, length, name) in
-            [(report, report_length, "report"), (launch_line, launch_line_length, "launch_line")]
-        {
-            if buffer.is_null() && length > 0 {
-                return Err(Fault::null(name));
-            }
-        }
+        // SAFETY: as the caller promises.
+        let report = unsafe { pointers::exclusive(report, "report") }?;
+        // SAFETY: as the caller promises.
+        let launch_line = unsafe { pointers::exclusive(launch_line, "launch_line") }?;
+        report.check("report.buffer")?;
+        launch_line.check("launch_line.buffer")?;
         let config = parse_bytes(yaml, &path).map_err(|error| Fault::new(RcsResult::BadConfig, error))?;
         // SAFETY: as the caller promises.
-        let needed = unsafe { write_text(&headless::report(&config).join("\n"), report, report_length) }?;
+        unsafe { report.write(&headless::report(&config).join("\n")) }?;
         // SAFETY: as the caller promises.
-        unsafe { pointers::write(report_needed, needed) };
-        // SAFETY: as the caller promises.
-        let needed = unsafe { write_text(&headless::launch_line(&config), launch_line, launch_line_length) }?;
-        // SAFETY: as the caller promises.
-        unsafe { pointers::write(launch_line_needed, needed) };
-        // SAFETY: as the caller promises.
-        unsafe { pointers::write(displays_not_drawn, headless::displays_not_drawn(&config)) };
-        Ok(())
+        unsafe { launch_line.write(&headless::launch_line(&config)) }
     })
-}
-
-/// Checks a pointer that may be NULL.
-fn optional<T>(pointer: *mut T, name: &str) -> Result<(), Fault> {
-    if pointer.is_null() {
-        return Ok(());
-    }
-    pointers::writable(pointer, name)
 }

@@ -28,24 +28,32 @@ pub enum RcsEncoding {
 }
 
 impl RcsEncoding {
-    /// All of them, in the order of [`Encoding::ALL`].
+    /// All encodings, in the order of [`Encoding::ALL`].
     pub(crate) const ALL: [Self; 6] = [Self::Rgb8, Self::Rgba8, Self::Bgr8, Self::Bgra8, Self::Mono8, Self::Mono16];
 }
 
-/// Their names for C, in the same order.
+impl EncodingNumber {
+    pub(crate) fn checked(self) -> Result<Encoding, Fault> {
+        let known = RcsEncoding::ALL.into_iter().zip(Encoding::ALL);
+        let found = known.into_iter().find(|(number, _)| *number as u32 == self.0);
+        found.map_or_else(|| Err(Fault::unknown("RcsEncoding", self.0)), |(_, encoding)| Ok(encoding))
+    }
+}
+
+/// The encodings' names for C, in the order of [`Encoding::ALL`].
 const NAMES: [&CStr; 6] = [c"rgb8", c"rgba8", c"bgr8", c"bgra8", c"mono8", c"mono16"];
 
 fn position(encoding: Encoding) -> Option<usize> {
     Encoding::ALL.iter().position(|known| *known == encoding)
 }
 
-/// Bytes of one pixel in an encoding; 0 for a number that is none.
+/// Bytes of one pixel in an encoding; 0 for an invalid encoding.
 #[no_mangle]
 pub extern "C" fn rcs_encoding_bytes_per_pixel(encoding: EncodingNumber) -> usize {
     guard::value(0, || encoding.checked().map(Encoding::bytes_per_pixel))
 }
 
-/// The name of an encoding, such as `"rgb8"`; static, NULL for a number that is none.
+/// The name of an encoding, such as `"rgb8"`; static, NULL for an invalid encoding.
 #[no_mangle]
 pub extern "C" fn rcs_encoding_name(encoding: EncodingNumber) -> *const c_char {
     guard::value(std::ptr::null(), || {
@@ -54,7 +62,7 @@ pub extern "C" fn rcs_encoding_name(encoding: EncodingNumber) -> *const c_char {
     })
 }
 
-/// Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for any other text than the six names.
+/// Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for an unknown name.
 ///
 /// # Safety
 /// `name` ends with a NUL; `encoding` points to an `RcsEncoding`.
@@ -67,7 +75,7 @@ pub unsafe extern "C" fn rcs_encoding_from_name(name: *const c_char, encoding: *
         let found = Encoding::from_name(&name).and_then(position).and_then(|at| RcsEncoding::ALL.get(at).copied());
         let unknown = || {
             let known = Encoding::ALL.map(Encoding::name).join(", ");
-            Fault::new(RcsResult::BadValue, format_args!("'{name}' is no encoding: there are {known}"))
+            Fault::new(RcsResult::BadValue, format_args!("unknown encoding '{name}'; encodings: {known}"))
         };
         let found = found.ok_or_else(unknown)?;
         // SAFETY: as the caller promises.

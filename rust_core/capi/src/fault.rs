@@ -1,31 +1,31 @@
-//! What a call returns, and why one failed.
+//! Result codes of calls, and errors.
 
 use std::fmt;
 
-/// What a call came to. After anything but `RCS_RESULT_OK`, `rcs_last_error` has the reason in words, and nothing was
-/// written through the call's pointers.
+/// Result code of a call. After every code except `RCS_RESULT_OK`, `rcs_last_error` has the reason as text, and nothing
+/// was written through the call's pointers.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RcsResult {
-    /// Done.
+    /// Success.
     Ok = 0,
-    /// A pointer that is needed is NULL.
+    /// A required pointer is NULL.
     NullPointer,
-    /// A length is not what the sizes need, or more than a memory holds.
+    /// A length does not match the sizes, or is larger than memory.
     BadLength,
-    /// A number is none of those that it may be, a pointer is not aligned, or two buffers overlap.
+    /// A number is out of range, a pointer is not aligned, or two buffers overlap.
     BadValue,
-    /// A field of the CameraInfo makes drawing impossible.
+    /// A field of the CameraInfo is invalid.
     BadCameraInfo,
-    /// There is no valid CameraInfo: none was set, the last one was refused, or it was cleared.
+    /// There is no valid CameraInfo: none was set, the last one was invalid, or it was cleared.
     NoCameraInfo,
     /// The text is no `.rviz` file.
     BadConfig,
-    /// A fault of this library. The handle may be used further; please report it.
+    /// A bug of this library; please report it. The handle can still be used.
     Panic,
 }
 
-/// Why a call failed.
+/// Error of a call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
     pub(crate) result: RcsResult,
@@ -36,6 +36,10 @@ pub(crate) struct Fault {
 impl Fault {
     pub(crate) fn new(result: RcsResult, text: impl fmt::Display) -> Self {
         Self { result, text: text.to_string() }
+    }
+
+    pub(crate) fn unknown(name: &str, number: u32) -> Self {
+        Self::new(RcsResult::BadValue, format_args!("{number} is no {name}"))
     }
 
     pub(crate) fn null(name: &str) -> Self {

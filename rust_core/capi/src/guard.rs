@@ -1,4 +1,4 @@
-//! Between C and Rust: no panic leaves, and why a call failed is kept for [`rcs_last_error`].
+//! The boundary to C: panics become errors, and errors are stored for [`rcs_last_error`].
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -12,10 +12,9 @@ thread_local! {
     static LAST_ERROR: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Writes why the last call on this thread that failed did so: one line in UTF-8. `buffer` gets at most `length`
-/// bytes, the NUL at the end included, cut where a character ends; it may be NULL where `length` is 0. Returns the
-/// length of the whole text without its NUL, as `snprintf` does: 0 if no call has failed yet. Calls that succeed
-/// leave the text alone.
+/// Writes the error of the last failed call on this thread: one line in UTF-8. `buffer` gets at most `length` bytes,
+/// including the NUL, cut at the end of a character; it may be NULL if `length` is 0. Returns the length of the whole
+/// text without its NUL, as `snprintf` does: 0 if no call has failed yet. Successful calls keep the text.
 ///
 /// # Safety
 /// `buffer` has room for `length` bytes.
@@ -26,7 +25,7 @@ pub unsafe extern "C" fn rcs_last_error(buffer: *mut c_char, length: usize) -> u
     value(0, || unsafe { write_text(&text.unwrap_or_default(), buffer, length) })
 }
 
-/// Runs a call whose result says whether it failed.
+/// Runs a call that returns a result code.
 pub(crate) fn result(call: impl FnOnce() -> Result<(), Fault>) -> RcsResult {
     match caught(call) {
         Ok(()) => RcsResult::Ok,
@@ -38,7 +37,7 @@ pub(crate) fn result(call: impl FnOnce() -> Result<(), Fault>) -> RcsResult {
     }
 }
 
-/// Runs a call that returns a value, or `otherwise` if it fails.
+/// Runs a call that returns a value, `otherwise` on failure.
 pub(crate) fn value<T>(otherwise: T, call: impl FnOnce() -> Result<T, Fault>) -> T {
     match caught(call) {
         Ok(value) => value,
@@ -49,14 +48,13 @@ pub(crate) fn value<T>(otherwise: T, call: impl FnOnce() -> Result<T, Fault>) ->
     }
 }
 
-/// A panic as a fault. What the call was changing stays as it was left, which is memory-safe: no handle has unsafe
-/// parts.
+/// Converts a panic to a fault. Partial changes of the call remain, which is memory-safe: no handle has unsafe parts.
 fn caught<T>(call: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
     catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|payload| {
         let text = message(&*payload).to_owned();
-        // Whatever a payload is, its destructor may panic, too.
+        // The payload's destructor may panic, too.
         std::mem::forget(payload);
-        Err(Fault::new(RcsResult::Panic, format_args!("a fault of rviz_camera_stream, please report it: {text}")))
+        Err(Fault::new(RcsResult::Panic, format_args!("a bug of rviz_camera_stream, please report it: {text}")))
     })
 }
 
@@ -66,7 +64,7 @@ fn message(payload: &(dyn Any + Send)) -> &str {
 }
 
 fn keep(text: String) {
-    // Where a thread is just ending, nobody can ask any more.
+    // Fails only in an ending thread, which makes no more calls.
     let kept = LAST_ERROR.try_with(|last| last.try_borrow_mut().map(|mut last| *last = text).is_ok());
     debug_assert_ne!(kept, Ok(false), "nothing borrows it while a call runs");
 }

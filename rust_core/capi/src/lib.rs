@@ -1,18 +1,18 @@
-//! The C interface of the Rust core, which rviz's CameraPub plugin links: the projection of a CameraInfo, when
-//! pictures are due, the bytes of a finished picture, its lens, statistics, and what the node would draw of a config.
+//! The C interface of the Rust core, which rviz's CameraPub plugin links: the projection of a CameraInfo, pacing, the
+//! bytes of a finished picture, its lens, statistics, and the node's report on a config.
 //!
 //! ```text
-//!   C ──► extern "C" functions ──► guard: no panic leaves, errors are kept as text
+//!   C ──► extern "C" functions ──► guard: panics and errors become text
 //!                │                 pointers: NULL, alignment, length and overlap are checked before anything is read
 //!                └──► rcs_camera, rcs_rviz_config: the code that the node uses, too
 //! ```
 //!
-//! `ros_pkg/include/rviz_camera_stream/core.h` is generated from this crate: the comments of what is exported are the
-//! interface's documentation. It is the only crate with `unsafe`, which is what reading a pointer from C takes; nothing
-//! but pointers, texts and handles is treated here.
+//! `ros_pkg/include/rviz_camera_stream/core.h` is generated from this crate: the comments of exported items are the
+//! interface's documentation. It is the only crate with `unsafe`, which pointers from C need; it handles only pointers,
+//! texts and handles.
 //!
-//! Numbers from C that stand for one of a few (an encoding, a truth value) are taken as numbers and checked: a Rust
-//! `enum` or `bool` of another value would be undefined behaviour.
+//! An `enum` or `bool` from C is taken as a number and checked: a Rust `enum` or `bool` with an invalid value would be
+//! undefined behaviour.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::multiple_unsafe_ops_per_block, clippy::panic))]
 

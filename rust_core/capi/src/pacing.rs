@@ -1,4 +1,4 @@
-//! When a picture is due.
+//! Pacing of pictures.
 //!
 //! Times are nanoseconds of any clock that never goes back, the same for all calls of a camera.
 
@@ -8,9 +8,9 @@ use crate::camera::RcsCamera;
 use crate::numbers::Flag;
 use crate::{guard, pointers};
 
-/// Sets how often a picture is due, in pictures a second. Below 0: at each call of `rcs_camera_due`, which is made
-/// once per frame of rviz's window. 0, or NaN: only when triggered. Above 0: in the long run exactly that often, or
-/// at each call if there are fewer calls. NULL is allowed.
+/// Sets the rate of pictures, per second. Below 0: a picture is due at each call of `rcs_camera_due`, once per frame of
+/// rviz's window. 0, or NaN: only when triggered. Above 0: at that rate on average, or at each call if there are fewer
+/// calls. NULL is allowed.
 ///
 /// # Safety
 /// `camera` is NULL or not freed.
@@ -23,8 +23,8 @@ pub unsafe extern "C" fn rcs_camera_set_frame_rate(camera: *mut RcsCamera, frame
     });
 }
 
-/// Makes one picture due at the next call of `rcs_camera_due`, whatever the frame rate and whether anybody watches,
-/// and at those after it until `rcs_camera_begin`. NULL is allowed.
+/// Makes one picture due, at any frame rate and also without subscribers, from the next call of `rcs_camera_due` until
+/// `rcs_camera_begin`. NULL is allowed.
 ///
 /// # Safety
 /// `camera` is NULL or not freed.
@@ -37,9 +37,9 @@ pub unsafe extern "C" fn rcs_camera_trigger(camera: *mut RcsCamera) {
     });
 }
 
-/// Whether a picture is due now; to be called once per frame of the window, because how often it is called counts.
-/// `watched`: somebody subscribes to the picture; if nobody does, only a triggered one is due. After a pause a
-/// picture is due at once, and no burst follows. False for NULL.
+/// Returns true if a picture is due now. Call it exactly once per frame of the window. `watched`: the picture has
+/// subscribers; without, only a triggered one is due. After a pause a picture is due at once, and no burst follows.
+/// False for NULL.
 ///
 /// # Safety
 /// `camera` is NULL or not freed.
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn rcs_camera_due(camera: *mut RcsCamera, now_ns: u64, wat
     })
 }
 
-/// Says that a picture is being drawn: takes the trigger, and times the next picture. NULL is allowed.
+/// Records that a picture is being drawn: resets the trigger, and schedules the next picture. NULL is allowed.
 ///
 /// # Safety
 /// `camera` is NULL or not freed.

@@ -1,14 +1,14 @@
-//! From the pixels that a graphics library hands back to the bytes of a `sensor_msgs/Image`.
+//! Converts pixels of a graphics library to the bytes of a `sensor_msgs/Image`.
 
 use rcs_camera::{metres_of_depth_buffer, write_depth_through, write_through, Readback, ReadbackProblem};
-use rcs_scene::Encoding;
+use rcs_scene::{Encoding, PixelOrder};
 
 use crate::camera::{Current, RcsCamera};
 use crate::fault::{Fault, RcsResult};
 use crate::numbers::{EncodingNumber, Flag, PixelOrderNumber};
 use crate::{guard, pointers};
 
-/// In which order the four bytes of a pixel stand in memory. The fourth is not looked at.
+/// Order of the four bytes of a pixel in memory. The fourth is ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RcsPixelOrder {
@@ -18,23 +18,33 @@ pub enum RcsPixelOrder {
     Bgra,
 }
 
-/// A drawn picture as it was read back, four bytes for each pixel. The caller owns it; nothing is kept after the call.
+impl PixelOrderNumber {
+    pub(crate) fn checked(self) -> Result<PixelOrder, Fault> {
+        match self.0 {
+            number if number == RcsPixelOrder::Rgba as u32 => Ok(PixelOrder::Rgba),
+            number if number == RcsPixelOrder::Bgra as u32 => Ok(PixelOrder::Bgra),
+            number => Err(Fault::unknown("RcsPixelOrder", number)),
+        }
+    }
+}
+
+/// A drawn picture as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RcsPixels {
     /// The first pixel of the first row in memory.
     pub data: *const u8,
-    /// How many bytes there are from `data` on; those after the last row's last pixel are not read.
+    /// Bytes from `data` on; bytes after the last row's last pixel are not read.
     pub length: usize,
     /// Pixels of a row: the view's `drawn_width`.
     pub width: u32,
     /// Rows: the view's `drawn_height`.
     pub height: u32,
-    /// Bytes from the beginning of a row to that of the next one in memory, at least four for each pixel.
+    /// Bytes from the beginning of a row to the next one in memory, at least four for each pixel.
     pub row_bytes: usize,
     /// The order of a pixel's bytes.
     pub order: PixelOrderNumber,
-    /// The first row in memory is the picture's lowest one, as OpenGL reads back.
+    /// True if the first row in memory is the picture's lowest one, as OpenGL reads back.
     pub bottom_up: Flag,
 }
 
@@ -44,11 +54,11 @@ impl From<ReadbackProblem> for Fault {
     }
 }
 
-/// Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. Where the
-/// view has a lens, the picture is bent by it, and what the lens does not show has the background's colour. Where the
-/// CameraInfo describes a mirrored picture, it is flipped.
+/// Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
+/// lens the picture is bent, and pixels outside of the drawn picture have the background's colour. A mirrored picture
+/// is flipped.
 ///
-/// `pixels` has the size that the view says is drawn; `out_length` is exactly the picture's width · height ·
+/// `pixels` has the view's drawn size; `out_length` is exactly the picture's width · height ·
 /// `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
 /// overlap `pixels` (`RCS_RESULT_BAD_VALUE`). `RCS_RESULT_NO_CAMERA_INFO` without a CameraInfo.
 ///
@@ -93,9 +103,9 @@ pub unsafe extern "C" fn rcs_camera_encode(
     })
 }
 
-/// Writes what a depth buffer holds as metres along the optical axis, as a `32FC1` image: rows from the top; NaN
-/// where nothing was drawn, as on the node's depth topic. Where the view has a lens, each pixel has the depth of the
-/// one that is nearest to where the lens sends it. It is flipped as the picture is.
+/// Writes a depth buffer as metres along the optical axis, as a `32FC1` image: rows from the top; NaN where nothing was
+/// drawn, as on the node's depth topic. With a lens each pixel has the depth of the nearest drawn pixel. A mirrored
+/// picture is flipped.
 ///
 /// `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
 /// with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are
@@ -141,7 +151,7 @@ pub unsafe extern "C" fn rcs_camera_encode_depth(
 /// The drawn picture behind the pointers.
 ///
 /// # Safety
-/// They are as [`RcsPixels`] says.
+/// The pointers are as [`RcsPixels`] says.
 unsafe fn readback<'a>(pixels: &RcsPixels, current: &Current) -> Result<Readback<'a>, Fault> {
     let (size_px, drawn) = ([pixels.width, pixels.height], [current.view.drawn_width, current.view.drawn_height]);
     if size_px != drawn {
@@ -172,7 +182,7 @@ fn require_length(name: &str, length: usize, needed: Option<usize>) -> Result<()
         Some(needed) => {
             Err(Fault::new(RcsResult::BadLength, format_args!("{name} is {length}, where {needed} is needed")))
         }
-        None => Err(Fault::new(RcsResult::BadLength, "a picture of that size is more than a memory holds")),
+        None => Err(Fault::new(RcsResult::BadLength, "a picture of that size does not fit memory")),
     }
 }
 

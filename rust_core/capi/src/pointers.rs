@@ -1,4 +1,4 @@
-//! Pointers from C as references, after all of them that can be checked was checked.
+//! Checks pointers from C and converts them to references.
 
 use std::borrow::Cow;
 use std::ffi::{c_char, CStr};
@@ -16,55 +16,51 @@ fn check<T>(pointer: *const T, name: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What a pointer points to.
+/// A shared reference to the value behind a pointer.
 ///
 /// # Safety
-/// One that is not NULL points to a `T` that nothing changes for `'a`.
+/// A pointer that is not NULL points to a `T` that nothing changes for `'a`.
 pub(crate) unsafe fn shared<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Fault> {
     check(pointer, name)?;
     // SAFETY: not NULL, aligned, and valid as the caller promises.
     Ok(unsafe { &*pointer })
 }
 
-/// What a pointer points to, to be changed.
+/// An exclusive reference to the value behind a pointer.
 ///
 /// # Safety
-/// One that is not NULL points to a `T` that nothing else uses for `'a`.
+/// A pointer that is not NULL points to a `T` that nothing else uses for `'a`.
 pub(crate) unsafe fn exclusive<'a, T>(pointer: *mut T, name: &str) -> Result<&'a mut T, Fault> {
     check(pointer, name)?;
     // SAFETY: not NULL, aligned, and not used otherwise as the caller promises.
     Ok(unsafe { &mut *pointer })
 }
 
-/// Whether a value can be written through a pointer.
+/// Checks a pointer before writing.
 pub(crate) fn writable<T>(pointer: *mut T, name: &str) -> Result<(), Fault> {
     check(pointer, name)
 }
 
-/// Writes through a pointer that [`writable`] has checked; NULL is left alone.
+/// Writes through a pointer.
 ///
 /// # Safety
-/// One that is not NULL points to room for a `T`.
+/// [`writable`] has accepted it, and it points to memory of a `T`.
 pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) {
-    if !pointer.is_null() {
-        // SAFETY: there is room as the caller promises; the write needs no alignment.
-        unsafe { pointer.write_unaligned(value) }
-    }
+    // SAFETY: not NULL and aligned, and memory as the caller promises.
+    unsafe { pointer.write(value) }
 }
 
-/// How many bytes so many values have, if there can be as many at an address.
+/// Size in bytes of `count` values at an address, if they fit the address space.
 fn bytes_of<T>(pointer: *const T, count: usize, name: &str) -> Result<usize, Fault> {
     let bytes = count.checked_mul(size_of::<T>()).filter(|bytes| isize::try_from(*bytes).is_ok());
     let bytes = bytes.filter(|bytes| pointer.addr().checked_add(*bytes).is_some());
-    bytes.ok_or_else(|| {
-        Fault::new(RcsResult::BadLength, format_args!("{name}: {count} values are more than a memory holds"))
-    })
+    bytes.ok_or_else(|| Fault::new(RcsResult::BadLength, format_args!("{name}: {count} values do not fit memory")))
 }
 
-/// `count` values from a pointer on. None of them may be behind any pointer, NULL included.
+/// `count` values from a pointer on. Any pointer is valid for 0 values, also NULL.
 ///
 /// # Safety
-/// There are as many, and nothing changes them for `'a`.
+/// There are `count` values, and nothing changes them for `'a`.
 pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T], Fault> {
     if count == 0 {
         return Ok(&[]);
@@ -75,10 +71,10 @@ pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize, name: &str) -
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// `count` values from a pointer on, to be changed. None of them may be behind any pointer, NULL included.
+/// `count` values from a pointer on, to be changed. Any pointer is valid for 0 values, also NULL.
 ///
 /// # Safety
-/// There are as many, and nothing else uses them for `'a`.
+/// There are `count` values, and nothing else uses them for `'a`.
 pub(crate) unsafe fn slice_mut<'a, T>(pointer: *mut T, count: usize, name: &str) -> Result<&'a mut [T], Fault> {
     if count == 0 {
         return Ok(&mut []);
@@ -89,12 +85,12 @@ pub(crate) unsafe fn slice_mut<'a, T>(pointer: *mut T, count: usize, name: &str)
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
-/// Checks that a buffer that is written shares no byte with one that is read.
+/// Checks that a written buffer does not overlap a read one.
 pub(crate) fn apart<T, U>(read: (*const T, usize), written: (*mut U, usize)) -> Result<(), Fault> {
     let read = addresses(read.0, read.1, "the source")?;
     let written = addresses(written.0, written.1, "the destination")?;
     if read.start < written.end && written.start < read.end {
-        return Err(Fault::new(RcsResult::BadValue, "the buffer that is written overlaps the one that is read"));
+        return Err(Fault::new(RcsResult::BadValue, "the destination overlaps the source"));
     }
     Ok(())
 }
@@ -104,10 +100,10 @@ fn addresses<T>(pointer: *const T, count: usize, name: &str) -> Result<Range<usi
     Ok(pointer.addr()..pointer.addr() + bytes)
 }
 
-/// A text that ends with a NUL; what is not UTF-8 in it becomes U+FFFD.
+/// A text that ends with a NUL; invalid UTF-8 becomes U+FFFD.
 ///
 /// # Safety
-/// One that is not NULL points to such a text, which nothing changes for `'a`.
+/// A pointer that is not NULL points to such a text, which nothing changes for `'a`.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<Cow<'a, str>, Fault> {
     check(pointer, name)?;
     // SAFETY: not NULL, and ends with a NUL as the caller promises.
@@ -119,16 +115,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_null_askew_or_too_long_is_never_read() {
+    fn null_unaligned_and_too_long_are_refused_unread() {
         let values = [1.0, 2.0_f64];
-        let askew = values.as_ptr().wrapping_byte_add(1);
+        let unaligned = values.as_ptr().wrapping_byte_add(1);
         let result = |fault: Fault| fault.result;
         // SAFETY: each is refused before it is read.
         unsafe {
             assert_eq!(shared::<f64>(std::ptr::null(), "x").map_err(result), Err(RcsResult::NullPointer));
-            assert_eq!(shared(askew, "x").map_err(result), Err(RcsResult::BadValue));
+            assert_eq!(shared(unaligned, "x").map_err(result), Err(RcsResult::BadValue));
             assert_eq!(slice::<f64>(std::ptr::null(), 1, "x").map_err(result), Err(RcsResult::NullPointer));
-            assert_eq!(slice(askew, 1, "x").map_err(result), Err(RcsResult::BadValue));
+            assert_eq!(slice(unaligned, 1, "x").map_err(result), Err(RcsResult::BadValue));
             for count in [usize::MAX, usize::MAX / 8 + 2, isize::MAX as usize / 8 + 1] {
                 assert_eq!(slice(values.as_ptr(), count, "x").map_err(result), Err(RcsResult::BadLength), "{count}");
             }

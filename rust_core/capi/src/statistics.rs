@@ -1,4 +1,4 @@
-//! How long the last pictures took.
+//! Durations of the last pictures.
 
 use std::ffi::c_char;
 use std::time::Duration;
@@ -10,17 +10,17 @@ use crate::fault::{Fault, RcsResult};
 use crate::text::write_text;
 use crate::{guard, pointers};
 
-/// When the steps of one picture were done: nanoseconds of the clock that is used with `rcs_camera_due`.
+/// Times at which the steps of one picture ended: nanoseconds of the clock that is used with `rcs_camera_due`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RcsTimes {
     /// Drawing began.
     pub begun_ns: u64,
-    /// It was drawn.
+    /// Drawing ended.
     pub drawn_ns: u64,
-    /// Its pixels were read back.
+    /// The pixels were read back.
     pub read_ns: u64,
-    /// It was converted and published.
+    /// The picture was converted and published.
     pub published_ns: u64,
 }
 
@@ -46,9 +46,9 @@ pub unsafe extern "C" fn rcs_camera_record(camera: *mut RcsCamera, times: *const
     })
 }
 
-/// Writes one line about the last hundred recorded pictures: how many a second, and of each step and of all together
-/// the median and the 95th percentile in milliseconds. Empty before the first one. Buffer and returned length are as
-/// those of `rcs_last_error`.
+/// Writes one line about the last hundred recorded pictures: their rate, and the median and the 95th percentile of each
+/// step and of the whole in milliseconds. Empty before the first one. Buffer and returned length are as in
+/// `rcs_last_error`.
 ///
 /// # Safety
 /// `camera` is not freed; `buffer` has room for `length` bytes.

@@ -1,4 +1,4 @@
-//! The whole way through the interface, small enough for Miri; `tests/c` does more, from C.
+//! The whole interface in tests small enough for Miri; `tests/c` has more, in C.
 
 use std::ffi::c_char;
 use std::ptr::{null, null_mut};
@@ -53,7 +53,7 @@ fn camera_of(info: &RcsCameraInfo, projection: RcsProjection, undistort: bool) -
     (camera, view)
 }
 
-/// The picture in mono8, and the depths, that a camera makes of pixels and depths that are all different.
+/// The published picture in mono8, and the depths, of pixels and depths that are all different.
 fn published(camera: *mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
     let size = view.drawn_width as usize * view.drawn_height as usize;
     let data: Vec<u8> = (0..size).flat_map(|i| [i as u8; 4]).collect();
@@ -150,7 +150,7 @@ fn skew_scale_third_row_and_binning_are_followed_or_told_as_the_node_does() {
     }
 }
 
-/// What a function that writes a text writes.
+/// The text that a function writes.
 fn text(write: impl Fn(*mut c_char, usize) -> usize) -> String {
     let mut buffer = vec![b'#'; write(null_mut(), 0) + 1];
     let length = write(buffer.as_mut_ptr().cast(), buffer.len());
@@ -249,16 +249,14 @@ fn pictures_are_paced_and_counted() {
 #[test]
 fn a_config_is_reported() {
     let yaml = "Visualization Manager: {Displays: [{Class: my/Own, Name: it, Enabled: true}]}";
-    let (mut report, mut displays, mut needed) = ([1_u8; 40], 0, 0);
+    let mut report = [1_u8; 40];
+    let mut problems = RcsText { buffer: report.as_mut_ptr().cast(), length: 40, needed: 0 };
+    let mut launch_line = RcsText { buffer: null_mut(), length: 0, needed: 0 };
     // SAFETY: all pointers and lengths are valid.
-    let result = unsafe {
-        let (yaml, length) = (yaml.as_ptr().cast(), yaml.len());
-        let (none, nothing) = (null_mut(), null_mut());
-        let to = report.as_mut_ptr().cast();
-        rcs_config_report(yaml, length, c"a".as_ptr(), to, 40, &mut needed, none, 0, nothing, &mut displays)
-    };
-    assert_eq!((result, displays, report[39]), (RcsResult::Ok, 1, 0));
-    assert!(needed > 100 && report.starts_with(b"no CameraPub display"));
+    let result =
+        unsafe { rcs_config_report(yaml.as_ptr().cast(), yaml.len(), c"a".as_ptr(), &mut problems, &mut launch_line) };
+    assert_eq!((result, report[39]), (RcsResult::Ok, 0));
+    assert!(problems.needed > 100 && launch_line.needed > 80 && report.starts_with(b"no CameraPub display"));
 }
 
 #[test]
@@ -274,7 +272,7 @@ fn bad_numbers_from_c_are_refused() {
     }
 }
 
-/// rviz has threads of many libraries. Miri has names of its own for threads.
+/// Miri has its own names for threads.
 #[test]
 #[cfg_attr(miri, ignore)]
 fn the_threads_that_a_lens_starts_have_names() {

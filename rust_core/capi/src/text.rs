@@ -1,17 +1,17 @@
-//! Texts into buffers of C.
+//! Texts in buffers of C.
 
 use std::ffi::c_char;
 
 use crate::fault::Fault;
 use crate::pointers;
 
-/// Writes as much of a text as fits into `length` bytes with a NUL after it, cut where a character ends; a NUL inside
-/// becomes a space. Returns the whole text's length. `buffer` may be NULL where `length` is 0.
+/// Writes the part of a text that fits `length` bytes with a NUL, cut at the end of a character; a NUL inside becomes a
+/// space. Returns the whole text's length. `buffer` may be NULL if `length` is 0.
 ///
 /// # Safety
 /// `buffer` has room for `length` bytes, which nothing else uses meanwhile.
 pub(crate) unsafe fn write_text(text: &str, buffer: *mut c_char, length: usize) -> Result<usize, Fault> {
-    // Only as much as is written, whatever the length claims.
+    // The claimed length may be larger than the buffer.
     let used = length.min(text.len() + 1);
     // SAFETY: a part of what the caller promises.
     let buffer = unsafe { pointers::slice_mut(buffer.cast::<u8>(), used, "buffer") }?;

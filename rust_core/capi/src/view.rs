@@ -1,19 +1,20 @@
-//! A CameraInfo from C, and the view that follows from it.
+//! A CameraInfo from C, and its view.
 
 use std::ffi::c_char;
 
 use nalgebra::Isometry3;
-use rcs_camera::{CameraInfoFields, Optics};
+use rcs_camera::{CameraInfoFields, Optics, Projection};
 use rcs_scene::{Camera, FAR_CLIP_M};
 
 use crate::fault::{Fault, RcsResult};
+use crate::numbers::ProjectionNumber;
 use crate::pointers;
 
-/// More coefficients of a distortion than any model has.
-const MOST_COEFFICIENTS: usize = 1024;
+/// Most coefficients of a distortion, more than any model has.
+const MAX_COEFFICIENTS: usize = 1024;
 
-/// The fields of a `sensor_msgs/CameraInfo` that say how a camera projects. The caller owns what is pointed to;
-/// nothing of it is kept after the call.
+/// The fields of a `sensor_msgs/CameraInfo` that define the projection. The caller owns the memory behind its pointers,
+/// which is not used after the call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RcsCameraInfo {
@@ -25,7 +26,7 @@ pub struct RcsCameraInfo {
     pub distortion_model: *const c_char,
     /// The coefficients D; may be NULL where `d_length` is 0.
     pub d: *const f64,
-    /// How many coefficients there are, 1024 at most.
+    /// Number of coefficients, 1024 at most.
     pub d_length: usize,
     /// K, 3×3 row by row, pixels.
     pub k: [f64; 9],
@@ -33,8 +34,8 @@ pub struct RcsCameraInfo {
     pub r: [f64; 9],
     /// P, 3×4 row by row, pixels.
     pub p: [f64; 12],
-    /// `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is
-    /// the whole one, and so must be the CameraInfo that is published with it (these fields 0).
+    /// `binning_x`. Binning and region of interest are not applied, as `rcs_camera_warning` reports: publish the whole
+    /// picture's CameraInfo with it (these fields 0).
     pub binning_x: u32,
     /// `binning_y`.
     pub binning_y: u32,
@@ -48,39 +49,47 @@ pub struct RcsCameraInfo {
     pub roi_height: u32,
 }
 
-/// How P becomes a projection.
+/// Rule for the projection of P.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RcsProjection {
-    /// As rviz's CameraPub draws: one focal length for both axes, P[7] upwards.
+    /// As in rviz's CameraPub: one focal length for both axes, P[7] upwards.
     Rviz = 0,
-    /// As P says, to the pixel.
+    /// Exactly P, to the pixel.
     Exact,
 }
 
-/// The view to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
-/// has none of it: `rcs_camera_encode` and `rcs_camera_encode_depth` flip what was drawn.
+impl ProjectionNumber {
+    pub(crate) fn checked(self) -> Result<Projection, Fault> {
+        match self.0 {
+            number if number == RcsProjection::Rviz as u32 => Ok(Projection::Rviz),
+            number if number == RcsProjection::Exact as u32 => Ok(Projection::Exact),
+            number => Err(Fault::unknown("RcsProjection", number)),
+        }
+    }
+}
+
+/// The view to draw for a CameraInfo. For a mirrored picture (negative focal lengths) the texture is drawn unmirrored:
+/// `rcs_camera_encode` and `rcs_camera_encode_depth` flip it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RcsView {
-    /// Width of the texture to draw, pixels: that of the picture, or another where a lens is allowed for. At most
-    /// 16384.
+    /// Width of the texture to draw, pixels, at most 16384: the picture's, or another one for a lens.
     pub drawn_width: u32,
-    /// Its height, pixels.
+    /// Height of the texture, pixels.
     pub drawn_height: u32,
-    /// Width of the picture that is published, pixels: that of the CameraInfo.
+    /// Width of the published picture, pixels: the CameraInfo's.
     pub picture_width: u32,
-    /// Its height, pixels.
+    /// Height of the published picture, pixels.
     pub picture_height: u32,
     /// The projection of the texture, as OpenGL's, row by row: from the view frame (x right, y up, looking along -z,
     /// metres) to clip coordinates with depths from -w to w.
     pub clip_from_view: [f64; 16],
     /// The eye in the CameraInfo's optical frame (x right, y down, z forward), metres: not 0 where P has Tx or Ty.
     pub optical_from_eye: [f64; 3],
-    /// Nearer than this nothing is drawn, metres along the optical axis: the near clip distance that was given, moved
-    /// into what is possible.
+    /// Near clip distance along the optical axis, metres, clamped to the possible range.
     pub near_m: f64,
-    /// Farther than this nothing is drawn, metres.
+    /// Far clip distance, metres.
     pub far_m: f64,
 }
 
@@ -92,8 +101,8 @@ pub(crate) unsafe fn with_fields<T>(
     info: &RcsCameraInfo,
     with: impl FnOnce(&CameraInfoFields<'_>) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    if info.d_length > MOST_COEFFICIENTS {
-        let text = format_args!("info.d_length is {}, more than {MOST_COEFFICIENTS}", info.d_length).to_string();
+    if info.d_length > MAX_COEFFICIENTS {
+        let text = format_args!("info.d_length is {}, more than {MAX_COEFFICIENTS}", info.d_length).to_string();
         return Err(Fault::new(RcsResult::BadLength, text));
     }
     // SAFETY: as the caller promises.
@@ -114,16 +123,15 @@ pub(crate) unsafe fn with_fields<T>(
     })
 }
 
-/// The view of a CameraInfo's optics; a size is that of its picture.
+/// The view of a CameraInfo's optics and its picture's size.
 ///
 /// # Errors
-/// Numbers that are so large that a graphics library, which counts in 32 bits, would have infinities instead.
+/// Numbers that are infinite in the 32 bits of a graphics library.
 pub(crate) fn view(
     optics: Optics,
     [picture_width, picture_height]: [u32; 2],
     near_clip_m: f64,
 ) -> Result<RcsView, Fault> {
-    // In its optical frame.
     let camera = optics.camera(&Isometry3::identity(), near_clip_m);
     let (clip_from_view, optical_from_eye) = (row_by_row(&camera), camera.eye().coords.into());
     if clip_from_view.iter().chain(&optical_from_eye).any(|number| !(*number as f32).is_finite()) {

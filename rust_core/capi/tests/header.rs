@@ -1,4 +1,4 @@
-//! The header of the C interface is what the sources say.
+//! The header of the C interface is up to date.
 //!
 //! With `RCS_WRITE_HEADER=1`, the header is written instead of compared.
 
@@ -9,30 +9,30 @@ use std::path::{Path, PathBuf};
 
 use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Language, RenameRule, SortKey, Style};
 
-/// The modules that export something, in the order in which the header shows their functions.
+/// The modules with exports, in the order of their functions in the header.
 const MODULES: [&str; 10] =
     ["version", "fault", "guard", "encoding", "view", "camera", "pacing", "pixels", "statistics", "config_report"];
 
 const HEADER: &str = "\
-/* The Rust core's C interface: what rviz's CameraPub plugin takes from it.
+/* The Rust core's C interface for rviz's CameraPub plugin.
  *
  * Generated from rust_core/capi by cbindgen. To write it again:
  * RCS_WRITE_HEADER=1 cargo test --release -p rcs_capi --test header
  *
- * Handles. An RcsCamera is used by one thread at a time; different ones by different threads at once. All other
+ * Handles. An RcsCamera is used by one thread at a time; different cameras by different threads at once. All other
  * functions may be called by any thread at any time.
  *
- * Pointers. The caller owns all memory but the handles, and nothing is kept after a call. Each pointer may be NULL:
- * where it is needed, the call fails with RCS_RESULT_NULL_POINTER (or returns 0, false or nothing where it has no
- * result) and writes nothing. Static texts are never freed. Numbers are those of the machine's byte order.
+ * Pointers. The caller owns all memory except handles, and it is not used after a call. Each pointer may be NULL: if
+ * it is required, the call fails with RCS_RESULT_NULL_POINTER (or returns 0, false or nothing if it has no result
+ * code) and writes nothing. Static texts are never freed. Numbers have the machine's byte order.
  *
- * Errors. A call that returns an RcsResult says by it whether it succeeded. rcs_last_error has the reason why the
- * last call on the same thread that failed did so, those without a result included. No call ends the process or
- * throws, but for a lack of memory, which ends the process.
+ * Errors. A call fails if it returns an RcsResult other than RCS_RESULT_OK. rcs_last_error has the error of the last
+ * failed call on the same thread, also of calls without a result code. No call ends the process or throws, except that
+ * a lack of memory ends the process.
  *
- * Linking. The library is librcs_capi.a; beside it: -lgcc_s -lutil -lrt -lpthread -lm -ldl -lc. A shared library
- * that links it should keep its symbols to itself and leave out what it does not call, which makes it 1 MB larger
- * instead of 6: -Wl,--exclude-libs,librcs_capi.a -Wl,--gc-sections.
+ * Linking. The library is librcs_capi.a, with -lgcc_s -lutil -lrt -lpthread -lm -ldl -lc. A shared library that links
+ * it should hide its symbols and drop unused code, which makes it 1 MB larger instead of 6:
+ * -Wl,--exclude-libs,librcs_capi.a -Wl,--gc-sections.
  */";
 
 fn crate_folder() -> &'static Path {
@@ -44,7 +44,7 @@ fn header_path() -> PathBuf {
 }
 
 fn config() -> Config {
-    // Numbers that are checked, by what C calls them.
+    // Unchecked numbers, by their names in C.
     let renamed = [
         ("Flag", "bool"),
         ("ProjectionNumber", "enum RcsProjection"),
@@ -74,7 +74,7 @@ fn config() -> Config {
     }
 }
 
-/// The header that belongs to the sources.
+/// The header of the sources.
 fn generated() -> String {
     let sources = MODULES.iter().map(|module| crate_folder().join(format!("src/{module}.rs")));
     let builder = sources.fold(Builder::new().with_config(config()), Builder::with_src);
@@ -84,7 +84,7 @@ fn generated() -> String {
     for_c(&header)
 }
 
-/// Without what the comments say to Rust's readers: the sections on safety repeat the rules at the top.
+/// Removes the sections on safety, which repeat the rules at the top.
 fn for_c(header: &str) -> String {
     let mut lines = Vec::new();
     let mut is_safety = false;
@@ -105,7 +105,7 @@ fn for_c(header: &str) -> String {
 }
 
 #[test]
-fn the_header_is_what_the_sources_say() {
+fn the_header_is_up_to_date() {
     let generated = generated();
     if std::env::var_os("RCS_WRITE_HEADER").is_some() {
         fs::create_dir_all(header_path().parent().expect("it has a folder")).expect("the folder can be made");

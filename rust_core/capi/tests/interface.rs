@@ -12,7 +12,7 @@ use std::process::{Command, Output};
 
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
 
-/// What Rust's standard library needs, as the header says.
+/// Libraries of Rust's standard library, as in the header.
 const SYSTEM_LIBRARIES: [&str; 7] = ["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"];
 
 fn crate_folder() -> &'static Path {

@@ -3,7 +3,7 @@
 //! The launch file is the package's own `projection.launch`, with its additions to rviz's image switched off.
 
 use crate::config::{Config, PlacedDisplay};
-use crate::displays::{CameraPubSettings, DisplaySettings, Role};
+use crate::displays::{CameraPubSettings, DisplaySettings};
 use crate::problems::camera_problems;
 
 /// One line for each display or setting that the node does not draw as rviz does, in the words of `camera_stream
@@ -20,7 +20,6 @@ use crate::problems::camera_problems;
 /// let report = rcs_rviz_config::headless::report(&config);
 /// assert_eq!(report.len(), 1);
 /// assert!(report[0].starts_with("line 5: Displays / robots: unknown class my_plugins/Robots"));
-/// assert_eq!(rcs_rviz_config::headless::displays_not_drawn(&config), 1);
 /// # Ok::<(), rcs_rviz_config::ConfigError>(())
 /// ```
 pub fn report(config: &Config) -> Vec<String> {
@@ -29,13 +28,6 @@ pub fn report(config: &Config) -> Vec<String> {
     lines.extend(findings.map(ToString::to_string));
     lines.extend(settings_not_followed(config));
     lines
-}
-
-/// Number of enabled displays that the node does not draw because their class is unknown.
-pub fn displays_not_drawn(config: &Config) -> u32 {
-    let placed = config.placed_displays();
-    let left_out = placed.iter().filter(|placed| placed.enabled && placed.display.settings.role() == Role::Unknown);
-    u32::try_from(left_out.count()).unwrap_or(u32::MAX)
 }
 
 /// The roslaunch command that draws the config as rviz does, without rviz: its images on their topics, and no window.
@@ -137,7 +129,7 @@ mod tests {
     #[test]
     fn a_config_of_the_old_plugin_needs_no_report() {
         let config = config(&["", ", Headless Twin: /tmp/twin.rviz, Projection: rviz, Undistort: false"]);
-        assert_eq!((report(&config), displays_not_drawn(&config)), (Vec::<String>::new(), 0));
+        assert_eq!(report(&config), Vec::<String>::new());
         let line = launch_line(&config);
         assert!(
             line.contains(" rviz_config:=/a/b.rviz ") && line.contains("projection:=rviz undistort:=false"),

@@ -1,6 +1,6 @@
-//! Writes bag files, so that samples and tests need no ROS.
+//! Writes bag files for samples and tests without ROS.
 //!
-//! Chunks are not compressed and closed at [`CHUNK_LEN`]; the index is complete, so every ROS tool reads the file.
+//! Chunks are uncompressed and closed at [`CHUNK_LEN`]; the index is complete, so every ROS tool reads the file.
 
 use rcs_messages::{Message, Time};
 use std::collections::BTreeMap;
@@ -8,10 +8,10 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// What a bag of version 2.0 begins with.
+/// Magic bytes of a bag of version 2.0.
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 
-/// Kinds of records.
+/// Types of records.
 mod op {
     pub(super) const MESSAGE: u8 = 2;
     pub(super) const BAG_HEADER: u8 = 3;
@@ -21,9 +21,9 @@ mod op {
     pub(super) const CONNECTION: u8 = 7;
 }
 
-/// A chunk is closed when it has this many bytes; ROS's recorder does the same.
+/// Size in bytes at which a chunk is closed, as in ROS's recorder.
 const CHUNK_LEN: usize = 768 * 1024;
-/// The bag's header record is padded to this, so that it can be rewritten in place.
+/// Padded size of the bag's header record, which is rewritten in place.
 const HEADER_LEN: usize = 4096;
 
 /// A bag being written. It has no index until it is [finished](BagWriter::finish).
@@ -59,7 +59,7 @@ struct Chunk {
 }
 
 impl BagWriter {
-    /// Starts a bag at `path`, replacing a file that is there.
+    /// Starts a bag at `path`, replacing an existing file.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         let mut writer = Self {
             file: BufWriter::new(File::create(path)?),
@@ -75,7 +75,7 @@ impl BagWriter {
         Ok(writer)
     }
 
-    /// Adds a message that was recorded on `topic` at `time`; `latching` as its publisher's would be.
+    /// Adds a message as recorded on `topic` at `time`; `latching` of its publisher.
     pub fn write<T: Message>(&mut self, topic: &str, latching: bool, time: Time, message: &T) -> io::Result<()> {
         let key = (topic.to_owned(), T::msg_type(), latching);
         let id = match self.ids.get(&key) {

@@ -1,4 +1,4 @@
-//! What only tests use and several crates share: writing bags.
+//! Writers of recordings, shared by the tests of several crates.
 #![forbid(unsafe_code)]
 
 mod bag_writer;

@@ -15,13 +15,13 @@ pub struct McapWriter {
 }
 
 impl McapWriter {
-    /// Starts a file at `path`, replacing one that is there. Chunks are closed at so many bytes.
+    /// Starts a file at `path`, replacing an existing one. Chunks are closed at `chunk_len` bytes.
     pub fn create(path: impl AsRef<Path>, chunk_len: u64) -> McapResult<Self> {
         let options = WriteOptions::new().compression(None).profile("ros1").chunk_size(Some(chunk_len));
         Ok(Self { writer: options.create(BufWriter::new(File::create(path)?))? })
     }
 
-    /// Adds a message of a type, encoded as `encoding` says, which is `ros1` for those of ROS 1.
+    /// Adds an encoded message; `encoding` is `ros1` for ROS 1.
     pub fn write(&mut self, topic: &str, ros_type: &str, encoding: &str, time: Time, message: &[u8]) -> McapResult<()> {
         let schema = self.writer.add_schema(ros_type, &format!("{encoding}msg"), b"")?;
         let channel_id = self.writer.add_channel(schema, topic, encoding, &BTreeMap::new())?;

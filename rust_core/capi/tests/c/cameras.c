@@ -1,4 +1,4 @@
-/* CameraInfos, good and bad, and the views that follow from them. */
+/* Valid and invalid CameraInfos, and their views. */
 #include "check.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ static void test_view(RcsCamera *camera)
     CHECK(is_near(view.clip_from_view[i], wanted[i]));
   CHECK(rcs_camera_warning(camera, NULL, 0) == 0);
 
-  /* P counts from the middle of the first pixel, which rviz does not. */
+  /* P counts from the centre of the first pixel, unlike rviz. */
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_EXACT, false, 0.05, &view) == RCS_RESULT_OK);
   CHECK(is_near(view.clip_from_view[2], -1.0 / 640) && is_near(view.clip_from_view[6], 1.0 / 480));
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, false, -3, &view) == RCS_RESULT_OK && view.near_m > 0);
@@ -56,12 +56,12 @@ static void test_lens(RcsCamera *camera)
   CHECK(view.drawn_width > 650 && view.drawn_height > 490 && view.picture_width == 640 && view.picture_height == 480);
   CHECK(rcs_camera_warning(camera, text, sizeof text) == 0);
 
-  /* One that cannot be allowed for: the picture is drawn without it. */
+  /* A lens that cannot be corrected: the picture is drawn without it. */
   info.k[8] = 0;
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);
   CHECK(view.drawn_width == 640);
   CHECK(rcs_camera_warning(camera, text, sizeof text) > 0 && strstr(text, "K: its last row"));
-  /* A skew is allowed for. */
+  /* A skew is corrected. */
   info = bent(640, 480);
   info.k[1] = 3;
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);
@@ -133,7 +133,7 @@ static void test_refusals(RcsCamera *camera)
   CHECK(memcmp(&view, &before, sizeof view) == 0);
 }
 
-/* What is refused leaves no CameraInfo, as one that is cleared. */
+/* An invalid CameraInfo leaves none, as clearing does. */
 static void test_clearing(RcsCamera *camera)
 {
   const RcsCameraInfo good = pinhole(8, 8);

@@ -1,5 +1,4 @@
-/* What the tests of the C interface share: checks that end the program, and buffers right before a page that nobody may
- * touch, so that one byte too many ends it, too. */
+/* Checks that end the program, and buffers right before a protected page, so that one byte too many ends it, too. */
 #ifndef RCS_TEST_CHECK_H
 #define RCS_TEST_CHECK_H
 
@@ -24,7 +23,7 @@
     }                                                                                     \
   } while (0)
 
-/* The call fails with this result, and the reason contains these words. */
+/* Checks that the call fails with this result, and that the error contains these words. */
 #define CHECK_FAILS(call, wanted, words)                  \
   do                                                      \
   {                                                       \
@@ -32,17 +31,17 @@
     CHECK(strstr(last_error(), (words)) != NULL);         \
   } while (0)
 
-/* Why the last call that failed did so; valid until the next call of this function on this thread. */
+/* Error of the last failed call; valid until the next call of this function on this thread. */
 const char *last_error(void);
 
-/* `size` bytes that end where a page begins that nobody may touch. Freed by guarded_free. */
+/* `size` bytes right before a protected page. Freed by guarded_free. */
 void *guarded(size_t size);
 void guarded_free(void *bytes, size_t size);
 
 /* A CameraInfo of this size with one focal length of 500 px and its centre in the middle. */
 RcsCameraInfo pinhole(uint32_t width, uint32_t height);
 
-/* The same with a plumb_bob lens. */
+/* A CameraInfo like `pinhole`, with a plumb_bob lens. */
 RcsCameraInfo bent(uint32_t width, uint32_t height);
 
 void test_texts(void);

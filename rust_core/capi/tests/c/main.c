@@ -1,4 +1,4 @@
-/* Calls everything of the C interface as a program would, and as none should. */
+/* Calls the whole C interface correctly and incorrectly. */
 #include "check.h"
 
 #include <sys/mman.h>

@@ -1,4 +1,4 @@
-/* When pictures are due, and how long they took. */
+/* Pacing and statistics. */
 #include "check.h"
 
 #include <math.h>
@@ -33,13 +33,13 @@ void test_pacing(void)
   CHECK(abs(pictures(camera, 30, 400000 * MS) - 300) <= 1);
   CHECK(pictures(camera, INFINITY, 500000 * MS) == 300);
   CHECK(pictures(camera, 1e-40F, 600000 * MS) == 1);
-  /* Triggered, with nobody watching and no rate. */
+  /* Triggered, without subscribers and rate. */
   rcs_camera_set_frame_rate(camera, 0);
   rcs_camera_trigger(camera);
   CHECK(rcs_camera_due(camera, 700000 * MS, false) && rcs_camera_due(camera, 700001 * MS, true));
   rcs_camera_begin(camera, 700001 * MS);
   CHECK(!rcs_camera_due(camera, 700002 * MS, true));
-  /* Clocks that leap. */
+  /* Clocks that jump. */
   rcs_camera_set_frame_rate(camera, 10);
   const uint64_t times[] = { UINT64_MAX, 0, UINT64_MAX - 1, 5, UINT64_MAX };
   for (size_t i = 0; i < 5; ++i)

@@ -1,4 +1,4 @@
-/* Pixels to the bytes of an image, with and without a lens, and lengths that do not fit. */
+/* Conversion of pixels, with and without a lens, and invalid lengths. */
 #include "check.h"
 
 enum
@@ -137,14 +137,14 @@ static void test_lengths(RcsCamera *camera)
               "overlaps");
   for (size_t i = 0; i < out_length; ++i)
     CHECK(out[i] == 99);
-  /* A length that claims more than is needed is not believed. */
+  /* A claimed length beyond the needed one is not read. */
   pixels.length = SIZE_MAX;
   CHECK(rcs_camera_encode(camera, &pixels, RCS_ENCODING_RGB8, BACKGROUND, out, out_length) == RCS_RESULT_BAD_LENGTH);
   guarded_free(data, length);
   guarded_free(out, out_length);
 }
 
-/* What a lens shows of an even surface is that surface. */
+/* A lens does not change an even surface. */
 static void test_lens(RcsCamera *camera)
 {
   const RcsCameraInfo info = bent(64, 48);

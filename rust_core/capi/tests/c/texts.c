@@ -20,13 +20,13 @@ static void test_encodings(void)
     CHECK(rcs_encoding_bytes_per_pixel((RcsEncoding)numbers[i]) == 0);
   }
   RcsEncoding untouched = RCS_ENCODING_BGRA8;
-  CHECK_FAILS(rcs_encoding_from_name("yuv422", &untouched), RCS_RESULT_BAD_VALUE, "'yuv422' is no encoding");
+  CHECK_FAILS(rcs_encoding_from_name("yuv422", &untouched), RCS_RESULT_BAD_VALUE, "unknown encoding 'yuv422'");
   CHECK_FAILS(rcs_encoding_from_name(NULL, &untouched), RCS_RESULT_NULL_POINTER, "name is NULL");
   CHECK_FAILS(rcs_encoding_from_name("rgb8", NULL), RCS_RESULT_NULL_POINTER, "encoding is NULL");
   CHECK(untouched == RCS_ENCODING_BGRA8);
 }
 
-/* Texts are cut where they must be, and where a character ends. */
+/* Long texts are cut at the end of a character. */
 static void test_buffers(void)
 {
   RcsEncoding encoding = RCS_ENCODING_RGB8;
