@@ -142,7 +142,8 @@ pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
     String::from_utf8(options.read(path).ok()?).ok()
 }
 
-/// Reads a file that the user has named, in any folder: a regular file of at most `max_bytes`. Does not block on a FIFO.
+/// Reads a file that the user has named, in any folder: a regular file of at most `max_bytes`. Does not block on a
+/// FIFO.
 ///
 /// # Errors
 /// The system's errors, and files that are not regular or too large.

@@ -189,8 +189,8 @@ impl MeshStore {
         })
     }
 
-    /// Loads meshes in parallel. Unless the store loads in the background, [`MeshStore::mesh`] then returns each of them,
-    /// or its error, at once.
+    /// Loads meshes in parallel. Unless the store loads in the background, [`MeshStore::mesh`] then returns each of
+    /// them, or its error, at once.
     pub fn load_all<'a>(&self, urls: impl IntoIterator<Item = &'a str>, retry: Retry) {
         let mut urls: Vec<&str> = urls.into_iter().collect();
         urls.sort_unstable();

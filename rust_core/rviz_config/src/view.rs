@@ -66,8 +66,8 @@ properties! {
     }
 }
 
-/// The names of axes in a config, with yaw and pitch in radians along them. Once the user has turned the camera, the axis
-/// is saved as "arbitrary", and rviz starts from -Z, as it does for an unknown name.
+/// The names of axes in a config, with yaw and pitch in radians along them. Once the user has turned the camera, the
+/// axis is saved as "arbitrary", and rviz starts from -Z, as it does for an unknown name.
 const FRAME_AXES: [(&str, [f32; 2]); 7] = [
     ("-z axis", [0.0, FRAC_PI_2]),
     ("arbitrary", [0.0, FRAC_PI_2]),

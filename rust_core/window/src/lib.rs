@@ -1,8 +1,8 @@
 //! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
 //!
 //! [`run`] opens the window on the calling thread and returns when the user presses Escape or q, closes it, or
-//! [`PictureSink::close`] is called. Other threads pass pictures to the sink; only the newest is kept, and the window is
-//! drawn when a new picture arrives or the window system requests it. [`run_interactive`] also reports keys and the
+//! [`PictureSink::close`] is called. Other threads pass pictures to the sink; only the newest is kept, and the window
+//! is drawn when a new picture arrives or the window system requests it. [`run_interactive`] also reports keys and the
 //! monitor, for programs that draw to its size; [`run_with`] can be called again when the window system was restarted.
 //!
 //! Nothing is scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v): all

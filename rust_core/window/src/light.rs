@@ -46,8 +46,8 @@ pub struct WindowPermit {
     pub paused: LightLimit,
     /// Limit of test pictures.
     pub test: LightLimit,
-    /// Scene number. A paused picture stays only while it is that of the newest picture; otherwise the pause goes on with
-    /// the newest one.
+    /// Scene number. A paused picture stays only while it is that of the newest picture; otherwise the pause goes on
+    /// with the newest one.
     pub scene: u64,
 }
 

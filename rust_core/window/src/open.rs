@@ -25,8 +25,8 @@ pub fn run(options: &WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(
     })
 }
 
-/// Opens the window and shows the sink's pictures until it is closed, as [`run`] does. `handle` is called on this thread
-/// for each event; it must not block.
+/// Opens the window and shows the sink's pictures until it is closed, as [`run`] does. `handle` is called on this
+/// thread for each event; it must not block.
 ///
 /// # Errors
 /// As for [`run`].

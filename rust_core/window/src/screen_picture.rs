@@ -1,11 +1,11 @@
 //! A received picture in the format of the window's surface.
 //!
 //! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`. It is made from the fields of a `sensor_msgs/Image`, in any
-//! [`Encoding`] of a camera stream. Alpha is dropped, as in `image_view`. Sixteen bits of grey become eight with rounding,
-//! so an eight-bit picture widened to sixteen bits comes back exactly.
+//! [`Encoding`] of a camera stream. Alpha is dropped, as in `image_view`. Sixteen bits of grey become eight with
+//! rounding, so an eight-bit picture widened to sixteen bits comes back exactly.
 //!
-//! [`ScreenPicture::draw_unscaled`] copies it to a surface of any size: picture pixel (u, v) is surface pixel (u, v), the
-//! rest is cropped or black.
+//! [`ScreenPicture::draw_unscaled`] copies it to a surface of any size: picture pixel (u, v) is surface pixel (u, v),
+//! the rest is cropped or black.
 
 use rcs_scene::{Encoding, Picture};
 
@@ -251,7 +251,8 @@ impl ScreenPicture {
         (self.width_px, self.height_px)
     }
 
-    /// Copies the picture to the top left of a surface `surface_width_px` wide, without scaling. The rest becomes black.
+    /// Copies the picture to the top left of a surface `surface_width_px` wide, without scaling. The rest becomes
+    /// black.
     pub fn draw_unscaled(&self, surface: &mut [u32], surface_width_px: u32) {
         if surface_width_px == 0 {
             return;

@@ -140,7 +140,8 @@ impl PictureSink {
         lock(&self.0.newest).take().map(|(picture, _)| picture)
     }
 
-    /// Time since which a picture waits for the window. An open window takes each at once, unless its display server hangs.
+    /// Time since which a picture waits for the window. An open window takes each at once, unless its display server
+    /// hangs.
     pub fn waiting_since(&self) -> Option<Instant> {
         lock(&self.0.newest).as_ref().map(|(_, since)| *since)
     }

@@ -1,8 +1,8 @@
 //! The window's monitor: its mode, position and presence, and keeping the window over it. Shared by all window systems.
 //!
 //! A window system needs a moment to place a new window. Later the monitor may change its mode, or vanish and come back
-//! (a projector that is switched off and on), and window managers then leave the window on another monitor. The window is
-//! checked often at first and every two seconds later.
+//! (a projector that is switched off and on), and window managers then leave the window on another monitor. The window
+//! is checked often at first and every two seconds later.
 
 use std::time::{Duration, Instant};
 

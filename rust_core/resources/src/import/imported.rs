@@ -22,8 +22,8 @@ pub(crate) struct MeshSource<'a> {
 }
 
 impl MeshSource<'_> {
-    /// The path of a file beside the mesh. rviz puts a slash between folder and name, so an absolute name is searched for
-    /// there as well.
+    /// The path of a file beside the mesh. rviz puts a slash between folder and name, so an absolute name is searched
+    /// for there as well.
     pub(crate) fn beside(&self, name: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(name.trim_start_matches('/'))
     }
@@ -95,9 +95,9 @@ impl Polygons {
     }
 }
 
-/// A material as Assimp reports it, before rviz converts it. Without opacity: rviz requests it by a key (`$clr.opacity`)
-/// that Assimp never had (`$mat.opacity`), so all materials of files are opaque in rviz. Without ambient and specular
-/// colours: the ambient light of rviz's scene and the specular part of its light are black.
+/// A material as Assimp reports it, before rviz converts it. Without opacity: rviz requests it by a key
+/// (`$clr.opacity`) that Assimp never had (`$mat.opacity`), so all materials of files are opaque in rviz. Without
+/// ambient and specular colours: the ambient light of rviz's scene and the specular part of its light are black.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSpec {
     pub(crate) diffuse: [f32; 3],

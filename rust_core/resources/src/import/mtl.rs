@@ -45,8 +45,8 @@ impl NamedMaterial {
     }
 }
 
-/// Adds a file's materials to `materials`, or changes those of the same name; `defined` is called with the index of each
-/// and whether it is new.
+/// Adds a file's materials to `materials`, or changes those of the same name; `defined` is called with the index of
+/// each and whether it is new.
 pub(super) fn read(text: &str, materials: &mut Vec<NamedMaterial>, mut defined: impl FnMut(usize, bool)) {
     let mut current: Option<usize> = None;
     for line in text.lines() {

@@ -1,8 +1,9 @@
 //! STL, binary and text.
 //!
-//! As in Assimp: a file is binary when its size matches the triangle count in its header, even if the header begins with
-//! "solid"; the normals are the file's, one for each face, unless one of them is zero or not a number; colours are not
-//! used. Each `solid` of a text file is a part. Beyond Assimp, bytes after a binary file's last triangle are ignored.
+//! As in Assimp: a file is binary when its size matches the triangle count in its header, even if the header begins
+//! with "solid"; the normals are the file's, one for each face, unless one of them is zero or not a number; colours are
+//! not used. Each `solid` of a text file is a part. Beyond Assimp, bytes after a binary file's last triangle are
+//! ignored.
 
 use super::{
     imported::{without_byte_order_mark, Faces, Imported, Polygons},

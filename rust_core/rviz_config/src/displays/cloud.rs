@@ -1,6 +1,6 @@
-//! Displays that draw their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single values
-//! (FluidPressure, Illuminance, RelativeHumidity, Temperature), which have other defaults. Points are drawn in one of
-//! five styles and coloured in one of six ways.
+//! Displays that draw their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single
+//! values (FluidPressure, Illuminance, RelativeHumidity, Temperature), which have other defaults. Points are drawn in
+//! one of five styles and coloured in one of six ways.
 //!
 //! A cloud that does not fit the chosen colour transformer is coloured by another, so the settings of all of them are
 //! read. The only position transformer of rviz is `XYZ`, which every cloud that can be drawn fits.

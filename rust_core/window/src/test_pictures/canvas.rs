@@ -1,7 +1,7 @@
 //! A grey picture to draw on: rectangles, lines, discs and text, clipped at the edges.
 //!
-//! Pixel (u, v) is the square around (u, v), so lines and rectangles with whole coordinates are exact; discs and text are
-//! antialiased.
+//! Pixel (u, v) is the square around (u, v), so lines and rectangles with whole coordinates are exact; discs and text
+//! are antialiased.
 
 use rcs_scene::{letters, Encoding, Picture, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 

@@ -14,7 +14,8 @@ pub(crate) use layout::identification;
 /// A test picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TestPicture {
-    /// Lines with their coordinates: the projected position of each pixel. Straight on a plane unless the lens distorts.
+    /// Lines with their coordinates: the projected position of each pixel. Straight on a plane unless the lens
+    /// distorts.
     Grid,
     /// Squares: sharpness and scaling.
     Checkerboard,

@@ -1,5 +1,5 @@
-//! The keyboard's layout from a compositor's text (XKB text format, version 1, as libxkbcommon writes it): the symbols of
-//! each key, without and with shift, of the first layout.
+//! The keyboard's layout from a compositor's text (XKB text format, version 1, as libxkbcommon writes it): the symbols
+//! of each key, without and with shift, of the first layout.
 //!
 //! There is no binding to libxkbcommon without `unsafe`, and a program linked with it would not start without it.
 

@@ -1,4 +1,5 @@
-//! The current monitors of an X server: RandR's outputs, virtual monitors (`xrandr --setmonitor`), and Xinerama's heads.
+//! The current monitors of an X server: RandR's outputs, virtual monitors (`xrandr --setmonitor`), and Xinerama's
+//! heads.
 
 use x11rb::connection::RequestConnection;
 use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo as MonitorReply};
@@ -9,8 +10,8 @@ use super::session::X11Session;
 use crate::monitor::MonitorInfo;
 
 impl X11Session {
-    /// All current monitors: the outputs of RandR and the virtual monitors; or, where several screens are one desktop by
-    /// Xinerama, its heads. Empty without both extensions.
+    /// All current monitors: the outputs of RandR and the virtual monitors; or, where several screens are one desktop
+    /// by Xinerama, its heads. Empty without both extensions.
     pub(crate) fn monitors(&self) -> Vec<MonitorInfo> {
         let mut monitors = self.outputs().unwrap_or_default();
         for monitor in self.named_monitors().unwrap_or_default() {

@@ -1,5 +1,5 @@
-//! Layout of colours in a pixel of 32 bits, by the masks of the root window's visual: eight bits each on most screens, ten
-//! on screens of depth 30.
+//! Layout of colours in a pixel of 32 bits, by the masks of the root window's visual: eight bits each on most screens,
+//! ten on screens of depth 30.
 
 use x11rb::protocol::xproto::{Screen, VisualClass};
 

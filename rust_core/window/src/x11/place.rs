@@ -1,8 +1,8 @@
 //! Placing the window on its monitor.
 //!
-//! A window manager that supports EWMH makes the window full screen, on the monitor on which it lies. Without one, and on
-//! a monitor that window managers do not know (a virtual one, or one of Xinerama's heads), the window places itself: it
-//! has exactly the monitor's position and size, and is not offered to a manager (override-redirect).
+//! A window manager that supports EWMH makes the window full screen, on the monitor on which it lies. Without one, and
+//! on a monitor that window managers do not know (a virtual one, or one of Xinerama's heads), the window places itself:
+//! it has exactly the monitor's position and size, and is not offered to a manager (override-redirect).
 
 use x11rb::connection::Connection;
 use x11rb::cookie::VoidCookie;
