@@ -49,7 +49,7 @@ def sizes(text):
 
 
 def parse():
-    """What was given, with all defaults filled in."""
+    """The arguments of the command line, with defaults."""
     parser = argparse.ArgumentParser(prog='bench', description=DESCRIPTION, epilog=EXIT_STATUS, allow_abbrev=False)
     parser.add_argument('--programs', default='.', help=argparse.SUPPRESS)
     parser.add_argument('--only', type=one_of(SECTIONS), default=SECTIONS, metavar='A,B',

@@ -46,7 +46,7 @@ def report_folder(text):
 
 
 def parse():
-    """What was given, with all defaults filled in."""
+    """The arguments of the command line, with defaults."""
     parser = argparse.ArgumentParser(prog='soak', description=DESCRIPTION, epilog=EXIT_STATUS, allow_abbrev=False)
     parser.add_argument('--hours', type=positive, required=True, help='duration; 0.05 are three minutes')
     parser.add_argument('--seed', type=int, help='seed of all random choices [default: a random one, which is printed]')

@@ -19,7 +19,7 @@ class Serialized:
 
 
 def serialized(message):
-    """The same message as its bytes."""
+    """A message as bytes."""
     out = io.BytesIO()
     message.serialize(out)
     return of_bytes(message, out.getvalue())

@@ -24,7 +24,7 @@ def proxy(uri):
 
 
 def master_call(uri, method, *arguments):
-    """What the master answers; OSError if it refuses."""
+    """The master's answer; OSError if it refuses."""
     code, message, value = getattr(proxy(uri), method)(NAME, *arguments)
     if code != 1:
         raise OSError(message)

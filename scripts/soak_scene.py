@@ -453,7 +453,7 @@ def generator(seed, topic):
 
 
 def check_messages(source, seed, stamp):
-    """What a picture check publishes on a topic."""
+    """The messages of an image check on a topic."""
     rng = generator(seed, source.topic)
     if source.kind is MarkerArray:
         first = Marker(action=3)

@@ -62,6 +62,6 @@ def normalise(tree, moment):
 
 
 def size_bytes(tree):
-    """What the tree's files take, each rounded up to a kilobyte as `Installed-Size` counts them."""
+    """The size of the tree's files, each rounded up to a kilobyte as `Installed-Size` counts them."""
     return sum(1024 if path.is_dir() or path.is_symlink() else -(-path.stat().st_size // 1024) * 1024
                for path in tree.rglob('*'))

@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def parse():
-    """What was given, with all defaults filled in."""
+    """The arguments of the command line, with defaults."""
     target = ROOT / os.environ.get('CARGO_TARGET_DIR', 'target')
     parser = argparse.ArgumentParser(prog='tests/compare_live', description=DESCRIPTION, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)

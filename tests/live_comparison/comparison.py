@@ -15,7 +15,7 @@ from .stage import RVIZ
 
 # The lowest share of close pixels that passes.
 MIN_CLOSE = 0.98
-# So many pixels may differ in any picture, which counts in those of less than a hundred.
+# Pixels that may differ in any image: the limit of those with less than a hundred.
 FEW_PIXELS = 2
 # How long pictures that differ may go on to differ, once both stand still and while one of them still changes.
 DIFFERENT_SECS = 30.0

@@ -41,7 +41,7 @@ class Frame:
 
 
 class Scene:
-    """What a seed gives: `displays` for the config, `steps` of (topic, message), `cameras`, `parameters`."""
+    """The scene of a seed: `displays` for the config, `steps` of (topic, message), `cameras`, `parameters`."""
 
     def __init__(self, seed, start_secs):
         self.seed = seed

@@ -1,4 +1,4 @@
-"""What a camera needs and publishes: its frame, its CameraInfo, its pictures."""
+"""The topics of a camera: its frame, its CameraInfo, its images."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What the display offers in rviz, and that each property does what it says."""
+"""The properties of the display in rviz, and the effect of each."""
 
 import pathlib
 import unittest

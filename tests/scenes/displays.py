@@ -69,7 +69,7 @@ def group(name, *displays, enabled=True):
 
 
 def all_visible(displays):
-    """What a CameraPub's Visibility says when it shows every display."""
+    """The Visibility of a CameraPub that draws every display."""
     visible = {"Value": True}
     for each in displays:
         if each["Class"] == "rviz/Group":

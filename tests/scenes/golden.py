@@ -31,7 +31,7 @@ def case_names():
 
 
 def differences(name):
-    """What the files of a case say differently from its scene: a dict of file and sentence."""
+    """Differences between a case's files and its scene: a dict of file and sentence."""
     made, folder, found = scene.make(name), CASES / name, {}
     pairs = {
         "scene.rviz": lambda file: files.difference_of_values(made.config(), files.read_yaml(file)),

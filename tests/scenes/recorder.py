@@ -37,7 +37,7 @@ CHANNELS = {"rgb8": "RGB", "rgba8": "RGBA", "bgr8": "BGR", "bgra8": "BGRA", "mon
 
 
 class Picture(NamedTuple):
-    """What was published: `pixels` is height × width × 3 (RGB) of 8 bits, or height × width of 8 or 16 bits."""
+    """A published image: `pixels` is height × width × 3 (RGB) of 8 bits, or height × width of 8 or 16 bits."""
 
     pixels: numpy.ndarray
     encoding: str

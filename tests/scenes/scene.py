@@ -1,4 +1,4 @@
-"""What a golden case is made of: displays, messages, a camera, and what `case.yaml` says of it.
+"""The scene of a golden case: displays, messages, a camera, and the entries of `case.yaml`.
 
 A case is a function with the case's name, decorated with `case`, in one of the modules of `subjects`. It receives a Scene to
 fill; its docstring is the case's `about`.

@@ -13,7 +13,7 @@ CLOSE_LEVELS = 16
 
 
 class Scores(NamedTuple):
-    """What a comparison found.
+    """The result of a comparison.
 
     different: how many pixels are not equal; largest: difference of a channel; strict, close: shares of the content pixels;
     content: how many content pixels there are.

@@ -94,7 +94,7 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
 
 
 def written(message):
-    """The same message as bytes that are made once, for large ones that are sent very often."""
+    """A message serialised once, for large ones that are sent very often."""
 
     class Written(type(message)):
         def serialize(self, buff):

@@ -1,4 +1,4 @@
-"""What the camera shows: its Visibility, groups, displays that are off, two cameras."""
+"""Displays that a camera draws: its Visibility, groups, displays that are off, two cameras."""
 
 import math
 
