@@ -67,8 +67,8 @@ pub(super) fn read(folder: &Path) -> Result<Capture, Failure> {
 
 /// Decodes a capture; its problems are logged or, if the result would be wrong, refused.
 pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded, Failure> {
-    let patterns: Vec<Pattern> = capture.pictures.iter().map(|picture| picture.pattern).collect();
-    let levels = capture.pictures.iter().map(|picture| picture.grey.as_slice()).collect();
+    let images = capture.pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice()));
+    let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = images.unzip();
     let pictures = Pictures { size_px: capture.image_size_px(), patterns: &patterns, levels };
     let decoded = decode(&pictures, capture.projector_size_px)
         .map_err(|error| Failure::Unreadable(anyhow::anyhow!("{}: {error}", folder.display())))?;

@@ -177,9 +177,6 @@ impl ScanArguments {
     }
 
     /// Checks before the scan that its files can be written.
-    ///
-    /// # Errors
-    /// [`Failure::Unreadable`].
     fn check_files(&self) -> Result<(), Failure> {
         check_folder(&self.output)?;
         if self.output.exists() && !self.output.is_dir() {

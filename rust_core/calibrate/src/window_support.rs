@@ -12,9 +12,6 @@ use rcs_window::{MonitorInfo, PictureSink};
 const END_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Starts a thread with a name.
-///
-/// # Errors
-/// There is no thread left.
 pub(super) fn spawn<T: Send + 'static>(
     name: &str,
     work: impl FnOnce() -> T + Send + 'static,

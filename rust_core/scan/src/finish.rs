@@ -82,8 +82,8 @@ impl ScanImages<'_> {
     }
 
     fn decode(&self) -> Result<Decoded, ScanFailure> {
-        let patterns: Vec<Pattern> = self.pictures.iter().map(|picture| picture.pattern).collect();
-        let levels = self.pictures.iter().map(|picture| picture.grey.as_slice()).collect();
+        let images = self.pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice()));
+        let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = images.unzip();
         let pictures = Pictures { size_px: self.lens.size_px, patterns: &patterns, levels };
         decode(&pictures, self.projector_px).map_err(|error| {
             if self.is_complete {
@@ -137,9 +137,8 @@ pub(crate) fn check_keystone(
     warn: &mut dyn FnMut(&str),
 ) -> Result<(), ScanFailure> {
     let is_coarse = |picture: &&PatternPicture| orientation::is_coarse(&picture.pattern, KEYSTONE_BITS);
-    let coarse: Vec<&PatternPicture> = pictures.iter().filter(is_coarse).collect();
-    let patterns: Vec<Pattern> = coarse.iter().map(|picture| picture.pattern).collect();
-    let levels = coarse.iter().map(|picture| picture.grey.as_slice()).collect();
+    let coarse = pictures.iter().filter(is_coarse).map(|picture| (picture.pattern, picture.grey.as_slice()));
+    let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = coarse.unzip();
     let pictures = Pictures { size_px: camera.size_px, patterns: &patterns, levels };
     match Keystone::find(&pictures, &depth.depth_m(), camera, projector_px) {
         Some(Keystone::Skewed(reason)) => return Err(ScanFailure::Keystone(reason)),

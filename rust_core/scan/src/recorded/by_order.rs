@@ -35,7 +35,7 @@ pub(crate) fn find(
         if let Some(row) = found.next() {
             if let Some(other) = found.next() {
                 let [one, other] = [row, other].map(|row| timeline.time(row[0].frames.start));
-                return Err(PatternSequenceError::Ambiguous { one, other });
+                return Err(PatternSequenceError::Ambiguous(one, other));
             }
             let shown = row.iter().map(|segment| segment.frames.clone());
             return Ok(PatternSequence {

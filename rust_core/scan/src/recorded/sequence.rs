@@ -69,18 +69,13 @@ pub enum PatternSequenceError {
         /// Number of patterns.
         patterns: usize,
     },
-    /// The patterns may begin in several places.
+    /// The patterns may begin at either of these times.
     #[error(
         "the patterns may begin {:.1} s or {:.1} s after the recording does: skip what comes before with --start, or \
          show them with projector_calibrate show --patterns DIR --seconds 1 --pause 0.5",
-        one.as_secs_f64(), other.as_secs_f64()
+        .0.as_secs_f64(), .1.as_secs_f64()
     )]
-    Ambiguous {
-        /// Time of the first place.
-        one: Duration,
-        /// Time of the second place.
-        other: Duration,
-    },
+    Ambiguous(Duration, Duration),
     /// Patterns are missing on the topic.
     #[error(
         "{missing} of the {patterns} patterns are not among the {shown} pictures on the topic of --show-on: give the \

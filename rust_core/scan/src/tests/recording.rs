@@ -221,7 +221,7 @@ fn patterns_in_another_order_are_refused() {
 fn two_shows_are_refused_unless_the_first_is_skipped() {
     let twice = [in_order(), in_order()].concat();
     let failure = Recording::of(Faults::default(), &twice).without_topic().failure();
-    let ScanFailure::Sequence(PatternSequenceError::Ambiguous { one, other }) = failure else { panic!("{failure}") };
+    let ScanFailure::Sequence(PatternSequenceError::Ambiguous(one, other)) = failure else { panic!("{failure}") };
     assert!(one > SECOND / 2 && other > one + 15 * SECOND, "{one:?} {other:?}");
     let failure = Recording::of(Faults::default(), &[with_marks(), with_marks()].concat()).without_topic().failure();
     assert!(matches!(failure, ScanFailure::Sequence(PatternSequenceError::BetweenMarks { .. })), "{failure}");
