@@ -9,12 +9,12 @@ mod config_file;
 pub mod light_arguments;
 mod new_camera;
 pub mod offline;
-pub mod outputs;
+mod outputs;
 pub mod prediction;
 mod private_parameters;
 mod projection_warning;
 mod runtime;
-pub mod safety;
+mod safety;
 pub mod scene;
 mod window_arguments;
 
@@ -34,6 +34,10 @@ use crate::config_file::find_config;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::safety::names::ForCamera;
 use crate::scene::SceneState;
+
+pub use outputs::window_permit;
+pub use safety::light_mask;
+pub use safety::permit::Permit;
 
 /// Default name of the node.
 const NODE_NAME: &str = "camera_stream";

@@ -32,7 +32,8 @@ use rcs_scene::lock;
 use format::{Format, LogFields};
 use lines::LineQueue;
 use panics::while_logging;
-use throttle::{cause_of, Suppressed, Throttle};
+pub use throttle::without_numbers;
+use throttle::{Suppressed, Throttle};
 
 /// Prefix of this project's crates.
 const OWN_CRATES: &str = "rcs_";
@@ -394,7 +395,7 @@ impl Console {
             return self.print(&owned());
         }
         let place = (record.file().unwrap_or_default(), record.line().unwrap_or_default());
-        let cause = cause.map_or_else(|| cause_of(&text), str::to_owned);
+        let cause = cause.map_or_else(|| without_numbers(&text), str::to_owned);
         let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), owned);
         match admitted {
             Some(0) => self.print(&owned()),

@@ -1,7 +1,7 @@
 //! Rate limit of the log: one line a second for each cause, with the number of suppressed ones.
 //!
 //! Two lines have the same cause if the same place in the program logged them and they differ in numbers only, see
-//! [`cause_of`]. Other lines of one call site are limited to [`MOST_OF_A_SITE`] a second, because names can be made up.
+//! [`without_numbers`]. Other lines of one call site are limited to [`MOST_OF_A_SITE`] a second, because names can be made up.
 
 use std::collections::hash_map::DefaultHasher;
 use std::collections::HashMap;
@@ -54,7 +54,7 @@ fn hash(value: impl Hash) -> u64 {
 }
 
 /// A line without its numbers.
-pub(crate) fn cause_of(text: &str) -> String {
+pub fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
@@ -145,7 +145,7 @@ mod tests {
 
         fn log(&mut self, secs: f64, line: u32, text: &str) -> Option<u64> {
             let at = self.at(secs);
-            self.throttle.admit(("a.rs", line), &cause_of(text), at, || text.to_owned())
+            self.throttle.admit(("a.rs", line), &without_numbers(text), at, || text.to_owned())
         }
 
         fn suppressed(&mut self, secs: f64) -> Vec<(String, u64)> {

@@ -1,7 +1,7 @@
 //! Messages of every type, and the requests of services; images also as the projector's window shows them and as masks
 //! of its light, clouds also as surfaces that projectors light.
 
-use rcs_camera_stream::safety::light_mask;
+use rcs_camera_stream::light_mask;
 use rcs_messages::{dynamic_reconfigure, roscpp, std_srvs, AnyMessage, Image, MessageKind, RosMsg, ServicePair};
 use rcs_window::{ReceivedPicture, ScreenPicture};
 

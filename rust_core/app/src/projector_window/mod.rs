@@ -14,8 +14,7 @@ use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
 use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
-use rcs_camera_stream::outputs::window_permit;
-use rcs_camera_stream::safety::permit::Permit;
+use rcs_camera_stream::{window_permit, Permit};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
 use rcs_node_support::window_watch::WindowWatch;

@@ -14,7 +14,7 @@ pub(crate) mod causes;
 mod eyes;
 mod mask_image;
 pub(crate) mod names;
-pub mod permit;
+pub(crate) mod permit;
 pub(crate) mod read_rules;
 pub(crate) mod rules;
 pub(crate) mod status;

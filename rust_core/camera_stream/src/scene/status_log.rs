@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use rcs_displays::{Level, StatusCause, Statuses};
-use rcs_logging::log_status;
+use rcs_logging::{log_status, without_numbers};
 use rcs_transforms::Time;
 
 use crate::scene::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
@@ -51,11 +51,6 @@ struct StatusHistory {
     /// Time of the last logged problem.
     logged_at: Option<Time>,
     silence_secs: f64,
-}
-
-/// Two texts are the same problem if they differ only in their numbers, which are times and positions.
-fn without_numbers(text: &str) -> String {
-    text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
 /// The key under which statuses are limited together in the log: the display and the problem without its numbers. The
@@ -166,6 +161,7 @@ impl StatusHistory {
                 && (is_end || lasted_secs >= OK_PATIENCE_SECS)
                 && self.logged.take().is_some();
         }
+        // Numbers are times and positions.
         let problem = without_numbers(text);
         if self.logged.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs) {
             return false;
