@@ -1,13 +1,14 @@
 //! The launch files: which nodes they start, and that these publish pictures.
 
+use std::collections::BTreeSet;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 use std::sync::{LazyLock, Mutex};
 
-use rcs_tests::programs::repository;
+use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 
 use crate::{bash_command, printed_by, succeed, target};
 
@@ -135,8 +136,9 @@ fn the_papers_samples_are_started_by_their_arguments() {
 fn an_unknown_viewer_is_refused() {
     let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
     let output = crate::bash(&script);
-    let error = "viewer:=mirror: there are projector_window, window, image_view and none";
+    let error = "No such file or directory: '";
     assert!(printed_by(&output).contains(error), "{}", printed_by(&output));
+    assert!(printed_by(&output).contains("/launch/viewers/mirror.launch'"), "{}", printed_by(&output));
     assert!(!printed_by(&output).contains("/camera_stream"), "{}", printed_by(&output));
     // The error, and where roslaunch's own log is.
     let lines = printed_by(&output).lines().filter(|line| !line.trim().is_empty()).count();
@@ -197,47 +199,104 @@ fn the_fetch_takes_and_passes_on_every_argument_of_the_projection() {
     }
 }
 
-/// The command line with which a launch file starts a node.
-fn command_line(node: &str, launch: &str) -> String {
-    roslaunch(&format!("--args {node} rviz_camera_stream {launch}"))
+/// The options of `camera_stream` when a launch file has started it, as the node logs them, and its warnings of old
+/// spellings.
+fn effective_options(launch: &str) -> (BTreeSet<String>, usize) {
+    const BEGIN: &str = "options: ";
+    let master = RosMaster::start().unwrap();
+    let launched = Launched::start(&master, &format!("{launch} renderer:=cpu"));
+    let line = || launched.roslaunch.errors().into_iter().find(|line| line.contains(BEGIN));
+    assert!(wait_until(PATIENCE, || line().is_some()), "{launch}: {:?}", launched.roslaunch.errors());
+    let line = line().unwrap();
+    let words = line.split_once(BEGIN).unwrap().1.split(" --").skip(1).map(|word| format!("--{}", word.trim_end()));
+    let warnings = launched.roslaunch.errors().iter().filter(|line| line.contains(" is an old ")).count();
+    // The terminal's colour ends behind the line.
+    (words.map(|word| word.split('\x1b').next().unwrap().to_owned()).collect(), warnings)
 }
 
+fn words(text: &str) -> BTreeSet<String> {
+    text.split_whitespace().map(str::to_owned).collect()
+}
+
+const DEFAULTS: &str =
+    "--blend=none --blend-gamma=2.2 --depth-encoding=32FC1 --fixed-frame=none --keep-out=none --lazy \
+                        --mask=none --mask-required --mask-topic=none --max-mesh-mb=512 --mesh-folder=none \
+                        --no-set-mode --orientation=0 --predict=none --predict-limit=0.1 --projection=exact \
+                        --renderer=cpu --screen-delay=0.02 --stale-note --stale-timeout=1 \
+                        --stale-timeouts=/move_base/NavfnROS/plan=held \
+                        --stale-timeouts=/visualization_marker_array=held --undistort --watch --window=none";
+
+/// Parameters outlive a launch: what one sets, the next must set as well.
 #[test]
-fn monitor_and_fixed_frame_are_options_only_if_they_are_given() {
-    for unset in ["", "monitor:=auto fixed_frame:=auto", "monitor:= fixed_frame:="] {
-        assert!(!command_line("/projector_window", &format!("projection.launch {unset}")).contains("--monitor"));
-        assert!(!command_line("/camera_stream", &format!("projection.launch {unset}")).contains("--fixed-frame"));
+fn the_projection_sets_every_option_of_the_node() {
+    assert_eq!(effective_options("projection.launch viewer:=none sample_scene:=false"), (words(DEFAULTS), 0));
+    let help = std::process::Command::new(program("camera_stream")).arg("--help").output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let options = help.split("\nOptions:\n").nth(1).unwrap().split("\nOnly on").next().unwrap();
+    let option_lines = options.lines().filter(|line| line.len() - line.trim_start().len() <= 6);
+    let set = words(DEFAULTS);
+    for option in option_lines.filter_map(|line| line.split("--").nth(1)?.split([' ', '=']).next()) {
+        let name = option.strip_prefix("no-").unwrap_or(option);
+        let is_it =
+            |word: &String| word.trim_start_matches("--").trim_start_matches("no-").split('=').next() == Some(name);
+        assert!(["help", "version"].contains(&name) || set.iter().any(is_it), "{option}");
     }
-    assert!(command_line("/projector_window", "projection.launch monitor:=1").contains(" --monitor 1"));
-    assert!(command_line("/camera_stream", "fetch.launch fixed_frame:=odom").contains(" --fixed-frame odom"));
 }
 
 #[test]
-fn what_is_older_than_a_second_is_not_shown_unless_the_launch_file_is_told_otherwise() {
-    for launch in ["projection.launch", "fetch.launch"] {
-        let line = command_line("/camera_stream", launch);
-        assert!(line.contains(" --stale-timeout 1 ") && line.contains(" --stale-note"), "{line}");
-        assert!(line.contains(" --stale-timeout /move_base/NavfnROS/plan=held "), "{line}");
-        let off = command_line("/camera_stream", &format!("{launch} stale_timeout:=0 stale_timeouts:=none"));
-        assert_eq!(off.matches("--stale-timeout").count(), 1, "{off}");
-        assert!(off.contains(" --stale-timeout 0 "), "{off}");
-        let turned = command_line("/camera_stream", &format!("{launch} orientation:=mirrored-180"));
-        assert!(turned.contains(" --orientation mirrored-180 "), "{turned}");
+fn arguments_of_a_launch_file_become_the_nodes_options() {
+    let given = "fetch.launch viewer:=window monitor:=1 fixed_frame:=odom undistort:=false stale_timeout:=none \
+                 stale_timeouts:='[{topic: /map, limit: never}, {topic: /plan, limit: 2.5}]' stale_note:=false \
+                 orientation:=mirrored-180 mask_topic:=/people predict:=auto set_mode:=true \
+                 keep_out:='[{frame: head_1, radius: 0.25}, {frame: hand, radius: 1}]' mask:=/a=b.png \
+                 blend:='[{camera: Projector, file: /left.png}]'";
+    let expected = words(DEFAULTS);
+    let replaced = [
+        "--fixed-frame",
+        "--undistort",
+        "--stale",
+        "--orientation",
+        "--mask-topic",
+        "--predict=",
+        "--no-set",
+        "--keep-out",
+        "--mask=",
+        "--blend=",
+        "--window",
+    ];
+    let mut expected: BTreeSet<String> =
+        expected.into_iter().filter(|word| !replaced.iter().any(|begin| word.starts_with(begin))).collect();
+    expected.extend(words(
+        "--window=1 --fixed-frame=odom --no-undistort --stale-timeout=none --stale-timeouts=/map=never \
+         --stale-timeouts=/plan=2.5 --no-stale-note --orientation=mirrored-180 --mask-topic=/people --predict=auto \
+         --set-mode --keep-out=head_1=0.25 --keep-out=hand=1 --mask=/a=b.png --blend=Projector=/left.png",
+    ));
+    assert_eq!(effective_options(given).0, expected);
+}
+
+#[test]
+fn arguments_in_old_spellings_go_on_with_a_warning_each() {
+    let old = "projection.launch viewer:=none fixed_frame:=auto predict:=off keep_out:='head=0.3 hand=0.2' \
+               mask:=Projector=/window.png stale_timeouts:='/map=never /plan=held' stale_timeout:=0";
+    let (options, warnings) = effective_options(old);
+    let expected = "--fixed-frame=none --predict=none --keep-out=head=0.3 --keep-out=hand=0.2 \
+                    --mask=Projector=/window.png --stale-timeouts=/map=never --stale-timeouts=/plan=held \
+                    --stale-timeout=0";
+    assert!(words(expected).is_subset(&options), "{options:?}");
+    assert_eq!(warnings, 5);
+}
+
+#[test]
+fn windows_and_blending_are_parameters_of_each_projector() {
+    let blend = "two_projectors.launch sample_scene:=false \
+                 blend:='[{camera: Left, file: /l.png}, {camera: Right, file: /r.png}]'";
+    let options = effective_options(blend).0;
+    assert!(words("--blend=Left=/l.png --blend=Right=/r.png").is_subset(&options), "{options:?}");
+    let parameters =
+        roslaunch("--dump-params rviz_camera_stream two_projectors.launch left_monitor:=0 stale_timeout:=2");
+    for parameter in ["monitor: 0", "stale_timeout: 2", "topic: /left/image", "set_mode: false"] {
+        assert!(parameters.contains(&format!("/left_window/{parameter}\n")), "{parameters}");
     }
-}
-
-#[test]
-fn masks_keep_out_frames_and_shares_are_arguments_of_the_launch_files() {
-    let plain = command_line("/camera_stream", "projection.launch");
-    assert!(["--mask", "--keep-out", "--blend"].iter().all(|option| !plain.contains(option)), "{plain}");
-    let given = "mask_topic:=/people keep_out:='head=0.3 hand=0.2' mask:=/window.png blend:=/left.png";
-    let line = command_line("/camera_stream", &format!("fetch.launch {given}"));
-    let options = "--mask-topic /people --keep-out head=0.3 --keep-out hand=0.2 --mask /window.png --blend /left.png";
-    assert!(line.contains(options), "{line}");
-    let line = command_line("/camera_stream", "two_projectors.launch blend:='Left=/l.png Right=/r.png'");
-    assert!(line.contains(" --blend Left=/l.png --blend Right=/r.png"), "{line}");
-    let window = command_line("/left_window", "two_projectors.launch left_monitor:=0 stale_timeout:=2");
-    assert!(window.contains(" --stale-timeout 2"), "{window}");
 }
 
 #[test]

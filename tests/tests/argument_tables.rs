@@ -5,10 +5,6 @@
 use std::fs;
 use std::process::Command;
 
-use rcs_camera::{CameraModel, Projection};
-use rcs_camera_stream::light_arguments::{Gamma, StaleArgs};
-use rcs_camera_stream::prediction::PredictionSettings;
-use rcs_render::{Orientation, RendererChoice};
 use rcs_tests::programs::{program, repository};
 
 /// The rows of a node's table of arguments in the README, cell by cell.
@@ -46,35 +42,14 @@ fn option_of(line: &str) -> Option<&str> {
     is_option.then(|| text.split([' ', ',', '=']).find(|word| word.starts_with("--")))?
 }
 
-/// Options whose defaults are compared with nothing, and why.
-const NOT_COMPARED: [(&str, &str); 6] = [
-    ("--fixed-frame", "its default is the config's own, and the help names none"),
-    ("--no-lazy", "a flag; e2e/lazy_streams.rs runs the node with and without it"),
-    ("--set-mode", "a flag, of camera_stream"),
-    ("--no-watch", "a flag; e2e/settings.rs runs the node with and without it"),
-    ("--identify", "a flag with a value that may be left out"),
-    ("--set-mode", "a flag, of projector_window"),
-];
-
-/// The default of an option of the node, which its help does not name because a parameter may give it as well.
-fn default_in_settings(option: &str) -> Option<String> {
-    match option {
-        "--renderer" => Some(format!("{:?}", RendererChoice::default()).to_lowercase()),
-        "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
-        "--predict" => Some(format!("{:?}", PredictionSettings::default().lead).to_lowercase()),
-        "--undistort" => Some(CameraModel::default().undistort.to_string()),
-        "--blend-gamma" => Some(Gamma::default().0.to_string()),
-        "--stale-note" => Some(StaleArgs::default().stale_note.to_string()),
-        "--depth-encoding" => Some("32FC1".to_owned()),
-        "--orientation" => Some(Orientation::default().to_string()),
-        _ => None,
-    }
+/// Whether a program's help has a switch.
+fn has_switch(help: &str, option: &str) -> bool {
+    help.lines().any(|line| option_of(line) == Some(option) && line.trim_end().ends_with(option))
 }
 
 #[test]
 fn defaults_are_those_of_the_programs() {
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
-    let mut not_compared = Vec::new();
     for (node, section) in [
         ("camera_stream", "### `camera_stream"),
         ("projector", "### `projector FILE"),
@@ -88,8 +63,7 @@ fn defaults_are_those_of_the_programs() {
         for row in rows {
             let [names, _, written, ..] = &*row else { panic!("{node}: {row:?}") };
             for option in values(names).into_iter().filter(|name| name.starts_with("--")) {
-                let default = default_in_settings(option).or_else(|| default_in_help(&help, option));
-                match default {
+                match default_in_help(&help, option) {
                     Some(default) => {
                         let words: Vec<&str> = default.split([' ', ',']).collect();
                         let is_it = |value: &&str| *value == default || words.contains(value);
@@ -98,12 +72,17 @@ fn defaults_are_those_of_the_programs() {
                     None if ["required", "none"].contains(&&**written) => {
                         assert!(help.contains(&format!("{option} <")), "{node} has no {option}:\n{help}");
                     }
-                    None => not_compared.push(option.to_owned()),
+                    None if option == "--identify" => assert!(help.contains("--identify [<SECS>]"), "{help}"),
+                    // Help has the one of two switches that is not the default.
+                    None => {
+                        let switch =
+                            if written == "on" { option.replacen("--", "--no-", 1) } else { option.to_owned() };
+                        assert!(has_switch(&help, &switch), "{node} has no {switch}:\n{help}");
+                    }
                 }
             }
         }
     }
-    assert_eq!(not_compared, NOT_COMPARED.map(|(option, _)| option));
 }
 
 /// The options that a program's help explains, without --help; what follows are examples.

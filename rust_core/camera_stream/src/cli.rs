@@ -1,20 +1,16 @@
 //! The command line of `camera_stream`.
 
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
-use rcs_camera::{CameraModel, Projection};
 use rcs_files::picture_file::PictureFormat;
 use rcs_render::RendererChoice;
-use rcs_resources::ResourceOptions;
 
-use crate::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
-use crate::prediction::PredictionArgs;
-use crate::window_arguments::ScreenArgs;
+use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
+use rcs_node_support::node_options::COMMAND_LINE_ONLY;
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -31,74 +27,15 @@ pub struct Cli {
     /// The node's arguments.
     #[command(flatten)]
     pub node: NodeArgs,
-    /// What draws: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
-    #[arg(long, global = true, value_name = "auto|cpu|gpu")]
-    pub renderer: Option<RendererChoice>,
+    /// Renderer: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
+    #[arg(long, global = true, value_name = "auto|cpu|gpu", default_value = "auto")]
+    pub renderer: RendererChoice,
     /// How CameraInfos become pictures.
     #[command(flatten)]
     pub model: ModelArgs,
     /// Which mesh files may be read.
     #[command(flatten)]
     pub resources: ResourceArgs,
-}
-
-/// How CameraInfos become pictures.
-#[derive(Args, Clone, Copy, Debug, Default)]
-pub struct ModelArgs {
-    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly, which a projector needs
-    /// (rviz is half a pixel off, and more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror)
-    #[arg(long, global = true, value_enum)]
-    pub projection: Option<Projection>,
-    /// Bend the picture of a CameraInfo with D ≠ 0, so that it is right after the projector's lens; P is used exactly
-    /// then
-    #[arg(long, global = true)]
-    pub undistort: bool,
-}
-
-impl ModelArgs {
-    /// The model without a node's parameters.
-    pub fn chosen(&self) -> CameraModel {
-        CameraModel { projection: self.projection.unwrap_or_default(), undistort: self.undistort }
-    }
-}
-
-/// Sizes in MB that a mesh file can be limited to.
-pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
-
-/// Which mesh files, and files that these name, may be read.
-#[derive(Args, Clone, Debug, Default)]
-pub struct ResourceArgs {
-    /// The largest mesh or texture file that is read, 1 to 4096 [default: 512]
-    #[arg(long, global = true, value_name = "MB", value_parser = mesh_mb)]
-    pub max_mesh_mb: Option<u64>,
-    /// A folder whose meshes and textures may be read although it is in no ROS package; may be given several times
-    #[arg(long, global = true, value_name = "DIR")]
-    pub mesh_folder: Vec<PathBuf>,
-}
-
-impl ResourceArgs {
-    /// What a size must be.
-    pub const SIZE_RANGE: &'static str = "MB, a whole number from 1 to 4096";
-
-    /// The options for the store of meshes.
-    pub fn options(&self) -> ResourceOptions {
-        let default = ResourceOptions::default();
-        let max_file_bytes = self.max_mesh_mb.map_or(default.max_file_bytes, |size| size << 20);
-        ResourceOptions { max_file_bytes, folders: self.mesh_folder.clone() }
-    }
-
-    /// As [`options`](Self::options), for a program that a user runs with own files: meshes may lie beside these, too.
-    pub fn options_beside(&self, files: &[&Path]) -> ResourceOptions {
-        let mut options = self.options();
-        // A name without a folder is in the working directory.
-        let folder = |file: &&Path| match file.parent() {
-            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
-            Some(folder) => folder.to_owned(),
-            None => PathBuf::from("."),
-        };
-        options.folders.extend(files.iter().map(folder));
-        options
-    }
 }
 
 impl Cli {
@@ -120,76 +57,8 @@ impl Cli {
 
     /// Whether pictures are drawn, perhaps with a GPU.
     pub fn may_use_gpu(&self) -> bool {
-        !matches!(self.command, Some(Command::Check(_) | Command::NewCamera(_)))
-            && self.renderer != Some(RendererChoice::Cpu)
+        !matches!(self.command, Some(Command::Check(_) | Command::NewCamera(_))) && self.renderer != RendererChoice::Cpu
     }
-}
-
-/// The arguments of the node: those of rviz.
-#[derive(Args, Clone, Debug)]
-pub struct NodeArgs {
-    /// The .rviz config with CameraPub displays; a name without slashes may be that of a file in ~/.rviz
-    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
-    pub display_config: Option<PathBuf>,
-    /// The fixed frame, overriding the config's
-    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
-    pub fixed_frame: Option<String>,
-    /// Do not reload the config when its file changes
-    #[arg(long)]
-    pub no_watch: bool,
-    /// Receive clouds, scans and images all the time, also while nobody subscribes to a picture
-    #[arg(long)]
-    pub no_lazy: bool,
-    /// Windows of the node's own
-    #[command(flatten)]
-    pub screens: ScreenArgs,
-    /// Whether moving frames are predicted.
-    #[command(flatten)]
-    pub prediction: PredictionArgs,
-    /// When data are too old to be shown.
-    #[command(flatten)]
-    pub stale: StaleArgs,
-    /// Where there must be no light.
-    #[command(flatten)]
-    pub eye_safety: EyeSafetyArgs,
-    /// How projectors are mounted.
-    #[command(flatten)]
-    pub mounting: MountingArgs,
-    /// The share of each projector where several light one surface.
-    #[command(flatten)]
-    pub blend: BlendArgs,
-    /// The depths beside the pictures.
-    #[command(flatten)]
-    pub depth: DepthArgs,
-    /// Options of rviz's window: accepted and ignored
-    #[command(flatten)]
-    pub window: WindowArgs,
-    /// Log debug messages, too
-    #[arg(long)]
-    pub log_level_debug: bool,
-}
-
-/// Options of rviz that only concern its window: launch files may have them, so they are accepted and ignored.
-#[derive(Args, Clone, Debug)]
-pub struct WindowArgs {
-    #[arg(short = 's', long, hide = true, value_name = "FILE")]
-    splash_screen: Option<String>,
-    #[arg(long, hide = true, value_name = "FILE")]
-    help_file: Option<String>,
-    #[arg(short = 'l', long, hide = true)]
-    ogre_log: bool,
-    #[arg(long, hide = true)]
-    fullscreen: bool,
-    #[arg(long, hide = true)]
-    in_mc_wrapper: bool,
-    #[arg(long, hide = true)]
-    no_stereo: bool,
-    #[arg(long, hide = true)]
-    disable_anti_aliasing: bool,
-    #[arg(short = 'v', long, hide = true)]
-    verbose: bool,
-    #[arg(long, hide = true, value_name = "VERSION")]
-    opengl: Option<String>,
 }
 
 /// What to do instead of running as a node.
@@ -238,7 +107,7 @@ pub struct NewCameraArgs {
 
 /// The arguments of `render`.
 #[derive(Args, Clone, Debug)]
-#[command(group(ArgGroup::new("target").required(true).args(["output", "frames", "video"])))]
+#[command(group(ArgGroup::new("target").required(true).args(["output", "sequence", "video"])))]
 pub struct RenderArgs {
     /// The .rviz config with a CameraPub display
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
@@ -255,11 +124,11 @@ pub struct RenderArgs {
     pub output: Option<PathBuf>,
     /// Write a sequence of numbered pictures into this folder, one million at most
     #[arg(long, value_name = "DIR")]
-    pub frames: Option<PathBuf>,
+    pub sequence: Option<PathBuf>,
     /// Write a video with ffmpeg, which must be installed; its ending is the format
     #[arg(long, value_name = "FILE.mp4", value_parser = video_file)]
     pub video: Option<PathBuf>,
-    /// Remove the pictures of an earlier sequence from the folder of --frames; without it, they are an error
+    /// Remove the pictures of an earlier sequence from the folder of --sequence
     #[arg(long, conflicts_with_all = ["output", "video"])]
     pub overwrite: bool,
     /// Render this moment alone, in seconds after the bag's first message or as ROS time [default for -o: the last
@@ -273,7 +142,7 @@ pub struct RenderArgs {
     /// End a sequence or video at this moment [default: the last message]
     #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
     pub end: Option<f64>,
-    /// Pictures a second for --frames and --video, 1000 at most
+    /// Pictures a second for --sequence and --video, 1000 at most
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true, value_parser = rate)]
     pub rate: f64,
     /// Take CameraInfo and frames from a projector's file, as the node projector publishes them, in place of the bag's
@@ -304,10 +173,10 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub node: NodeArgs,
     /// Connect to the ROS master, subscribe for a while, and print each display's statuses as rviz would show them
-    #[arg(long)]
+    #[arg(long, help_heading = COMMAND_LINE_ONLY)]
     pub live: bool,
     /// How long --live subscribes
-    #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds)]
+    #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
     pub listen: Duration,
 }
 
@@ -341,11 +210,6 @@ const MAX_RATE_HZ: f64 = 1000.0;
 fn rate(text: &str) -> Result<f64, String> {
     let rate_hz = text.parse::<f64>().ok().filter(|rate_hz| *rate_hz > 0.0 && *rate_hz <= MAX_RATE_HZ);
     rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
-}
-
-/// The size of a file in MB.
-pub(crate) fn mesh_mb(text: &str) -> Result<u64, String> {
-    text.parse().ok().filter(|size| MESH_MB.contains(size)).ok_or_else(|| ResourceArgs::SIZE_RANGE.to_owned())
 }
 
 /// A picture, whose name ends with a format's ending.
@@ -397,6 +261,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 #[cfg(test)]
 mod tests {
+    use rcs_camera::Projection;
+
     use super::*;
 
     fn parse(args: &[&str]) -> Result<Cli, clap::Error> {
@@ -411,7 +277,7 @@ mod tests {
         let args = ["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"];
         let cli = parse(&args).unwrap();
         assert_eq!(cli.node.display_config, Some(PathBuf::from("x.rviz")));
-        assert_eq!(cli.renderer, Some(RendererChoice::Cpu));
+        assert_eq!(cli.renderer, RendererChoice::Cpu);
     }
 
     #[test]
@@ -419,20 +285,20 @@ mod tests {
         let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
         let with = |more: &[&str]| parse(&[&base[..], more].concat());
         assert!(with(&[]).is_err());
-        assert!(with(&["-o", "a.png", "--frames", "d"]).is_err());
+        assert!(with(&["-o", "a.png", "--sequence", "d"]).is_err());
         assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());
         assert!(with(&["-o", "a.jpeg"]).is_ok());
         assert!(with(&["-o", "a.bmp"]).unwrap_err().to_string().contains(".png, .jpg or .jpeg"));
-        assert!(with(&["--frames", "d", "--rate", "10"]).is_ok());
-        assert!(with(&["--frames", "d", "--start", "1", "--end", "2", "--overwrite"]).is_ok());
-        assert!(with(&["--frames", "d", "--at", "1"]).is_ok());
+        assert!(with(&["--sequence", "d", "--rate", "10"]).is_ok());
+        assert!(with(&["--sequence", "d", "--start", "1", "--end", "2", "--overwrite"]).is_ok());
+        assert!(with(&["--sequence", "d", "--at", "1"]).is_ok());
         assert!(with(&["--video", "v.mp4", "--start", "1"]).is_ok());
         let refused = [
-            &["--frames", "d", "--at", "1", "--end", "2"][..],
+            &["--sequence", "d", "--at", "1", "--end", "2"][..],
             &["-o", "a.png", "--start", "1"],
             &["-o", "a.png", "--overwrite"],
             &["--video", "video"],
-            &["--video", "v.mp4", "--frames", "d"],
+            &["--video", "v.mp4", "--sequence", "d"],
         ];
         assert!(refused.iter().all(|args| with(args).is_err()));
         assert!(with(&["-o", "a.png", "--renderer", "voodoo"]).is_err());
@@ -444,10 +310,10 @@ mod tests {
         let exit_code =
             |more: &[&str]| parse(&[&base[..], more].concat()).map_or_else(|error| error.exit_code(), |_| 0);
         for rate in ["0.001", "30", "1000"] {
-            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 0, "{rate}");
+            assert_eq!(exit_code(&["--sequence", "d", "--rate", rate]), 0, "{rate}");
         }
         for rate in ["0", "-3", "NaN", "inf", "1001", "1e11", "1e300", "fast"] {
-            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 2, "{rate}");
+            assert_eq!(exit_code(&["--sequence", "d", "--rate", rate]), 2, "{rate}");
         }
         for secs in ["0", "-1", "1.5", "1e9"] {
             assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 0, "{secs}");
@@ -455,21 +321,6 @@ mod tests {
         for secs in ["NaN", "inf", "-inf", "1e999", "soon"] {
             assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 2, "{secs}");
         }
-    }
-
-    #[test]
-    fn the_size_of_meshes_has_bounds_and_folders_add_up() {
-        let size = |text: &str| parse(&["camera_stream", "-d", "x.rviz", "--max-mesh-mb", text]);
-        assert_eq!(size("2").unwrap().resources.options().max_file_bytes, 2 << 20);
-        for wrong in ["0", "4097", "-1", "1.5", "much"] {
-            assert_eq!(size(wrong).map_or_else(|error| error.exit_code(), |_| 0), 2, "{wrong}");
-        }
-        let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
-        let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
-        let resources = parse(&[&args[..], &folders].concat()).unwrap().resources;
-        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
-        assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
-        assert_eq!(options.max_file_bytes, ResourceOptions::default().max_file_bytes);
     }
 
     #[test]
@@ -487,7 +338,7 @@ mod tests {
         let line = "-d x.rviz -f map --projection exact --renderer cpu --no-watch --log-level-debug --splash-screen s \
                     --help-file h -l --fullscreen --in-mc-wrapper --no-stereo --disable-anti-aliasing -v --opengl 3";
         let (file, frame) = (PathBuf::from("x.rviz"), Some("map".to_owned()));
-        let all = (file.clone(), frame, Some(Projection::Exact), Some(RendererChoice::Cpu));
+        let all = (file.clone(), frame, Projection::Exact, RendererChoice::Cpu);
         assert_eq!(check(line).unwrap(), all);
         assert_eq!(check("--display-config=x.rviz --fixed-frame=map").unwrap().0, file);
         assert_eq!(check("x.rviz").unwrap().0, file);

@@ -5,33 +5,31 @@
 mod camera;
 mod check;
 pub mod cli;
-mod config_file;
-pub mod light_arguments;
 mod new_camera;
 pub mod offline;
-mod outputs;
-pub mod prediction;
-mod private_parameters;
+mod options;
+pub mod outputs;
 mod projection_warning;
 mod runtime;
 mod safety;
 pub mod scene;
-mod window_arguments;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{anyhow, Result};
+use anyhow::{anyhow, Context, Result};
 use clap::Parser;
 use rcs_node_support::lifecycle::{self, own_arguments};
+use rcs_node_support::old_spellings;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
 
-use crate::check::live::LiveArgs;
 use crate::cli::{CheckArgs, Cli, Command, RenderArgs};
-use crate::config_file::find_config;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
+use crate::options::config_file::find_config;
+use crate::options::Options;
 use crate::safety::names::ForCamera;
 use crate::scene::SceneState;
 
@@ -46,7 +44,9 @@ const INVALID: u8 = 2;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let mut cli = match Cli::try_parse_from(own_arguments()) {
+    let mut warnings = Vec::new();
+    let words = old_spellings::command_line(own_arguments(), &mut warnings);
+    let mut cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
         Err(error) => {
             let error = cli::with_hints(error);
@@ -59,48 +59,39 @@ pub fn main() -> ExitCode {
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
     }
+    warnings.iter().for_each(|warning| log::warn!("{warning}"));
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }
     let is_node = cli.command.is_none();
-    let invalid = |error: &dyn std::fmt::Display| {
+    run(&words, &mut cli).unwrap_or_else(|error| {
         print_error(&error.to_string(), is_node);
         ExitCode::from(INVALID)
-    };
-    if let Err(error) = find_config(&mut cli) {
-        return invalid(&error);
-    }
+    })
+}
+
+/// Runs the node or a command.
+///
+/// # Errors
+/// Invalid arguments, or a config that cannot be read.
+fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
+    find_config(cli)?;
     if let Some(Command::NewCamera(args)) = &cli.command {
-        return finished(new_camera::run(args));
+        return Ok(finished(new_camera::run(args)));
     }
-    let Some(file) = cli.config_mut().cloned() else {
-        return invalid(&"no config: name one with -d FILE.rviz (see --help)");
-    };
-    let config = match rcs_rviz_config::load(&file) {
-        Ok(config) => config,
-        Err(error) => return invalid(&error),
-    };
-    let node_args = match &cli.command {
-        Some(Command::Check(args)) => Some(&args.node),
-        None => Some(&cli.node),
-        Some(Command::Render(_) | Command::NewCamera(_)) => None,
-    };
-    let checked = node_args.map_or(Ok(()), |args| light_arguments::check_cameras(args, &camera_names(&config)));
-    if let Err(error) = checked {
-        return invalid(&error);
-    }
+    let file = cli.config_mut().cloned().context("no config: name one with -d FILE.rviz (see --help)")?;
+    let config = rcs_rviz_config::load(&file)?;
+    let options = Options::of_command_line(cli, &camera_names(&config))?;
     let result = match &cli.command {
-        Some(Command::Check(args)) if args.live => return check_live(&cli, args, &config),
-        Some(Command::Check(args)) => {
-            check::print(&config, args.node.fixed_frame.as_deref(), &mut std::io::stdout().lock())
-                .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-                .map_err(|error| anyhow!("standard output: {error}"))
-        }
-        Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-        None => return lifecycle::finish(&runtime::run(&cli, &config)),
+        Some(Command::Check(args)) if args.live => return check_live(words, args, &config),
+        Some(Command::Check(_)) => check::print(&config, options.fixed_frame.as_deref(), &mut std::io::stdout().lock())
+            .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+            .map_err(|error| anyhow!("standard output: {error}")),
+        Some(Command::Render(args)) => render(cli, args, &config).map(|()| ExitCode::SUCCESS),
+        None => return Ok(lifecycle::finish(&runtime::run(words, &file, &config))),
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
-    finished(result)
+    Ok(finished(result))
 }
 
 /// Names of a config's cameras, enabled or not.
@@ -147,18 +138,9 @@ fn print_error(text: &str, is_node: bool) {
     }
 }
 
-fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
-    let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
-    let resources = cli.resources.clone();
-    let args = LiveArgs { listen, fixed_frame, model: cli.model, resources };
-    match check::live::run(config, &args, &mut std::io::stdout().lock()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            print_error(&error.to_string(), false);
-            ExitCode::from(INVALID)
-        }
-    }
+fn check_live(words: &[OsString], args: &CheckArgs, config: &Config) -> Result<ExitCode> {
+    let is_ok = check::live::run(config, words, args.listen, &mut std::io::stdout().lock())?;
+    Ok(if is_ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
@@ -174,12 +156,12 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     let mut scene = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
     offline::set_parameters(&mut scene, &parameters);
     let (rate_hz, overwrite) = (args.rate, args.overwrite);
-    let target = match (&args.output, &args.frames, &args.video) {
+    let target = match (&args.output, &args.sequence, &args.video) {
         (Some(file), ..) => RenderTarget::Picture { file: file.clone() },
         (_, Some(folder), _) => RenderTarget::Sequence { folder: folder.clone(), rate_hz, overwrite },
         (.., Some(file)) => RenderTarget::Video { file: file.clone(), rate_hz },
         (None, None, None) => {
-            return Err(anyhow!("no output: name one with -o FILE.png, --frames DIR or --video FILE.mp4"))
+            return Err(anyhow!("no output: name one with -o FILE.png, --sequence DIR or --video FILE.mp4"))
         }
     };
     let job = RenderJob {
@@ -189,10 +171,9 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         projector: args.projector.as_deref(),
         section: BagSection { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
-        model: cli.model.chosen(),
-        orientations: ForCamera::read_all(&args.orientation, &camera_names(config))
-            .map_err(|error| anyhow!("--orientation: {error}"))?,
+        model: cli.model.model(),
+        orientations: ForCamera::read_all("--orientation", &args.orientation, &camera_names(config))?,
     };
-    let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
+    let mut renderer = rcs_render::create(cli.renderer)?;
     offline::render(&mut scene, &job, renderer.as_mut())
 }

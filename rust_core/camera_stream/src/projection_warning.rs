@@ -1,4 +1,4 @@
-//! The log's warning of what makes a projection of a camera's picture miss its objects.
+//! Warns of CameraInfos whose projected image misses its objects.
 
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
@@ -8,7 +8,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use crate::scene::status_tree::deviations_of;
 use crate::scene::SceneState;
 
-/// Logs the [deviations](deviations_of) of a camera's CameraInfo, again when they are others.
+/// Logs the [deviations](deviations_of) of a camera's CameraInfo, when they change.
 #[derive(Debug, Default)]
 pub(crate) struct ProjectionWarning {
     checked: Option<CameraInfo>,
@@ -16,7 +16,7 @@ pub(crate) struct ProjectionWarning {
 }
 
 impl ProjectionWarning {
-    /// Checks the camera's last CameraInfo, which costs next to nothing where it is the one of before.
+    /// Checks the camera's last CameraInfo, if it has changed.
     pub(crate) fn check(&mut self, scene: &SceneState, view: &CameraView, model: CameraModel) {
         let Some(info) = scene.camera_info(view) else { return };
         if self.checked.as_ref().is_some_and(|checked| fields_of(checked) == fields_of(info)) {

@@ -1,19 +1,22 @@
 //! Arguments of the form `KEY=VALUE`.
 
-/// The two sides of the first `=`, without spaces around them; none where one of them is empty.
-pub fn split(text: &str) -> Option<(&str, &str)> {
-    let (key, value) = text.split_once('=')?;
-    let (key, value) = (key.trim(), value.trim());
-    (!key.is_empty() && !value.is_empty()).then_some((key, value))
-}
+/// Stands in the place of the `=` where key and value come from a parameter's struct: both may then have a `=`.
+pub const FIELD_SEPARATOR: char = '\u{1f}';
 
-/// The longest of the known keys that the text begins with, followed by `=`, and the value after that. Both keys and
-/// values may have a `=` in them; the value may be empty.
-pub fn split_at_known<'t, 'k>(text: &'t str, keys: impl IntoIterator<Item = &'k str>) -> Option<(&'k str, &'t str)> {
-    let value_of =
-        |key: &str| text.trim_start().strip_prefix(key.trim())?.trim_start().strip_prefix('=').map(str::trim);
-    let found = keys.into_iter().filter_map(|key| Some((key, value_of(key)?)));
-    found.max_by_key(|(key, _)| key.len())
+/// The two sides of `KEY=VALUE`, without spaces around them. The key is the longest of the known ones that fits, else
+/// ends at the first `=`. `None` without a `=`, or without a key before it.
+pub fn split<'t>(text: &'t str, known: &[String]) -> Option<(&'t str, &'t str)> {
+    let text = text.trim();
+    let fits =
+        |key: &&str| !key.is_empty() && text.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    let known_len = known.iter().map(|key| key.trim()).filter(fits).map(str::len).max().unwrap_or(0);
+    let (key, value) = text.split_once(FIELD_SEPARATOR).or_else(|| {
+        let (_, rest) = text.split_at(known_len);
+        let at = known_len + rest.find('=')?;
+        Some((&text[..at], &text[at + 1..]))
+    })?;
+    let (key, value) = (key.trim(), value.trim());
+    (!key.is_empty()).then_some((key, value))
 }
 
 #[cfg(test)]
@@ -22,22 +25,26 @@ mod tests {
 
     #[test]
     fn an_unknown_key_ends_at_the_first_sign() {
-        assert_eq!(split("NAME=a=b"), Some(("NAME", "a=b")));
-        assert_eq!(split(" head = 0.2 "), Some(("head", "0.2")));
-        for neither in ["", "a", "=1", "a=", " = "] {
-            assert_eq!(split(neither), None, "{neither}");
+        assert_eq!(split("NAME=a=b", &[]), Some(("NAME", "a=b")));
+        assert_eq!(split(" head = 0.2 ", &[]), Some(("head", "0.2")));
+        assert_eq!(split("a=", &[]), Some(("a", "")));
+        for neither in ["", "a", "=1", " = "] {
+            assert_eq!(split(neither, &[]), None, "{neither}");
         }
     }
 
     #[test]
     fn a_known_key_is_the_longest_that_fits() {
-        let keys = ["Left", "Left=right", "/data/run", ""];
-        assert_eq!(split_at_known("Left=90", keys), Some(("Left", "90")));
-        assert_eq!(split_at_known("Left=right=180", keys), Some(("Left=right", "180")));
-        assert_eq!(split_at_known("Left = a=b", keys), Some(("Left", "a=b")));
-        assert_eq!(split_at_known("Left=", keys), Some(("Left", "")));
-        for other in ["Leftmost=1", "left=1", "Right=1", "90"] {
-            assert_eq!(split_at_known(other, ["Left"]), None, "{other}");
-        }
+        let keys = ["Left", "Left=right", "/data/run", ""].map(str::to_owned);
+        assert_eq!(split("Left=90", &keys), Some(("Left", "90")));
+        assert_eq!(split("Left=right=180", &keys), Some(("Left=right", "180")));
+        assert_eq!(split("Left = a=b", &keys), Some(("Left", "a=b")));
+        assert_eq!(split("Leftmost=1", &keys), Some(("Leftmost", "1")));
+    }
+
+    #[test]
+    fn a_struct_of_a_parameter_is_split_where_its_fields_meet() {
+        let text = format!("a=b{FIELD_SEPARATOR}c=d");
+        assert_eq!(split(&text, &["a".to_owned()]), Some(("a=b", "c=d")));
     }
 }

@@ -9,5 +9,6 @@ pub mod lifecycle;
 pub mod monitor_arguments;
 pub mod node_options;
 pub mod node_status;
+pub mod old_spellings;
 pub mod poses;
 pub mod window_watch;

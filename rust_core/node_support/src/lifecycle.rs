@@ -143,7 +143,22 @@ impl EndRequest {
 /// # Errors
 /// [`NodeError`] if the master's address is invalid or the node cannot start.
 pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNode>>, NodeError> {
-    match RosNode::connect(default_name, &|| end.is_requested()) {
+    started(RosNode::connect(default_name, &|| end.is_requested()))
+}
+
+/// As [`connect`], without waiting: `None` also if there is no master.
+///
+/// # Errors
+/// As those of [`connect`].
+pub fn connect_now(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNode>>, NodeError> {
+    match RosNode::connect_now(default_name, &|| end.is_requested()) {
+        Err(NodeError::NoMaster { .. }) => Ok(None),
+        result => started(result),
+    }
+}
+
+fn started(result: Result<RosNode, NodeError>) -> Result<Option<Arc<RosNode>>, NodeError> {
+    match result {
         Ok(node) => {
             node.serve_log(rcs_logging::loggers())?;
             let node = Arc::new(node);

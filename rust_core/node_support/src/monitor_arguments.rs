@@ -6,11 +6,11 @@ use std::time::Duration;
 use clap::Args;
 use rcs_window::{self as window, list_lines, MonitorChoice, WindowError, WindowOptions};
 
-/// Which monitor, and what to do beside showing.
+/// The monitor of a full-screen window, and what to do instead of opening one.
 #[derive(Debug, Clone, Args)]
 pub struct MonitorArguments {
-    /// The monitor's name, or its number in the list [default: the last that is not primary, else the only one]
-    #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
+    /// The monitor's name, its number in the list, or auto [default: the last that is not primary, else the only one]
+    #[arg(long, value_name = "NAME|INDEX", default_value = "auto", hide_default_value = true)]
     pub monitor: MonitorChoice,
     /// List the monitors and exit
     #[arg(long)]
@@ -21,7 +21,9 @@ pub struct MonitorArguments {
     /// Set a monitor that runs another mode to its native one, which alone shows each pixel as one
     #[arg(long)]
     pub set_mode: bool,
-    /// Save what the window shows once the first picture has arrived
+    #[arg(long, hide = true, overrides_with = "set_mode")]
+    no_set_mode: bool,
+    /// Save what the window shows once the first image has arrived
     #[arg(long, value_name = "FILE.png")]
     pub screenshot: Option<PathBuf>,
 }
@@ -51,7 +53,7 @@ impl MonitorArguments {
     }
 }
 
-/// For how long monitors are told apart.
+/// Time for which monitors show their names.
 fn identify_secs(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.1..=3600.0).contains(seconds));
     seconds.map(Duration::from_secs_f64).ok_or_else(|| "it is a number of seconds from 0.1 to 3600".to_owned())

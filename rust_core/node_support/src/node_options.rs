@@ -1,73 +1,237 @@
-//! Options of a node that are also its private parameters; the command line wins.
+//! Options of a node: its command line, and its private parameters for what that leaves open.
 //!
-//! Option `--some-name` is parameter `~some_name`, parsed like the option. Elements of a list are separated by commas.
+//! An option `--some-name` of a program's clap definition is also the parameter `~some_name`. What a parameter holds
+//! becomes words of the command line, so that one definition and one parser are for both:
+//!
+//! | parameter | words |
+//! |---|---|
+//! | `rate: 2.5` | `--rate=2.5` |
+//! | `undistort: true`, `undistort: false` | `--undistort`, `--no-undistort` |
+//! | `mesh_folder: [/a, /b]` | `--mesh-folder=/a --mesh-folder=/b`; of an option that is given once, `--pixel=1,2` |
+//! | `keep_out: [{frame: head, radius: 0.2}]` | `--keep-out=head=0.2`, as its help has `FRAME=RADIUS` |
+//!
+//! Hidden options and those under [`COMMAND_LINE_ONLY`] are no parameters.
 
+use std::collections::HashSet;
 use std::ffi::OsString;
 
 use anyhow::anyhow;
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, Parser};
-use rcs_ros::RosNode;
+use clap::{Arg, ArgAction, ArgMatches, Command, Parser};
+use rcs_ros::{ParameterValue, Parameters, RosNode};
 
-use crate::lifecycle;
+use crate::key_value::FIELD_SEPARATOR;
+use crate::{lifecycle, old_spellings};
 
-/// The program's arguments, completed by the node's private parameters.
+/// The heading in a program's help of options that are no parameters.
+pub const COMMAND_LINE_ONLY: &str = "Only on the command line";
+
+/// An option's value that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("invalid value '{value}' for {option}: {reason}")]
+pub struct InvalidOption {
+    option: String,
+    value: String,
+    reason: String,
+}
+
+impl InvalidOption {
+    /// `option` is the option, or the parameter that gave it.
+    pub fn new(option: &str, value: &str, reason: impl Into<String>) -> Self {
+        let value = value.replace(FIELD_SEPARATOR, "=");
+        Self { option: option.to_owned(), value, reason: reason.into() }
+    }
+}
+
+/// A program's arguments, with the node's private parameters for the options that are not among them.
+#[derive(Debug)]
+pub struct NodeOptions<A> {
+    /// The arguments.
+    pub arguments: A,
+    /// All of them as they would stand on the command line.
+    pub command_line: String,
+    /// Options, without dashes, whose value is a parameter's.
+    from_parameters: HashSet<String>,
+}
+
+impl<A> NodeOptions<A> {
+    /// Name of an option in errors: `--mask-topic`, or `~mask_topic` where the parameter has given it.
+    pub fn name_of(&self, option: &str) -> String {
+        if self.from_parameters.contains(option) {
+            format!("~{}", option.replace('-', "_"))
+        } else {
+            format!("--{option}")
+        }
+    }
+}
+
+/// The process's arguments, with the parameters of its node. Parameters that look like misspelt ones are warned about.
 ///
 /// # Errors
-/// The parameter whose value is invalid or conflicts with another option.
+/// When a parameter has no valid value, or does not go with another option; names it.
 pub fn with_parameters<A: Parser>(node: &RosNode) -> anyhow::Result<A> {
-    merged(&lifecycle::own_arguments(), &|name| Ok(node.text_param(name)?))
+    Ok(merge(&lifecycle::own_arguments(), node.parameters())?.arguments)
 }
 
-/// `given` must be valid by itself; `parameter` returns the text of a parameter that is set.
-fn merged<A: Parser>(
-    given: &[OsString],
-    parameter: &dyn Fn(&str) -> anyhow::Result<Option<String>>,
-) -> anyhow::Result<A> {
-    let command = A::command();
-    let matches = command.clone().try_get_matches_from(given).map_err(|error| anyhow!(reason(&error)))?;
-    let mut all = given.to_vec();
-    for argument in command.get_arguments() {
-        let Some(option) = argument.get_long() else { continue };
-        if matches.value_source(argument.get_id().as_str()) == Some(ValueSource::CommandLine) {
-            continue;
-        }
-        let name = format!("~{}", option.replace('-', "_"));
-        let Some(text) = parameter(&name)? else { continue };
-        let Some(word) = as_option(argument, option, &text).map_err(|reason| anyhow!("parameter {name}: {reason}"))?
-        else {
+/// `words`, the program's name first, with parameters behind them. `words` are valid by themselves.
+///
+/// # Errors
+/// When a parameter has no valid value, or does not go with another option; names it.
+pub fn merge<A: Parser>(words: &[OsString], parameters: &Parameters) -> anyhow::Result<NodeOptions<A>> {
+    let mut root = A::command();
+    root.build();
+    let matches = root.clone().try_get_matches_from(words).map_err(|error| anyhow!(reason(&error)))?;
+    let (command, matches) = innermost(&root, &matches);
+    let options: Vec<NodeOption<'_>> = command.get_arguments().filter_map(NodeOption::of).collect();
+    let mut warnings = Vec::new();
+    let (mut all, mut from_parameters) = (words.to_vec(), HashSet::new());
+    for (name, value) in parameters {
+        let current = old_spellings::parameter(name, &mut warnings);
+        let Some(option) = options.iter().find(|option| option.parameter == current) else {
+            warnings.extend(near_miss(name, value, &options));
             continue;
         };
+        if option.is_in(matches, command) {
+            continue;
+        }
+        let given = option.words(value, &mut warnings);
+        let given = given.map_err(|reason| InvalidOption::new(&format!("~{name}"), &value.to_string(), reason))?;
         // One by one, so that the error names the parameter.
-        let checked = A::try_parse_from(given.iter().chain([&word]));
-        checked.map_err(|error| anyhow!("parameter {name}: {}", reason(&error)))?;
-        all.push(word);
+        let checked = A::try_parse_from(words.iter().chain(&given));
+        checked.map_err(|error| anyhow!(reason(&error).replace(&format!("'{}'", option.arg), &format!("~{name}"))))?;
+        all.extend(given);
+        from_parameters.insert(option.long.to_owned());
     }
-    A::try_parse_from(all).map_err(|error| anyhow!("parameters: {}", reason(&error)))
+    warnings.iter().for_each(|warning| log::warn!("{warning}"));
+    let arguments = A::try_parse_from(&all).map_err(|error| anyhow!("parameters: {}", reason(&error)))?;
+    let command_line: Vec<_> =
+        all.iter().skip(1).map(|word| word.to_string_lossy().replace(FIELD_SEPARATOR, "=")).collect();
+    Ok(NodeOptions { arguments, command_line: command_line.join(" "), from_parameters })
 }
 
-/// A parameter as a command-line argument; `None` for a flag that is false.
-fn as_option(argument: &Arg, option: &str, text: &str) -> anyhow::Result<Option<OsString>> {
-    if !matches!(argument.get_action(), ArgAction::SetTrue) {
-        return Ok(Some(format!("--{option}={text}").into()));
-    }
-    Ok(yes_or_no(text).map_err(|error| anyhow!(error))?.then(|| format!("--{option}").into()))
+/// The names of a program's parameters.
+pub fn parameter_names<A: Parser>() -> Vec<String> {
+    let command = A::command();
+    command.get_arguments().filter_map(NodeOption::of).map(|option| option.parameter).collect()
 }
 
-/// Parses a boolean parameter in any case.
-pub fn yes_or_no(text: &str) -> Result<bool, String> {
+/// The subcommand that is given, else the command itself.
+fn innermost<'c>(command: &'c Command, matches: &'c ArgMatches) -> (&'c Command, &'c ArgMatches) {
+    match matches.subcommand() {
+        Some((name, matches)) => {
+            command.find_subcommand(name).map_or((command, matches), |found| innermost(found, matches))
+        }
+        None => (command, matches),
+    }
+}
+
+/// A warning of a parameter that nobody reads and whose name is almost an option's. Structs are namespaces: of
+/// dynamic_reconfigure's servers, and of what else launch files put below a node.
+fn near_miss(name: &str, value: &ParameterValue, options: &[NodeOption<'_>]) -> Option<String> {
+    let distance = |option: &NodeOption<'_>| strsim::osa_distance(&name.replace('-', "_"), &option.parameter);
+    let nearest = options.iter().min_by_key(|option| distance(option))?;
+    let is_near = distance(nearest) <= nearest.parameter.len() / 4 && !matches!(value, ParameterValue::Struct(_));
+    is_near.then(|| format!("unknown parameter ~{name}; did you mean ~{}?", nearest.parameter))
+}
+
+/// An option that is also a parameter.
+struct NodeOption<'c> {
+    arg: &'c Arg,
+    long: &'c str,
+    /// The parameter's name; that of `--no-x` is `x`.
+    parameter: String,
+}
+
+impl<'c> NodeOption<'c> {
+    fn of(arg: &'c Arg) -> Option<Self> {
+        let long = arg.get_long()?;
+        let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
+        let is_parameter = (is_switch || arg.get_action().takes_values())
+            && !arg.is_hide_set()
+            && arg.get_help_heading() != Some(COMMAND_LINE_ONLY);
+        let name = if is_switch { long.strip_prefix("no-").unwrap_or(long) } else { long };
+        is_parameter.then(|| Self { arg, long, parameter: name.replace('-', "_") })
+    }
+
+    /// Whether the command line gives the option, its opposite, or in its place an argument `FILE` for `--file`.
+    fn is_in(&self, matches: &ArgMatches, command: &Command) -> bool {
+        let is_same = |other: &Arg| match other.get_long() {
+            Some(long) => long.strip_prefix("no-").unwrap_or(long) == self.parameter.replace('_', "-"),
+            None => other.get_value_names().is_some_and(|names| *names == [self.parameter.to_ascii_uppercase()]),
+        };
+        let is_given = |arg: &Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
+        command.get_arguments().any(|arg| (arg == self.arg || is_same(arg)) && is_given(arg))
+    }
+
+    /// A parameter's value as words of the command line.
+    fn words(&self, value: &ParameterValue, warnings: &mut Vec<String>) -> Result<Vec<OsString>, String> {
+        if matches!(self.arg.get_action(), ArgAction::SetTrue) {
+            let is_on = yes_or_no(&value.to_string())?;
+            let option = self.parameter.replace('_', "-");
+            return Ok(vec![format!("--{}{option}", if is_on { "" } else { "no-" }).into()]);
+        }
+        let elements = match value {
+            ParameterValue::Array(elements) if matches!(self.arg.get_action(), ArgAction::Append) => {
+                elements.as_slice()
+            }
+            value => std::slice::from_ref(value),
+        };
+        let texts: Vec<Vec<String>> =
+            elements.iter().map(|element| self.texts(element, warnings)).collect::<Result<_, _>>()?;
+        let word = |text: String| {
+            let (option, text) = old_spellings::value(self.long, &text, warnings);
+            OsString::from(format!("--{option}={text}"))
+        };
+        Ok(texts.into_iter().flatten().map(word).collect())
+    }
+
+    /// The texts of one element.
+    fn texts(&self, element: &ParameterValue, warnings: &mut Vec<String>) -> Result<Vec<String>, String> {
+        let fields = self.fields();
+        match (element, &fields) {
+            (ParameterValue::Struct(members), Some([key, value])) => {
+                let text = |name: &str| members.get(name).and_then(ParameterValue::text);
+                let has_others = members.keys().any(|name| name != key && name != value);
+                match (text(key).unwrap_or_default(), text(value)) {
+                    (key, Some(value)) if !has_others => Ok(vec![format!("{key}{FIELD_SEPARATOR}{value}")]),
+                    _ => Err(format!("not {{{key}: …, {value}: …}}")),
+                }
+            }
+            (element, Some([key, value])) => {
+                let text = element.text().ok_or_else(|| format!("not a list of {{{key}, {value}}}"))?;
+                let fields = format!("{{{key}, {value}}}");
+                let elements = old_spellings::elements(&self.parameter, &text, &fields, warnings);
+                Ok(elements.into_iter().map(str::to_owned).collect())
+            }
+            (element, None) => {
+                element.text().map(|text| vec![text]).ok_or_else(|| "not a text, number or list".to_owned())
+            }
+        }
+    }
+
+    /// The fields of a parameter's struct, for a value that the help names `FRAME=RADIUS` or `[CAMERA=]FILE.png`.
+    fn fields(&self) -> Option<[String; 2]> {
+        let (key, value) = self.arg.get_value_names()?.first()?.split_once('=')?;
+        let value = value.split('.').next().unwrap_or_default();
+        Some([key, value].map(|name| name.trim_matches(['[', ']']).to_ascii_lowercase()))
+    }
+}
+
+/// Reads a parameter's true or false, which YAML has other words and capitals for.
+fn yes_or_no(text: &str) -> Result<bool, String> {
     match text.to_ascii_lowercase().as_str() {
-        "true" | "1" => Ok(true),
-        "false" | "0" => Ok(false),
-        _ => Err(format!("{text} is not true or false")),
+        "true" | "yes" | "on" | "1" => Ok(true),
+        "false" | "no" | "off" | "0" => Ok(false),
+        _ => Err("neither true nor false".to_owned()),
     }
 }
 
-/// First line of an error, without `error: `.
+/// An error of clap in one line.
 fn reason(error: &clap::Error) -> String {
-    let text = error.to_string();
-    let first = text.lines().next().unwrap_or_default();
-    first.strip_prefix("error: ").unwrap_or(first).to_owned()
+    let text = error.to_string().replace(FIELD_SEPARATOR, "=");
+    let lines: Vec<&str> = text.lines().take_while(|line| !line.is_empty()).map(str::trim).collect();
+    let text = lines.join(" ");
+    text.strip_prefix("error: ").unwrap_or(&text).to_owned()
 }
 
 /// A clap value parser of numbers within bounds.
@@ -92,6 +256,8 @@ pub fn rgba([r, g, b]: [u8; 3], alpha: f64) -> [f32; 4] {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
 
     #[derive(Parser, Debug, PartialEq)]
@@ -100,22 +266,57 @@ mod tests {
         rate_hz: f64,
         #[arg(long, conflicts_with = "rate_hz")]
         once: bool,
+        #[arg(long, hide = true, overrides_with = "once")]
+        no_once: bool,
         #[arg(long)]
         topic: Option<String>,
+        #[arg(long, value_name = "[CAMERA=]FILE.png")]
+        mask: Vec<String>,
+        #[arg(long, help_heading = COMMAND_LINE_ONLY)]
+        debug: bool,
     }
 
-    fn options(given: &[&str], parameters: &[(&str, &str)]) -> Result<Options, String> {
+    fn text(text: &str) -> ParameterValue {
+        text.into()
+    }
+
+    fn merged(given: &[&str], parameters: &[(&str, ParameterValue)]) -> Result<NodeOptions<Options>, String> {
         let given: Vec<OsString> = std::iter::once("node").chain(given.iter().copied()).map(OsString::from).collect();
-        let text = |name: &str| parameters.iter().find(|(known, _)| *known == name).map(|(_, text)| (*text).to_owned());
-        merged(&given, &|name| Ok(text(name))).map_err(|error| error.to_string())
+        let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        merge(&given, &parameters).map_err(|error| error.to_string())
+    }
+
+    fn options(given: &[&str], parameters: &[(&str, ParameterValue)]) -> Result<Options, String> {
+        Ok(merged(given, parameters)?.arguments)
     }
 
     #[test]
     fn the_command_line_wins_and_parameters_fill_what_it_leaves() {
-        let read = options(&["--topic", "/a"], &[("~topic", "/b"), ("~rate_hz", "2.5")]).unwrap();
-        assert_eq!(read, Options { rate_hz: 2.5, once: false, topic: Some("/a".to_owned()) });
-        assert!(options(&[], &[("~once", "true")]).unwrap().once);
-        assert!(!options(&["--rate-hz", "2"], &[("~once", "False")]).unwrap().once);
+        let parameters = [("topic", text("/b")), ("rate_hz", ParameterValue::Double(2.5))];
+        let read = merged(&["--topic", "/a"], &parameters).unwrap();
+        assert_eq!((read.arguments.rate_hz, read.arguments.topic.as_deref()), (2.5, Some("/a")));
+        assert_eq!(read.command_line, "--topic /a --rate-hz=2.5");
+        assert_eq!([read.name_of("topic"), read.name_of("rate-hz")], ["--topic", "~rate_hz"]);
+        assert!(options(&[], &[("once", ParameterValue::Bool(true))]).unwrap().once);
+        assert!(!options(&["--no-once"], &[("once", text("True"))]).unwrap().once);
+        assert!(!options(&["--rate-hz", "2"], &[("once", text("False"))]).unwrap().once);
+        assert!(!options(&[], &[("debug", ParameterValue::Bool(true))]).unwrap().debug);
+    }
+
+    #[test]
+    fn an_element_of_a_list_is_a_value_or_a_struct() {
+        let fields = |pairs: &[(&str, &str)]| {
+            ParameterValue::Struct(pairs.iter().map(|(name, value)| ((*name).to_owned(), text(value))).collect())
+        };
+        let mask =
+            |elements: Vec<ParameterValue>| options(&[], &[("mask", ParameterValue::Array(elements))]).map(|o| o.mask);
+        let left = fields(&[("camera", "a=b"), ("file", "/l.png")]);
+        assert_eq!(mask(vec![left, text("/all.png")]).unwrap(), [&format!("a=b{FIELD_SEPARATOR}/l.png"), "/all.png"]);
+        assert_eq!(mask(Vec::new()), Ok(Vec::new()));
+        let error = mask(vec![fields(&[("camera", "a"), ("path", "/l.png")])]).unwrap_err();
+        assert_eq!(error, "invalid value '[{camera: a, path: /l.png}]' for ~mask: not {camera: …, file: …}");
+        let old = options(&[], &[("mask", text("a=/l.png b=/r.png"))]).unwrap();
+        assert_eq!(old.mask, ["a=/l.png", "b=/r.png"]);
     }
 
     #[test]
@@ -127,10 +328,27 @@ mod tests {
 
     #[test]
     fn a_wrong_parameter_is_named() {
-        let error = options(&[], &[("~rate_hz", "9")]).unwrap_err();
-        assert_eq!(error, "parameter ~rate_hz: invalid value '9' for '--rate-hz <RATE_HZ>': not from 0 to 5");
-        assert_eq!(options(&[], &[("~once", "often")]).unwrap_err(), "parameter ~once: often is not true or false");
-        let error = options(&["--rate-hz", "2"], &[("~once", "1")]).unwrap_err();
-        assert!(error.starts_with("parameter ~once: the argument"), "{error}");
+        let error = options(&[], &[("rate_hz", ParameterValue::Int(9))]).unwrap_err();
+        assert_eq!(error, "invalid value '9' for ~rate_hz: not from 0 to 5");
+        let error = options(&[], &[("once", text("often"))]).unwrap_err();
+        assert_eq!(error, "invalid value 'often' for ~once: neither true nor false");
+        let error = options(&["--rate-hz", "2"], &[("once", ParameterValue::Int(1))]).unwrap_err();
+        assert!(error.contains("~once") && error.contains("cannot be used with"), "{error}");
+    }
+
+    #[test]
+    fn names_that_are_almost_an_options_are_warned_about_and_no_others() {
+        let command = Options::command();
+        let own: Vec<_> = command.get_arguments().filter_map(NodeOption::of).collect();
+        let warning = |name: &str| near_miss(name, &text("x"), &own);
+        assert_eq!(warning("rate_hs").as_deref(), Some("unknown parameter ~rate_hs; did you mean ~rate_hz?"));
+        assert!(warning("topci").is_some() && warning("rate-hz").is_some());
+        // What MoveIt's launch files, tf and roslaunch put below rviz.
+        for foreign in
+            ["manipulator", "kinematics_solver", "tf_prefix", "robot_description", "target", "enable_statistics"]
+        {
+            assert_eq!(warning(foreign), None, "{foreign}");
+        }
+        assert_eq!(near_miss("masks", &ParameterValue::Struct(Parameters::new()), &own), None, "a camera's namespace");
     }
 }

@@ -53,7 +53,7 @@ pub enum ResourceError {
     },
     /// A file outside of all packages and allowed folders.
     #[error(
-        "{}{} is outside of all ROS packages; to allow it, add its folder to the parameter ~mesh_folders (option \
+        "{}{} is outside of all ROS packages; to allow it, add its folder to the parameter ~mesh_folder (option \
          --mesh-folder)",
         path.display(),
         leads_to(.path, .real)

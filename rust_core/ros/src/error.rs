@@ -38,9 +38,6 @@ pub enum NodeError {
         /// What is wrong with it.
         reason: String,
     },
-    /// A parameter has a value of another type than those that are read.
-    #[error("parameter {0}: it is neither a text, a number, true nor false, nor a list of these")]
-    Parameter(String),
     /// The node subscribes to the topic with another type already.
     #[error("{topic} is subscribed to as {subscribed}, not {wanted}")]
     TypeMismatch {

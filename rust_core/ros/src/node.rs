@@ -31,6 +31,9 @@ pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// How long the node may take to end before the process ends without that. The master's part has limits of its own.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(4);
 
+/// Parameters by their names, those in a namespace as a struct.
+pub type Parameters = BTreeMap<String, Value>;
+
 /// The process's node, which turns what it receives into [`NodeEvent`]s.
 ///
 /// A process has one node at a time.
@@ -57,7 +60,7 @@ pub struct RosNode {
     pub(crate) shared: Arc<Shared>,
     pub(crate) param_writer: ParamWriter,
     /// The node's private parameters, as they were when it started.
-    private: BTreeMap<String, Value>,
+    private: Parameters,
     /// Subscriptions that last as long as the node.
     own_subscriptions: Mutex<Vec<TopicSubscription>>,
 }
@@ -142,10 +145,7 @@ impl RosNode {
         }
         let param = |name: &str| ask_until_answered(&master.uri, cancelled, || master.param(name));
         let simulated = param("/use_sim_time")? == Some(Value::Bool(true));
-        let private = match param(&master.node_name)? {
-            Some(Value::Struct(values)) => values,
-            _ => BTreeMap::new(),
-        };
+        let private = struct_of(param(&master.node_name)?);
         let shared = Arc::new(Shared {
             names,
             network,
@@ -290,57 +290,18 @@ impl RosNode {
         self.network().registrar().unreachable(topic)
     }
 
-    /// A private parameter (`~name`) as it was when the node started; none if it was not set.
-    fn private_param(&self, name: &str) -> Option<&Value> {
-        let mut parts = name.strip_prefix('~')?.split('/');
-        let first = self.private.get(parts.next()?)?;
-        parts.try_fold(first, |value, part| match value {
-            Value::Struct(values) => values.get(part),
-            _ => None,
-        })
+    /// The node's private parameters, as they were when it started.
+    pub fn parameters(&self) -> &Parameters {
+        &self.private
     }
 
-    /// A private parameter (`~name`) that was a string, a boolean, a number, or a list of these when the node started,
-    /// as text; commas stand between the elements of a list. `None` if it was not set.
+    /// Another node's private parameters. Waits for the master for some seconds at most; empty if it does not answer.
     ///
     /// # Errors
-    /// [`NodeError::Parameter`] for a value of another type.
-    pub fn text_param(&self, name: &str) -> Result<Option<String>, NodeError> {
-        self.private_param(name).map(|value| text_or_error(name, value)).transpose()
-    }
-
-    /// A private parameter (`~name`) as [`Self::text_param`] has it, one text for each element of a list; none if it
-    /// was not set.
-    ///
-    /// # Errors
-    /// [`NodeError::Parameter`] for a value of another type.
-    pub fn texts_param(&self, name: &str) -> Result<Vec<String>, NodeError> {
-        let Some(value) = self.private_param(name) else { return Ok(Vec::new()) };
-        let values = value.as_array().unwrap_or(std::slice::from_ref(value));
-        values.iter().map(|value| text_or_error(name, value)).collect()
-    }
-
-    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for some seconds at
-    /// most; `None` if it does not answer.
-    ///
-    /// # Errors
-    /// [`NodeError::Name`], and [`NodeError::Parameter`] for a value of another type.
-    pub fn other_text_param(&self, name: &str) -> Result<Option<String>, NodeError> {
-        let whole_name = self.resolve(name)?;
-        let value = self.network().registrar().master().param(&whole_name).ok().flatten();
-        value.map(|value| text_or_error(name, &value)).transpose()
-    }
-
-    /// A private parameter (`~name`) that was a list of strings, or one string, when the node started.
-    pub fn strings_param(&self, name: &str) -> Option<Vec<String>> {
-        let value = self.private_param(name)?;
-        let one = std::slice::from_ref(value);
-        value.as_array().unwrap_or(one).iter().map(|item| item.as_str().map(str::to_owned)).collect()
-    }
-
-    /// Whether a private parameter (`~name`) was set, to whatever value, when the node started.
-    pub fn has_param(&self, name: &str) -> bool {
-        self.private_param(name).is_some()
+    /// [`NodeError::Name`].
+    pub fn parameters_of(&self, node: &str) -> Result<Parameters, NodeError> {
+        let whole_name = self.resolve(node)?;
+        Ok(struct_of(self.network().registrar().master().param(&whole_name).ok().flatten()))
     }
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
@@ -435,20 +396,10 @@ fn unless_cancelled(
     }
 }
 
-fn text_or_error(name: &str, value: &Value) -> Result<String, NodeError> {
-    text_of(value).ok_or_else(|| NodeError::Parameter(name.to_owned()))
-}
-
-/// A parameter's value as text, if it is a string, a boolean, a number, or a list of these.
-pub(crate) fn text_of(value: &Value) -> Option<String> {
+/// The members of a struct; none of other values.
+fn struct_of(value: Option<Value>) -> Parameters {
     match value {
-        Value::Bool(value) => Some(value.to_string()),
-        Value::Int(value) => Some(value.to_string()),
-        Value::Double(value) => Some(value.to_string()),
-        Value::Array(values) => {
-            let texts: Option<Vec<String>> = values.iter().map(text_of).collect();
-            texts.map(|texts| texts.join(","))
-        }
-        value => value.as_str().map(str::to_owned),
+        Some(Value::Struct(values)) => values,
+        _ => Parameters::new(),
     }
 }

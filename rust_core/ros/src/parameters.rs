@@ -6,7 +6,7 @@
 
 use crate::events::NodeEvent;
 use crate::names::remapping_of;
-use crate::node::{text_of, RosNode, Shared};
+use crate::node::{RosNode, Shared};
 use crate::xmlrpc::CallError;
 use rcs_scene::lock;
 use std::sync::{Arc, Weak};
@@ -49,7 +49,7 @@ impl RosNode {
             let master = network.registrar().master();
             let values: Result<Vec<_>, CallError> = names.iter().map(|name| master.param(name)).collect();
             if let Ok(values) = values {
-                return done(values.iter().map(|value| text_of(value.as_ref()?)).collect());
+                return done(values.iter().map(|value| value.as_ref()?.text()).collect());
             }
             drop(network);
             std::thread::sleep(POLL_PERIOD);

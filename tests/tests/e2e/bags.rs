@@ -91,7 +91,7 @@ fn ros_time_is_that_of_the_bags_clock() {
         render.good(&format!("-d scene.rviz --bag simulated.bag -o out.png {at}"));
         assert_eq!(render.pixel("out.png", 32, 24), color, "{at}");
     }
-    render.good("-d scene.rviz --bag simulated.bag --frames all --rate 1 --start 0.3");
+    render.good("-d scene.rviz --bag simulated.bag --sequence all --rate 1 --start 0.3");
     assert_eq!(colors(&render, "all"), [RED, GREEN, BLUE]);
     let error = render.bad("-d scene.rviz --bag simulated.bag -o out.png --at 4");
     assert!(error.contains("the bag ends 3 s after its first message, at 13"), "{error}");

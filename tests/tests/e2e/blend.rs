@@ -217,7 +217,7 @@ fn a_painted_mask_keeps_its_camera_dark_beside_the_weights() {
     image::GrayImage::from_fn(64, 48, |u, _| image::Luma([if u < 32 { 255 } else { 0 }])).save(&mask).unwrap();
     image::GrayImage::from_fn(64, 48, |_, v| image::Luma([if v < 24 { 255 } else { 0 }])).save(&blend).unwrap();
     let other = CameraPub { name: "other", image: "/other/image", ..CameraPub::default() };
-    let args = [format!("_mask:=other={mask}"), format!("_blend:={blend}")];
+    let args = [format!("_mask:=[{{camera: other, file: {mask}}}]"), format!("_blend:={blend}")];
     let args = args.each_ref().map(String::as_str);
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), other]), &args).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");

@@ -83,7 +83,7 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
         "_undistort:={a: true}",
         "_stale_timeout:={a: 1}",
         "_max_mesh_mb:=[1, 2]",
-        "_mesh_folders:=3",
+        "_mesh_folder:={a: 3}",
         "_window:={a: b}",
         "_mask_topic:=[{a: b}]",
     ];
@@ -91,14 +91,21 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
         // The master keeps the parameters of a name.
         let mut node = start(&[argument, &format!("__name:=node_{index}")]);
         assert_eq!(node.wait(PATIENCE).unwrap().code(), Some(1), "{argument}");
-        let name = format!("parameter ~{}:", argument[1..].split(":=").next().unwrap());
+        let name = format!(" for ~{}: ", argument[1..].split(":=").next().unwrap());
         let errors = node.errors();
         assert!(errors.last().is_some_and(|line| line.contains(&name)), "{argument}: {errors:?}");
     }
-    // A list has one value for each of its elements.
-    let node = start(&["_orientation:=[CameraPub=90, Other=180]", "_lazy:=False"]);
-    let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
-    assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
+    // A list has one value for each of its elements; the texts of older versions and their names go on.
+    for (name, lists, warnings) in [
+        ("__name:=new", ["_orientation:=[{camera: CameraPub, orientation: 90}, 180]", "_mesh_folder:=[/a, /b]"], 0),
+        ("__name:=old", ["_orientation:=[CameraPub=90, Other=180]", "_mesh_folders:=[/a, /b]"], 3),
+    ] {
+        let node = start(&[lists[0], lists[1], "_lazy:=False", name]);
+        let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
+        assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
+        let is_warning = |line: &&String| line.contains(" is an old spelling") || line.contains(" is an old name");
+        assert_eq!(node.errors().iter().filter(is_warning).count(), warnings, "{:?}", node.errors());
+    }
 }
 
 #[test]
@@ -159,10 +166,25 @@ fn without_a_gpu_auto_needs_no_more_memory_and_threads_than_cpu() {
 
 #[test]
 fn the_arguments_that_launch_files_give_rviz_are_accepted() {
-    let args = ["--splash-screen", "", "--no-stereo", "-l", "__log:=/dev/null", "--fixed-frame", "world"];
+    let args = "--splash-screen= --help-file h --no-stereo --fullscreen --in-mc-wrapper --disable-anti-aliasing -l -v \
+                --opengl 3 __log:=/dev/null -f world _tf_prefix:=r1 _stale_timeuot:=1";
+    let args: Vec<&str> = args.split_whitespace().chain(["_manipulator:={kinematics_solver: kdl}"]).collect();
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
     fixture.python("latch('/tf_static', tf('world', 'eye'))");
     fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    // What other packages' launch files set below rviz is nobody's mistake.
+    assert_eq!(fixture.log_lines(&["did you mean"]), 1, "{}", fixture.log());
+    assert_eq!(fixture.log_lines(&["~stale_timeuot; did you mean ~stale_timeout?"]), 1, "{}", fixture.log());
+}
+
+#[test]
+fn a_camera_that_is_called_like_an_option_has_its_parameters_elsewhere() {
+    let camera = CameraPub { name: "mask", ..CameraPub::default() };
+    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &["_mask:=none"]).unwrap();
+    fixture.wait_for_log("drawing mask").unwrap();
+    let services = fixture.master.output("rosservice", &["list"]).unwrap();
+    assert!(services.contains("/camera_stream/camera_mask/set_parameters"), "{services}");
+    assert_eq!(fixture.master.output("rosparam", &["get", "/camera_stream/mask"]).unwrap().trim(), "none");
 }

@@ -47,7 +47,7 @@ fn depths_are_metres_with_the_stamp_and_frame_of_the_camera_info() {
 
 #[test]
 fn depths_alone_are_drawn_for_who_subscribes_to_nothing_else_and_may_be_millimetres() {
-    let fixture = fixture(&["_depth_encoding:=16UC1", "--stale-timeout", "/cloud=0.5"]);
+    let fixture = fixture(&["_depth_encoding:=16UC1", "--stale-timeouts", "/cloud=0.5"]);
     fixture.python("info_subscriber.unregister()");
     fixture.python("listen()");
     fixture.wait_for("depths and depth(32, 24, np.uint16) in (0, 2000)");

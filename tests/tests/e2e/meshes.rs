@@ -77,7 +77,7 @@ fn pictures_go_on_while_large_meshes_are_loaded_and_then_show_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("square.stl");
     write_square(&file, TRIANGLES);
-    let fixture = fixture(&[&format!("_mesh_folders:=[{}]", folder.path().display())]);
+    let fixture = fixture(&[&format!("_mesh_folder:=[{}]", folder.path().display())]);
     assert_eq!(fixture.python("viewer.middle()"), "(0, 0, 200)");
     for i in 0..3 {
         // The same file under other names, so that each is loaded.
@@ -115,7 +115,7 @@ fn pictures_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("hall.stl");
     write_waves(&file, (HUGE_TRIANGLES as f64 / 2.0).sqrt().ceil() as usize);
-    let fixture = fixture(&[&format!("_mesh_folders:=[{}]", folder.path().display())]);
+    let fixture = fixture(&[&format!("_mesh_folder:=[{}]", folder.path().display())]);
     fixture.python(MANY);
     fixture.python(CROWD);
     fixture.python(CAMERA);
@@ -173,7 +173,7 @@ fn files_that_must_not_be_read_are_statuses_and_pictures_go_on() {
         (file_url(&path("tty.stl")), "it is a device, only regular files are read"),
         (file_url(&path("huge.stl")), "larger than 1 MB"),
         (file_url(&path("large.stl")), "larger than 1 MB"),
-        (file_url(&outside.path().join("outside.stl")), "add its folder to the parameter ~mesh_folders"),
+        (file_url(&outside.path().join("outside.stl")), "add its folder to the parameter ~mesh_folder"),
         ("file:///etc/passwd".to_owned(), "mesh format"),
         ("package://roscpp/../../../etc/passwd.stl".to_owned(), "the path leaves package"),
         ("http://127.0.0.1:9/a.stl".to_owned(), "nothing is downloaded"),

@@ -85,7 +85,7 @@ fn one_display_that_is_too_old_leaves_the_others_in_the_picture() {
 
 #[test]
 fn limits_are_parameters_too_and_single_topics_are_exempt() {
-    let args = ["_stale_timeout:=0.5", "_stale_timeouts:=/other=never"];
+    let args = ["_stale_timeout:=0.5", "_stale_timeouts:=[{topic: /other, limit: never}]"];
     let fixture = RosFixture::start(&config(&[CLOUD, OTHER_CLOUD], &[CameraPub::default()]), &args).unwrap();
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("latch('/tf_static', tf('map', 'eye'))");

@@ -47,7 +47,7 @@ fn the_window_turns_black_when_data_stop_and_keeps_what_is_current() {
     let config = config(&[CLOUD], &[CameraPub { rate: "0", ..CameraPub::default() }]);
     let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
     let python = PythonNode::start(&master, &[]).unwrap();
-    let args = ["--window", "auto", "--stale-timeout", "1", "--stale-timeout", "/cloud=held"];
+    let args = ["--window", "auto", "--stale-timeout", "1", "--stale-timeouts", "/cloud=held"];
     let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
     fixture.wait_for_log("drawing ").unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
@@ -149,7 +149,7 @@ fn a_window_for_no_camera_is_one_line() {
         RosFixture::with(master, python, &config, &["--window", "auto"]).unwrap()
     };
     assert_eq!(fixture.node.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{}", fixture.log());
-    let expected = "]: --window: which camera? Give CAMERA=MONITOR; there are: Left, Right";
+    let expected = "]: window: name one of the cameras, CAMERA=MONITOR; cameras: Left, Right";
     assert!(fixture.log().contains(expected), "{}", fixture.log());
 }
 

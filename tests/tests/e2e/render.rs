@@ -118,7 +118,7 @@ fn without_a_runtime_folder_the_picture_is_drawn_all_the_same() {
 #[test]
 fn a_sequence_is_numbered_and_covers_the_bag() {
     let render = Render::with_scene();
-    render.good("-d scene.rviz --bag scene.bag --frames new/folder --rate 2");
+    render.good("-d scene.rviz --bag scene.bag --sequence new/folder --rate 2");
     let mut names: Vec<String> = fs::read_dir(render.path("new/folder"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -129,13 +129,13 @@ fn a_sequence_is_numbered_and_covers_the_bag() {
     let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
     assert_eq!(colors, [red, red, green, green, blue, blue, blue]);
     for rate in ["0", "-3", "NaN", "1e11", "1e300"] {
-        let output = render.run(&format!("-d scene.rviz --bag scene.bag --frames folder --rate={rate}"));
+        let output = render.run(&format!("-d scene.rviz --bag scene.bag --sequence folder --rate={rate}"));
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert!(error.contains("--rate"), "{error}");
     }
     render.bag("long.bag", "for secs in (1, 4000000000): bag.write('/eye/camera_info', info(), at(secs))");
-    assert!(render.bad("-d scene.rviz --bag long.bag --frames folder").contains("--rate 30"));
+    assert!(render.bad("-d scene.rviz --bag long.bag --sequence folder").contains("--rate 30"));
     assert!(!render.path("folder").exists());
 }
 
@@ -159,11 +159,11 @@ fn a_part_of_the_bag_is_a_sequence() {
         ("--start 2.5 --end 60", &[blue, blue]),
     ];
     for (part, expected) in parts {
-        render.good(&format!("-d scene.rviz --bag scene.bag --frames part --rate 2 --overwrite {part}"));
+        render.good(&format!("-d scene.rviz --bag scene.bag --sequence part --rate 2 --overwrite {part}"));
         assert_eq!(colors(&render, "part"), expected, "{part}");
     }
     for (part, word) in [("--start 4", "--start 4: the bag ends"), ("--start 2 --end 1", "--end is before --start")] {
-        let error = render.bad(&format!("-d scene.rviz --bag scene.bag --frames none {part}"));
+        let error = render.bad(&format!("-d scene.rviz --bag scene.bag --sequence none {part}"));
         assert!(error.contains(word), "{error}");
         assert!(!render.path("none").exists());
     }
@@ -181,13 +181,13 @@ fn a_sequence_begins_when_its_camera_appears() {
          bag.write('/cloud', cloud(0x00ff00), at(100.5))\n\
          bag.write('/cloud', cloud(0x00ff00), at(101.015))",
     );
-    render.good("-d scene.rviz --bag late.bag --frames late --rate 2");
-    let output = render.run("-d scene.rviz --bag late.bag --frames fast --rate 100");
+    render.good("-d scene.rviz --bag late.bag --sequence late --rate 2");
+    let output = render.run("-d scene.rviz --bag late.bag --sequence fast --rate 100");
     let printed = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && printed.contains("0.015 s later"), "{printed}");
     assert_eq!(colors(&render, "late"), [[255, 0, 0], [0, 255, 0], [0, 255, 0]]);
     // One moment is what was asked for. The error says from when on there is a picture, and leaves no folder.
-    for target in ["-o out.png", "--frames none"] {
+    for target in ["-o out.png", "--sequence none"] {
         let error = render.bad(&format!("-d scene.rviz --bag late.bag {target} --at 0"));
         assert!(error.contains("/eye/camera_info") && error.contains("(--at 0.015)"), "{error}");
         assert!(!error.contains("may not exist") && !render.path("none").exists(), "{error}");
@@ -198,11 +198,11 @@ fn a_sequence_begins_when_its_camera_appears() {
 #[test]
 fn an_earlier_sequence_is_replaced_only_if_asked_for() {
     let render = Render::with_scene();
-    render.good("-d scene.rviz --bag scene.bag --frames folder --rate 2");
-    let error = render.bad("-d scene.rviz --bag scene.bag --frames folder --rate 1");
+    render.good("-d scene.rviz --bag scene.bag --sequence folder --rate 2");
+    let error = render.bad("-d scene.rviz --bag scene.bag --sequence folder --rate 1");
     assert!(error.contains("has 7 pictures") && error.contains("--overwrite"), "{error}");
     assert_eq!(colors(&render, "folder").len(), 7);
-    render.good("-d scene.rviz --bag scene.bag --frames folder --rate 1 --overwrite");
+    render.good("-d scene.rviz --bag scene.bag --sequence folder --rate 1 --overwrite");
     assert_eq!(colors(&render, "folder").len(), 4);
 }
 
@@ -236,7 +236,7 @@ fn a_projectors_file_replaces_camera_info_and_frames() {
     assert_eq!(image::image_dimensions(render.path("out.png")).unwrap(), (32, 24));
     assert_eq!(render.pixel("out.png", 16, 12), [255, 0, 0]);
     // The bag has a CameraInfo of 64x48 pixels.
-    render.good("-d scene.rviz --bag scene.bag --projector lamp.yaml --frames all --rate 1");
+    render.good("-d scene.rviz --bag scene.bag --projector lamp.yaml --sequence all --rate 1");
     assert_eq!(image::image_dimensions(render.path("all/frame_000003.png")).unwrap(), (32, 24));
     fs::write(render.path("nowhere.yaml"), file.replace("frame_id: lamp\n", "")).unwrap();
     let error = render.bad("-d scene.rviz --bag cloud.bag --projector nowhere.yaml -o out.png");
@@ -318,7 +318,7 @@ fn a_full_disk_ends_a_sequence_with_the_files_name() {
     let file = format!("frame_id: eye\nwidth: {size}\nheight: {size}\nK: [50, 0, 32, 0, 50, 24, 0, 0, 1]\n");
     fs::write(render.path("large.yaml"), file).unwrap();
     let script = format!(
-        "trap '' XFSZ; ulimit -f 8; exec {} render -d scene.rviz --bag scene.bag --projector large.yaml --frames folder \
+        "trap '' XFSZ; ulimit -f 8; exec {} render -d scene.rviz --bag scene.bag --projector large.yaml --sequence folder \
          --rate 1 --renderer cpu",
         program("camera_stream").display()
     );
@@ -370,7 +370,7 @@ fn errors_name_the_file_the_topic_or_the_frame() {
         ("-d scene.rviz --bag no_frame.bag -o out.png", &["no_frame.bag", "eye", "map"]),
         ("-d scene.rviz --bag bad_info.bag -o out.png", &["bad_info.bag", "/eye/camera_info", "width"]),
         ("-d scene.rviz --bag scene.bag -o no/folder/out.png", &["no/folder/out.png"]),
-        ("-d scene.rviz --bag scene.bag --frames scene.bag", &["scene.bag"]),
+        ("-d scene.rviz --bag scene.bag --sequence scene.bag", &["scene.bag"]),
         ("-d scene.rviz --bag scene.bag -o out.png -f nowhere", &["eye", "nowhere"]),
         (
             "-d scene.rviz --bag scene.bag -o out.png --param robot_description=no.urdf",

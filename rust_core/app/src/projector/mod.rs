@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::bail;
+use anyhow::{bail, Context};
 use clap::Parser;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -13,6 +13,7 @@ use rcs_messages::Time;
 use rcs_ros::{Publisher, RosNode};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::node_options::with_parameters;
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -28,7 +29,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
     version,
     after_help = "\
 Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)
-Parameter: ~file, used when no file is given as an argument
+Parameters: each option is one, too: --file is ~file
 Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
 
 Example: projector projector.yaml --camera-info-topic /proj_view/camera_info"
@@ -48,6 +49,12 @@ struct ProjectorArguments {
     frame_id: Option<String>,
 }
 
+impl ProjectorArguments {
+    fn path(&self) -> Option<&Path> {
+        self.positional.as_deref().or(self.file.as_deref())
+    }
+}
+
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     lifecycle::run_main(|arguments: ProjectorArguments| run(&arguments))
@@ -55,11 +62,15 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &ProjectorArguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
-    let given = arguments.positional.as_deref().or(arguments.file.as_deref());
-    let given = given.map(|path| read(path, arguments)).transpose()?;
+    arguments.path().map(|path| read(path, arguments)).transpose()?;
     lifecycle::with_node("projector", |node, end| {
-        let file = given.map_or_else(|| read(&file_parameter(node)?, arguments), Ok)?;
-        publish(node, end, &file, &Publishers::open(node, &file, arguments)?)
+        let arguments: ProjectorArguments = with_parameters(node)?;
+        let path = arguments.path().context("no projector file: give FILE, --file FILE or the parameter ~file")?;
+        let file = read(path, &arguments)?;
+        for warning in file.warnings() {
+            log::warn!("{}: {warning}", path.display());
+        }
+        publish(node, end, &file, &Publishers::open(node, &file, &arguments)?)
     })
 }
 
@@ -77,12 +88,9 @@ fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &
     Ok(())
 }
 
-/// Reads the file, logs its warnings, and applies the arguments.
+/// Reads the file and applies the arguments.
 fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<ProjectorFile> {
     let mut file = ProjectorFile::read(path)?;
-    for warning in file.warnings() {
-        log::warn!("{}: {warning}", path.display());
-    }
     if let Some(frame_id) = &arguments.frame_id {
         file.camera_info.header.frame_id.clone_from(frame_id);
     }
@@ -90,13 +98,6 @@ fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<Projector
         bail!("{}: no frame: the file needs frame_id (or header.frame_id), or give --frame-id", path.display());
     }
     Ok(file)
-}
-
-fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
-    match node.text_param("~file")? {
-        Some(path) if !path.is_empty() => Ok(path.into()),
-        _ => bail!("no projector file: give FILE, --file FILE or the parameter ~file (_file:=FILE)"),
-    }
 }
 
 /// Publishers of both topics.

@@ -3,22 +3,25 @@
 mod for_display;
 
 use std::process::ExitCode;
-use std::sync::mpsc;
+use std::sync::{mpsc, Arc};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{anyhow, bail, Context};
-use clap::Parser;
+use anyhow::Context;
+use clap::{Parser, ValueEnum};
 use rcs_displays::unpack_image;
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_ros::NodeEvent;
+use rcs_ros::{NodeEvent, RosNode};
 use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
 use rcs_camera_stream::{window_permit, Permit};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
+use rcs_node_support::node_options::{with_parameters, within, COMMAND_LINE_ONLY};
 use rcs_node_support::window_watch::WindowWatch;
 
+/// The node's name where the command line gives none.
+const NAME: &str = "projector_window";
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
@@ -34,7 +37,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
     version,
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
-Parameters: ~image_transport (raw or compressed: TOPIC/compressed, sensor_msgs/CompressedImage), ~stale_timeout
+Parameters: each option is one, too: --stale-timeout is ~stale_timeout
 Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 invalid arguments
 
 Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
@@ -43,20 +46,38 @@ struct WindowArguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
-    /// Black out when no image came for this time [s; 0: never] [default: ~stale_timeout, else 0]
-    #[arg(long, value_name = "SECS", value_parser = stale_secs)]
-    stale_timeout: Option<Duration>,
+    /// How images are sent: raw, or compressed on TOPIC/compressed (sensor_msgs/CompressedImage)
+    #[arg(long, value_enum, default_value = "raw")]
+    image_transport: Transport,
+    /// Become black when no image has come for this time: 0 to 86400 seconds, or none (0: none)
+    #[arg(long, value_name = "SECS", default_value = "none", value_parser = stale_timeout)]
+    stale_timeout: Duration,
     /// Instead of showing a topic, keep the window of another program, which has this title, over the monitor
-    #[arg(long, value_name = "TITLE", conflicts_with_all = ["topic", "stale_timeout", "screenshot"])]
+    #[arg(long, value_name = "TITLE", help_heading = COMMAND_LINE_ONLY)]
+    #[arg(conflicts_with_all = ["topic", "image_transport", "stale_timeout", "screenshot"])]
     place: Option<String>,
     #[command(flatten)]
     monitor: MonitorArguments,
 }
 
-/// Parses a timeout in seconds; zero for never.
-fn stale_secs(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse().ok().filter(|seconds| (0.0..=86400.0).contains(seconds));
-    seconds.map(Duration::from_secs_f64).ok_or_else(|| "not a number of seconds from 0 to 86400".to_owned())
+/// How images are sent.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Transport {
+    Raw,
+    Compressed,
+}
+
+impl WindowArguments {
+    fn topic(&self) -> String {
+        let topic = self.topic.clone().or_else(|| rcs_ros::remapping_of("image"));
+        topic.unwrap_or_else(|| DEFAULT_TOPIC.to_owned())
+    }
+}
+
+/// Age from which images are stale; zero: never.
+fn stale_timeout(text: &str) -> Result<Duration, String> {
+    let secs = if text == "none" { 0.0 } else { within(0.0, 86_400.0)(text)? };
+    Ok(Duration::from_secs_f64(secs))
 }
 
 /// Runs the program with the process's arguments.
@@ -68,24 +89,35 @@ fn run(arguments: WindowArguments) -> anyhow::Result<()> {
     if arguments.monitor.tell_monitors()? {
         return Ok(());
     }
-    let topic = arguments.topic.or_else(|| rcs_ros::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
-    let mut options = arguments.monitor.window_options(&topic);
-    options.stale_timeout = arguments.stale_timeout;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let watched_end = end.clone();
-    let watch = WindowWatch::start(0, move || watched_end.is_requested()).context("cannot watch the window")?;
-
     if let Some(title) = &arguments.place {
-        return Ok(window::keep_over(title, &options.monitor, || end.is_requested())?);
+        let _watch = watch(&end)?;
+        return Ok(window::keep_over(title, &arguments.monitor.monitor, || end.is_requested())?);
     }
+    // A window that waits for the master is black, on the monitor of the command line.
+    let node = lifecycle::connect_now(NAME, &end)?;
+    let arguments = node.as_deref().map_or(Ok(arguments), with_parameters)?;
+    show_topic(arguments, node, &end)
+}
+
+/// Ends the process if the window does not end in time.
+fn watch(end: &EndRequest) -> anyhow::Result<WindowWatch> {
+    let end = end.clone();
+    WindowWatch::start(0, move || end.is_requested()).context("cannot watch the window")
+}
+
+/// Shows a topic until the window is closed or the shutdown is requested.
+fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndRequest) -> anyhow::Result<()> {
+    let watch = watch(end)?;
+    let mut options = arguments.monitor.window_options(&arguments.topic());
+    options.stale_timeout = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
     // The node runs on a thread of its own and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::sync_channel(1);
-    let has_timeout = options.stale_timeout.is_some();
     let node_end = end.clone();
     let shown = window::run(&options, move |sink| {
         let closing = sink.clone();
         let following = move || {
-            let result = follow_topic(&topic, has_timeout, &node_end, &sink);
+            let result = follow_topic(node, arguments, &node_end, &sink);
             sink.close();
             // Nobody receives it if the window was closed first.
             let _ = outcome.send(result);
@@ -104,20 +136,25 @@ fn run(arguments: WindowArguments) -> anyhow::Result<()> {
 }
 
 /// Shows the topic's images until the shutdown is requested.
-fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
-    let Some(node) = lifecycle::connect("projector_window", end)? else {
-        return Ok(());
-    };
-    if !has_timeout {
-        if let Some(text) = node.text_param("~stale_timeout")? {
-            let timeout = stale_secs(&text).map_err(|error| anyhow!("parameter ~stale_timeout: {error}"))?;
-            sink.set_stale_timeout(timeout);
+fn follow_topic(
+    node: Option<Arc<RosNode>>,
+    arguments: WindowArguments,
+    end: &EndRequest,
+    sink: &PictureSink,
+) -> anyhow::Result<()> {
+    let (node, arguments) = match node {
+        Some(node) => (node, arguments),
+        None => {
+            let Some(node) = lifecycle::connect(NAME, end)? else { return Ok(()) };
+            let arguments: WindowArguments = with_parameters(&node)?;
+            sink.set_stale_timeout(arguments.stale_timeout);
+            (node, arguments)
         }
-    }
-    let (topic, kind) = match node.text_param("~image_transport")?.as_deref() {
-        None | Some("raw" | "") => (topic.to_owned(), MessageKind::Image),
-        Some("compressed") => (format!("{topic}/compressed"), MessageKind::CompressedImage),
-        Some(other) => bail!("parameter ~image_transport: there are raw and compressed, not {other}"),
+    };
+    let topic = arguments.topic();
+    let (topic, kind) = match arguments.image_transport {
+        Transport::Raw => (topic, MessageKind::Image),
+        Transport::Compressed => (format!("{topic}/compressed"), MessageKind::CompressedImage),
     };
     // A queue of one: the window shows the latest picture.
     let subscription = node.subscribe(&topic, kind, 1)?;

@@ -10,7 +10,9 @@ use rcs_rviz_config::{Config, DisplaySettings};
 use rcs_scene::DisplayMask;
 
 use super::reconfigurable::{ros_name, unique};
+use crate::cli::Cli;
 use crate::outputs::TopicNames;
+use rcs_node_support::node_options;
 
 /// A camera as a config asks for it, with all its names resolved.
 pub(crate) struct CameraPlan {
@@ -38,11 +40,22 @@ fn trigger_name(namespace: &str) -> String {
     in_namespace(namespace, "camera_trigger")
 }
 
+/// The namespace `~CAMERA` of a camera's parameters, which is no option's parameter.
+fn parameter_namespace(camera: &str, reserved: &[String]) -> String {
+    let name = ros_name(camera, "camera_");
+    if reserved.contains(&name) {
+        format!("camera_{name}")
+    } else {
+        name
+    }
+}
+
 /// The plans of a config's enabled cameras.
 ///
 /// # Errors
 /// The first name that is not valid in ROS.
 pub(crate) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
+    let reserved = node_options::parameter_names::<Cli>();
     let mut ids = HashSet::new();
     let mut plans = Vec::new();
     for placed in config.placed_displays().iter().filter(|placed| placed.enabled) {
@@ -61,7 +74,12 @@ pub(crate) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
             visible: DisplayMask::all(),
         };
         let service = ros.resolve(&trigger_name(&settings.display_namespace))?;
-        plans.push(CameraPlan { id: unique(ros_name(&view.name, "camera_"), &mut ids), view, topics, service });
+        plans.push(CameraPlan {
+            id: unique(parameter_namespace(&view.name, &reserved), &mut ids),
+            view,
+            topics,
+            service,
+        });
     }
     Ok(plans)
 }
@@ -75,5 +93,17 @@ impl CameraPlan {
     /// The trigger service's name before it is resolved.
     pub(super) fn trigger_name(&self) -> String {
         trigger_name(&self.view.settings.display_namespace)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cameras_parameters_are_in_no_options_place() {
+        let reserved = node_options::parameter_names::<Cli>();
+        let names = ["mask", "projection", "Left"].map(|camera| parameter_namespace(camera, &reserved));
+        assert_eq!(names, ["camera_mask", "camera_projection", "Left"]);
     }
 }

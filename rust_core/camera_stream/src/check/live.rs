@@ -1,21 +1,23 @@
 //! `camera_stream check --live`: a config against a running ROS. Subscribes for a few seconds as the node would, and
 //! prints the status of each display and camera.
 
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use rcs_displays::{time_from_stamp, Level, Status};
 use rcs_node_support::lifecycle::EndRequest;
+use rcs_node_support::node_options;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::RosNode;
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
+use crate::camera_names;
 use crate::check::node_name::node_names;
 use crate::check::table;
-use crate::cli::{ModelArgs, ResourceArgs};
-use crate::private_parameters;
+use crate::options::Options;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera, VISIBILITY};
@@ -24,30 +26,18 @@ use crate::scene::SceneState;
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
-/// The arguments of the launch line that the check uses.
-#[derive(Clone, Debug)]
-pub(crate) struct LiveArgs {
-    /// Time to listen.
-    pub(crate) listen: Duration,
-    /// Overrides the config's.
-    pub(crate) fixed_frame: Option<String>,
-    /// Overrides the node's private parameters.
-    pub(crate) model: ModelArgs,
-    /// Limits of mesh files, besides the private parameters.
-    pub(crate) resources: ResourceArgs,
-}
-
-/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and all of the config is understood.
+/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and the whole config is understood.
 ///
 /// # Errors
 /// No master, an invalid parameter, or an output that cannot be written.
-pub(crate) fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool> {
+pub(crate) fn run(config: &Config, words: &[OsString], listen: Duration, out: &mut dyn Write) -> Result<bool> {
     // The master would end the running node if this one took its name.
     let [own_name, checked_name] = node_names()?;
     let end = EndRequest::watch_signals()?;
     rcs_scene::name_threads();
     let ros = RosNode::connect_now(&own_name, &|| end.is_requested())?;
-    let result = check(config, args, &checked_name, &ros, &end, out);
+    let result = options(words, config, &checked_name, &ros)
+        .and_then(|options| check(config, &options, listen, &ros, &end, out));
     ros.shutdown();
     match result {
         // A closed pipe, as of `head`, is no error.
@@ -58,20 +48,18 @@ pub(crate) fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Resu
 
 fn check(
     config: &Config,
-    args: &LiveArgs,
-    checked_name: &str,
+    options: &Options,
+    listen: Duration,
     ros: &RosNode,
     end: &EndRequest,
     out: &mut dyn Write,
 ) -> Result<bool> {
-    // `_projection:=` of the command line, or what the node's own launch file set.
-    let model = private_parameters::camera_model(ros, &args.model, Some(checked_name))?;
-    let resources = private_parameters::resources(ros, &args.resources)?;
-    let events = ros.events().clone();
+    let model = options.model;
+    let (events, resources) = (ros.events().clone(), options.resources.clone());
     let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-    let mut scene = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
+    let mut scene = SceneState::new(config, options.fixed_frame.as_deref(), meshes);
     // Kept because they know their publishers.
-    let _subscriptions = receive(&mut scene, args.listen, ros, end)?;
+    let _subscriptions = receive(&mut scene, listen, ros, end)?;
     ros.query_publications();
     let mut entries = status_tree::scene(&scene, ros_time(ros));
     let place = |view| PlacedCamera { view, camera: scene.camera(view, model).ok() };
@@ -84,6 +72,13 @@ fn check(
     let is_understood = super::print_findings(config, out)?;
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
     Ok(is_ok && is_understood)
+}
+
+/// Options of the diagnosed node: the command line, then the parameters that a launch file set for it.
+fn options(words: &[OsString], config: &Config, checked_name: &str, ros: &RosNode) -> Result<Options> {
+    let mut parameters = ros.parameters_of(checked_name)?;
+    parameters.extend(ros.parameters().clone());
+    Ok(Options::of(&node_options::merge(words, &parameters)?, &camera_names(config))?)
 }
 
 fn is_closed_pipe(error: &Error) -> bool {

@@ -4,6 +4,7 @@
 //! has been busy for [`REPEAT_AFTER`], the last frames are repeated from here at their frame rates; after
 //! [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the [watchdog](super::watchdog).
 
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -16,9 +17,8 @@ use rcs_rviz_config::Config;
 use rcs_scene::join_within;
 
 use crate::camera::plan;
-use crate::cli::Cli;
 use crate::log_findings;
-use crate::private_parameters;
+use crate::options::Options;
 use crate::runtime::activity::Busy;
 use crate::runtime::config_reader::{self, ConfigReader};
 use crate::runtime::file_watch::FileWatch;
@@ -63,8 +63,9 @@ impl ControlThread {
     ///
     /// # Errors
     /// One line that names what failed.
-    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
-        let file = cli.node.display_config.clone().unwrap_or_default();
+    pub(crate) fn start(options: &Options, file: &Path, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
+        let watch = options.watches_config.then(|| watch(file, &shared.ros)).transpose()?;
+        let file = file.to_owned();
         let calls = Arc::clone(shared.ros.calls());
         Ok(Self {
             shared: Arc::clone(shared),
@@ -73,7 +74,7 @@ impl ControlThread {
             reload_reply: None,
             has_changed: false,
             reload_service: shared.ros.serve_trigger("~reload_config")?,
-            watch: watch(cli, &shared.ros)?,
+            watch,
             answer_reload_at: None,
             task: Task::watched("answering calls"),
         })
@@ -227,10 +228,8 @@ impl ControlThread {
     }
 }
 
-/// Watches the config's file, unless `--no-watch` or `~watch` says not to.
-fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
-    let is_wanted = private_parameters::switch(ros, cli.node.no_watch.then_some(false), "~watch")?.unwrap_or(true);
-    let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
+/// Watches the config's file.
+fn watch(file: &Path, ros: &RosNode) -> Result<FileWatch> {
     let calls = Arc::clone(ros.calls());
-    FileWatch::start(file, move || calls.wake()).map(Some).context("cannot watch the config")
+    FileWatch::start(file.to_owned(), move || calls.wake()).context("cannot watch the config")
 }

@@ -23,40 +23,47 @@ mod shared;
 pub(crate) mod watchdog;
 mod windows;
 
+use std::ffi::OsString;
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
-use crate::cli::Cli;
-use crate::{log_findings, NODE_NAME};
+use crate::options::Options;
+use crate::{camera_names, log_findings, NODE_NAME};
 use control_thread::ControlThread;
 use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::node_options;
 use scene_thread::SceneThread;
 use shared::NodeState;
 use watchdog::Watchdog;
 
-/// Runs the node until it is asked to end. After an error, [`lifecycle::finish`] is to end it.
+/// Runs the node until it is asked to end, with the command line's words and the config in a file. After an error,
+/// [`lifecycle::finish`] is to end it.
 ///
 /// # Errors
 /// One line that names what failed: the master's address, a topic, the renderer.
-pub(crate) fn run(cli: &Cli, config: &Config) -> Result<()> {
+pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()> {
     log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
     rcs_scene::name_threads();
     let Some(ros) = lifecycle::connect(NODE_NAME, &end)? else { return Ok(()) };
+    let given = node_options::merge(words, ros.parameters())?;
+    log::info!("options: {}", given.command_line);
+    let options = Options::of(&given, &camera_names(config))?;
+    // First, while little is in use.
+    let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
+        .context("cannot start the thread that gives memory back")?;
     let shared = Arc::new(NodeState::new(ros));
-    run_threads(cli, config, &shared, &end)?;
+    let scene = SceneThread::start(&options, config, &shared)?;
+    let control = ControlThread::start(&options, file, config, &shared)?;
+    run_threads(scene, control, &end)?;
     shared.ros.shutdown();
     Ok(())
 }
 
-fn run_threads(cli: &Cli, config: &Config, shared: &Arc<NodeState>, end: &EndRequest) -> Result<()> {
-    // First, while little is in use.
-    let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
-        .context("cannot start the thread that gives memory back")?;
-    let scene = SceneThread::start(cli, config, shared)?;
-    let control = ControlThread::start(cli, config, shared)?;
+fn run_threads(scene: SceneThread, control: ControlThread, end: &EndRequest) -> Result<()> {
     let _watchdog = Watchdog::start().context("cannot start the watchdog's thread")?;
     let thread = std::thread::Builder::new().name("scene".to_owned()).spawn(move || scene.run());
     control.run(thread.context("cannot start the scene's thread")?, end)

@@ -25,9 +25,7 @@ use crate::camera::output::{self, CameraContext, CameraOutput};
 use crate::camera::plan;
 use crate::camera::rearrange::rearrange;
 use crate::camera_names;
-use crate::cli::Cli;
-use crate::prediction::PredictionSettings;
-use crate::private_parameters;
+use crate::options::Options;
 use crate::safety::ages::{Assessment, Now};
 use crate::safety::read_rules::{self, MaskTopics};
 use crate::safety::{status, LitView, Safety};
@@ -62,34 +60,29 @@ impl SceneThread {
     ///
     /// # Errors
     /// One line that names what failed: a topic, the renderer.
-    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
+    pub(super) fn start(options: &Options, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
-        let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
-        let model = private_parameters::camera_model(ros, &cli.model, None)?;
-        let is_lazy = private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?;
-        let depth_encoding = private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?;
-        let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
-        let (rules, masks) = read_rules::read(ros, &cli.node, &camera_names(config))?;
+        let (rules, masks) = read_rules::read(ros, &options.light)?;
         let safety = Safety::new(rules);
-        let renderer = FrameRenderer::new(renderer_choice)?;
-        let resources = private_parameters::resources(ros, &cli.resources)?;
+        let renderer = FrameRenderer::new(options.renderer)?;
+        let resources = options.resources.clone();
         let events = Arc::clone(ros.events());
         let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-        let mut state = SceneState::new(config, cli.node.fixed_frame.as_deref(), meshes);
+        let mut state = SceneState::new(config, options.fixed_frame.as_deref(), meshes);
         state.limit_markers_per_update(MARKERS_PER_UPDATE);
         if state.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = plan::plans(ros, config)?;
-        let windows = Windows::open(ros, &cli.node.screens, &safety, &plans)?;
+        let windows = Windows::open(ros, options, &safety, &plans)?;
+        let (model, depth_encoding) = (options.model, options.depth_encoding);
         let context = Arc::new(CameraContext { ros: Arc::clone(ros), model, depth_encoding });
         let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
-        let mut scene = LiveScene::start(ros, state, prediction, cli.node.fixed_frame.clone())?;
+        let mut scene = LiveScene::start(ros, state, options.prediction, options.fixed_frame.clone())?;
         log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
         *shared.cameras() = cameras;
         scene.update(time_from_stamp(ros.now()));
-        let (shared, is_lazy, oriented_frames) =
-            (Arc::clone(shared), is_lazy.unwrap_or(true), OrientedFrames::default());
+        let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.is_lazy, OrientedFrames::default());
         Ok(Self { shared, context, scene, renderer, is_lazy, safety, masks, oriented_frames, windows })
     }
 

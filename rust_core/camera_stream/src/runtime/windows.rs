@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use anyhow::{anyhow, bail, Context, Error, Result};
+use anyhow::{bail, Context, Result};
 use rcs_ros::RosNode;
 use rcs_window::WindowOptions;
 
 use crate::camera::plan::CameraPlan;
+use crate::options::Options;
 use crate::outputs::{test_light, WindowOutput, WindowThread};
-use crate::private_parameters;
+use crate::safety::names::ForCamera;
 use crate::safety::Safety;
-use crate::window_arguments::{CameraWindow, ScreenArgs};
 
 /// The windows of all cameras. Closes them when dropped.
 #[derive(Default)]
@@ -23,25 +23,22 @@ struct OpenWindow {
 }
 
 impl Windows {
-    /// Opens the windows of `--window` and `~window` for the cameras of a config.
+    /// Opens the windows for the cameras of a config.
     ///
     /// # Errors
     /// One line: no such camera, two windows for one camera, or several cameras and no name.
-    pub(crate) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
+    pub(crate) fn open(ros: &RosNode, options: &Options, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
         let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
-        let args = private_parameters::windows(ros, given)?;
         let mut windows = Self::default();
-        for wanted in args.windows {
-            let wanted = CameraWindow::read(&wanted, &names).map_err(|unknown| no_camera(&unknown, &names))?;
-            let Some(monitor) = wanted.monitor else { continue };
-            let camera = camera(wanted.camera, &names)?;
+        for ForCamera { camera: wanted, value: monitor } in options.windows.iter().cloned() {
+            let camera = camera(wanted, &names)?;
             if windows.0.iter().any(|window| window.camera == camera) {
-                bail!("--window: camera {camera} has two windows");
+                bail!("window: camera {camera} has two");
             }
             let source = format!("camera {camera}");
             let silent = safety.silent_window(&camera);
             let (stale_timeout, test_light) = (silent.timeout, test_light(&silent.permit, None));
-            let set_mode = args.set_mode;
+            let set_mode = options.set_mode;
             let options =
                 WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
             windows.0.push(OpenWindow::open(ros, camera, options)?);
@@ -74,13 +71,10 @@ impl OpenWindow {
 /// The camera of a window.
 fn camera(wanted: Option<String>, cameras: &[&str]) -> Result<String> {
     match (wanted, cameras) {
-        (Some(wanted), _) => Ok(wanted),
+        (Some(wanted), _) if cameras.contains(&&*wanted) => Ok(wanted),
+        (Some(wanted), _) => bail!("window: camera {wanted} is not enabled; enabled: {}", cameras.join(", ")),
         (None, [camera]) => Ok((*camera).to_owned()),
-        (None, []) => bail!("--window: the config has no enabled camera"),
-        (None, _) => bail!("--window: which camera? Give CAMERA=MONITOR; there are: {}", cameras.join(", ")),
+        (None, []) => bail!("window: the config has no enabled camera"),
+        (None, _) => bail!("window: name one of the cameras, CAMERA=MONITOR; cameras: {}", cameras.join(", ")),
     }
-}
-
-fn no_camera(wanted: &str, cameras: &[&str]) -> Error {
-    anyhow!("--window: the config has no enabled camera {wanted}; there are: {}", cameras.join(", "))
 }

@@ -6,8 +6,13 @@
 use std::path::{Path, PathBuf};
 
 use rcs_render::Orientation;
+use rcs_window::MonitorChoice;
 
-use rcs_node_support::key_value::split_at_known;
+use rcs_node_support::key_value::{split, FIELD_SEPARATOR};
+use rcs_node_support::node_options::InvalidOption;
+
+/// The value that stands for not giving an option.
+pub(crate) const NONE: &str = "none";
 
 /// A value for one camera, or for all.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,30 +21,6 @@ pub struct ForCamera<T> {
     pub camera: Option<String>,
     /// The value.
     pub value: T,
-}
-
-/// Why a text is no value for a camera of the config.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum NameError {
-    /// It has no value.
-    #[error("\"{text}\" is neither VALUE nor CAMERA=VALUE")]
-    NoValue {
-        /// The text.
-        text: String,
-    },
-    /// It names no camera of the config.
-    #[error("{text}: the config has no camera '{camera}'; {}", cameras_text(cameras))]
-    UnknownCamera {
-        /// The text.
-        text: String,
-        /// The name in it.
-        camera: String,
-        /// The config's cameras.
-        cameras: Vec<String>,
-    },
-    /// Its value is none of the option's.
-    #[error("{0}")]
-    Value(String),
 }
 
 /// A list of cameras, for errors.
@@ -81,6 +62,12 @@ impl CameraValue for PathBuf {
     }
 }
 
+impl CameraValue for MonitorChoice {
+    fn read(text: &str) -> Result<Self, String> {
+        text.parse().map_err(|never: std::convert::Infallible| match never {})
+    }
+}
+
 impl CameraValue for Orientation {
     fn read(text: &str) -> Result<Self, String> {
         text.parse()
@@ -88,33 +75,31 @@ impl CameraValue for Orientation {
 }
 
 impl<T: CameraValue> ForCamera<T> {
-    /// Reads `CAMERA=VALUE` or `VALUE`, where the cameras are those of the config: the longest name that fits counts,
-    /// and a text that begins with none of them is a value if it is one as a whole.
-    ///
-    /// # Errors
-    /// [`NameError`].
-    pub(crate) fn read(text: &str, cameras: &[String]) -> Result<Self, NameError> {
-        let known = split_at_known(text, cameras.iter().map(String::as_str));
-        let (camera, value) = match (known, text.split_once('=')) {
-            (Some((camera, value)), _) => (Some(camera.to_owned()), value),
-            (None, Some((camera, _))) if !camera.trim().is_empty() && !T::is_whole(text) => {
-                let (text, camera) = (text.to_owned(), camera.trim().to_owned());
-                return Err(NameError::UnknownCamera { text, camera, cameras: cameras.to_vec() });
-            }
-            (None, _) => (None, text),
-        };
-        if value.trim().is_empty() || (value.starts_with('=') && !T::is_whole(value)) {
-            return Err(NameError::NoValue { text: text.to_owned() });
-        }
-        Ok(Self { camera, value: T::read(value).map_err(NameError::Value)? })
-    }
-
-    /// Reads several.
+    /// Reads the values `CAMERA=VALUE` or `VALUE` of an option, where the cameras are those of the config: the longest
+    /// name that fits counts. [`NONE`] is no value.
     ///
     /// # Errors
     /// The first that is wrong.
-    pub(crate) fn read_all(texts: &[String], cameras: &[String]) -> Result<Vec<Self>, NameError> {
-        texts.iter().map(|text| Self::read(text, cameras)).collect()
+    pub(crate) fn read_all(option: &str, texts: &[String], cameras: &[String]) -> Result<Vec<Self>, InvalidOption> {
+        let read = |text: &String| {
+            Self::read(text, cameras).map_err(|reason| InvalidOption::new(option, text, reason)).transpose()
+        };
+        texts.iter().filter_map(read).collect()
+    }
+
+    fn read(text: &str, cameras: &[String]) -> Result<Option<Self>, String> {
+        let (camera, value) = match split(text, cameras) {
+            Some((key, value)) => match cameras.iter().find(|camera| camera.trim() == key) {
+                Some(camera) => (Some(camera.clone()), value),
+                None if T::is_whole(text) => (None, text),
+                None => return Err(format!("the config has no camera '{key}'; {}", cameras_text(cameras))),
+            },
+            None => (None, text.trim().trim_start_matches(FIELD_SEPARATOR)),
+        };
+        if value.is_empty() || (value.starts_with('=') && !T::is_whole(value)) {
+            return Err("not VALUE or CAMERA=VALUE".to_owned());
+        }
+        (value != NONE).then(|| T::read(value)).transpose().map(|value| Some(Self { camera, value: value? }))
     }
 }
 
@@ -141,7 +126,7 @@ mod tests {
     #[test]
     fn a_camera_has_its_own_value_or_that_of_all() {
         let texts = ["90", "Left = right=180", "270", "Left=mirrored"].map(str::to_owned);
-        let values = ForCamera::<Orientation>::read_all(&texts, &cameras()).unwrap();
+        let values = ForCamera::<Orientation>::read_all("--orientation", &texts, &cameras()).unwrap();
         let of = |camera: &str| of_camera(&values, camera).map(ToString::to_string);
         assert_eq!(of("Left").as_deref(), Some("mirrored"));
         assert_eq!(of("Left = right").as_deref(), Some("180"));
@@ -154,11 +139,12 @@ mod tests {
 
     #[test]
     fn a_name_that_is_no_cameras_is_refused_with_the_cameras() {
-        let error = ForCamera::<String>::read("camm=/people", &cameras()).unwrap_err();
-        let expected = "camm=/people: the config has no camera 'camm'; cameras: Left, Left = right, cam";
+        let error = ForCamera::<String>::read_all("~mask_topic", &["camm=/people".to_owned()], &cameras()).unwrap_err();
+        let expected = "invalid value 'camm=/people' for ~mask_topic: the config has no camera 'camm'; cameras: Left, \
+                        Left = right, cam";
         assert_eq!(error.to_string(), expected);
         let error = ForCamera::<PathBuf>::read("Lef=/nowhere/left.png", &[]).unwrap_err();
-        assert_eq!(error.to_string(), "Lef=/nowhere/left.png: the config has no camera 'Lef'; it has none");
+        assert_eq!(error, "the config has no camera 'Lef'; it has none");
     }
 
     #[test]
@@ -168,9 +154,11 @@ mod tests {
         std::fs::write(&path, "").unwrap();
         let text = path.display().to_string();
         let read = |text: &str| ForCamera::<PathBuf>::read(text, &cameras());
-        assert_eq!(read(&text), Ok(ForCamera { camera: None, value: path.clone() }));
-        assert_eq!(read(&format!("cam={text}")), Ok(ForCamera { camera: Some("cam".to_owned()), value: path }));
-        assert!(matches!(read(&format!("{text}4")), Err(NameError::UnknownCamera { .. })));
+        assert_eq!(read(&text), Ok(Some(ForCamera { camera: None, value: path.clone() })));
+        let of_cam = Ok(Some(ForCamera { camera: Some("cam".to_owned()), value: path }));
+        assert_eq!(read(&format!("cam={text}")), of_cam);
+        assert_eq!(read(&format!("cam{FIELD_SEPARATOR}{text}")), of_cam);
+        assert!(read(&format!("{text}4")).is_err());
     }
 
     #[test]

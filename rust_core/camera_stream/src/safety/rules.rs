@@ -64,8 +64,8 @@ impl FromStr for KeepOutFrame {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("\"{text}\" is not FRAME=RADIUS with a radius in metres, above 0 and not above 100");
-        let (frame, radius) = key_value::split(text).ok_or_else(wrong)?;
+        let wrong = || "not FRAME=RADIUS with a radius in metres, above 0 and not above 100".to_owned();
+        let (frame, radius) = key_value::split(text, &[]).ok_or_else(wrong)?;
         let radius_m = radius.parse::<f64>().ok().filter(|radius_m| *radius_m > 0.0 && *radius_m <= 100.0);
         match (frame.trim_start_matches('/'), radius_m) {
             ("", _) | (_, None) => Err(wrong()),

@@ -11,7 +11,7 @@ use rcs_transforms::Time;
 
 use super::subscriptions::Subscriptions;
 use super::SceneState;
-use crate::prediction::PredictionSettings;
+use crate::options::prediction::PredictionSettings;
 
 /// The scene of a running node.
 pub(crate) struct LiveScene {

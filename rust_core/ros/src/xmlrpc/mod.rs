@@ -14,4 +14,5 @@ pub(crate) mod value;
 
 pub(crate) use client::{call, CallError};
 pub(crate) use server::Server;
-pub(crate) use value::{parse_call, Value};
+pub(crate) use value::parse_call;
+pub use value::Value;

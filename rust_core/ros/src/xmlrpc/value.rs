@@ -1,7 +1,7 @@
 //! Values, calls and answers as XML.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -12,14 +12,20 @@ const MAX_ELEMENT_DEPTH: usize = 3 * (MAX_DEPTH + 1) + 6;
 /// How many XML nodes a message may have. A `getSystemState` of a thousand topics has some ten thousand.
 const MAX_NODES: u32 = 2_000_000;
 
-/// A value of a call or an answer.
+/// A value of a call or an answer, such as a parameter's. Displayed as YAML's flow style writes it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Value {
+pub enum Value {
+    /// `int`, `i4`, `i8`.
     Int(i32),
+    /// `boolean`.
     Bool(bool),
+    /// `double`.
     Double(f64),
+    /// `string`.
     String(String),
+    /// `array`.
     Array(Vec<Value>),
+    /// `struct`.
     Struct(BTreeMap<String, Value>),
     /// `dateTime.iso8601` and `base64`, which the graph's calls do not use: the element's name and its text.
     Other(&'static str, String),
@@ -46,11 +52,37 @@ impl Value {
         }
     }
 
+    /// The text of a string, a boolean, a number, or a list of these with commas between them.
+    pub fn text(&self) -> Option<String> {
+        match self {
+            Self::Array(items) => Some(items.iter().map(Self::text).collect::<Option<Vec<_>>>()?.join(",")),
+            Self::Struct(_) | Self::Other(..) => None,
+            scalar => Some(scalar.to_string()),
+        }
+    }
+
     /// The items of an array.
     pub(crate) fn as_array(&self) -> Option<&[Value]> {
         match self {
             Self::Array(items) => Some(items),
             _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joined = |texts: Vec<String>| texts.join(", ");
+        match self {
+            Self::Int(value) => value.fmt(f),
+            Self::Bool(value) => value.fmt(f),
+            Self::Double(value) => value.fmt(f),
+            Self::String(text) | Self::Other(_, text) => text.fmt(f),
+            Self::Array(items) => write!(f, "[{}]", joined(items.iter().map(Self::to_string).collect())),
+            Self::Struct(members) => {
+                let member = |(name, value): (&String, &Self)| format!("{name}: {value}");
+                write!(f, "{{{}}}", joined(members.iter().map(member).collect()))
+            }
         }
     }
 }

@@ -11,6 +11,7 @@ use rcs_messages::PointCloud2;
 use rcs_ros::RosNode;
 
 use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::node_options::{with_parameters, within};
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -38,17 +39,8 @@ struct PublishCloudArguments {
     #[arg(long, default_value = "map")]
     frame: String,
     /// How often to publish, in Hz, each time with the current time as stamp; 0: once
-    #[arg(long, default_value_t = 1.0, value_parser = rate)]
+    #[arg(long, default_value_t = 1.0, value_parser = within(0.0, 1000.0))]
     rate: f64,
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    let rate_hz: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1000.0).contains(&rate_hz) {
-        Ok(rate_hz)
-    } else {
-        Err("not from 0 to 1000".to_owned())
-    }
 }
 
 /// Runs the program with the process's arguments.
@@ -58,7 +50,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &PublishCloudArguments) -> anyhow::Result<()> {
     let message = read(&arguments.file, &arguments.frame)?;
-    lifecycle::with_node("publish_cloud", |node, end| publish(node, end, arguments, &message))
+    lifecycle::with_node("publish_cloud", |node, end| publish(node, end, &with_parameters(node)?, message))
 }
 
 /// Publishes the cloud at the rate until the shutdown is requested.
@@ -66,8 +58,9 @@ fn publish(
     node: &RosNode,
     end: &EndRequest,
     arguments: &PublishCloudArguments,
-    message: &PointCloud2,
+    mut message: PointCloud2,
 ) -> anyhow::Result<()> {
+    message.header.frame_id.clone_from(&arguments.frame);
     let publisher = node.latched_publisher::<PointCloud2>(&arguments.topic, 1)?;
     let PointCloud2 { width, height, .. } = message;
     log::info!(

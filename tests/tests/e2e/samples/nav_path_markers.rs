@@ -133,6 +133,6 @@ fn a_wrong_parameter_is_one_line_that_names_it() {
     let status = sample.node.wait(rcs_tests::ros::PATIENCE).unwrap();
     assert_eq!(status.code(), Some(1));
     let errors = sample.node.errors();
-    let expected = "]: parameter ~spacing: invalid value '0' for '--spacing <M>': not from 0.01 to 100";
+    let expected = "]: invalid value '0' for ~spacing: not from 0.01 to 100";
     assert!(errors.len() == 1 && errors[0].ends_with(expected), "{errors:?}");
 }

@@ -20,8 +20,7 @@ pub enum AgeLimit {
     Never,
 }
 
-/// A value of `--stale-timeout`, or an element of `~stale_timeouts`: `SECS`, or `TOPIC=SECS`, `TOPIC=held` or
-/// `TOPIC=never`.
+/// A limit of all topics, `SECS`, or of one: `TOPIC=SECS`, `TOPIC=held` or `TOPIC=never`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StaleTimeout {
     /// The topic as it was given; `None` for all topics.
@@ -51,7 +50,7 @@ impl FromStr for StaleTimeout {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (topic, limit) =
-            key_value::split(text).map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
+            key_value::split(text, &[]).map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
         match (&topic, limit.parse()?) {
             (Some(topic), _) if topic.trim_matches('/').is_empty() => Err(format!("{text}: no topic before the =")),
             (None, AgeLimit::Held) => Err("held is for single topics: TOPIC=held".to_owned()),

@@ -1,4 +1,4 @@
-//! Which file a config's name means.
+//! Finds the file of a config's name.
 //!
 //! As rviz does, a name without slashes that is no file here is looked for in `~/.rviz`, with or without the ending
 //! `.rviz`. Unlike rviz, which shows its default config then, a name that is found nowhere is an error.
@@ -15,7 +15,7 @@ pub(crate) struct ConfigNotFound {
     places: String,
 }
 
-/// Puts the file that is meant in the place of the config's name.
+/// Replaces the config's name by the file that it means.
 ///
 /// # Errors
 /// [`ConfigNotFound`].

@@ -1,0 +1,194 @@
+//! Options of `camera_stream` as they are given, for clap.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use rcs_camera::Projection;
+
+use super::prediction::{lead, up_to_a_second, Lead};
+use crate::outputs::depth_image::DepthEncoding;
+use crate::safety::ages::limits::AgeLimit;
+use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
+
+/// Sizes in MB that a mesh file can be limited to.
+pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
+
+/// How CameraInfos become pictures.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct ModelArgs {
+    /// Use P as rviz does (half a pixel off, more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror), or exactly
+    #[arg(long, global = true, value_enum, default_value = "rviz")]
+    pub projection: Projection,
+    /// Correct for the projector's lens where the CameraInfo has D ≠ 0; P is used exactly then
+    #[arg(long, global = true)]
+    pub undistort: bool,
+    #[arg(long, global = true, hide = true, overrides_with = "undistort")]
+    no_undistort: bool,
+}
+
+/// Which mesh files, and files that these name, may be read.
+#[derive(Args, Clone, Debug)]
+pub struct ResourceArgs {
+    /// Largest mesh or texture file that is read, 1 to 4096
+    #[arg(long, global = true, value_name = "MB", default_value_t = 512, value_parser = mesh_mb)]
+    pub max_mesh_mb: u64,
+    /// Folder outside of ROS packages whose meshes and textures may be read; repeatable
+    #[arg(long, global = true, value_name = "DIR")]
+    pub mesh_folder: Vec<PathBuf>,
+}
+
+/// The arguments of the node.
+#[derive(Args, Clone, Debug)]
+pub struct NodeArgs {
+    /// The .rviz config with CameraPub displays; a name without slashes is also looked for in ~/.rviz
+    #[arg(short = 'd', long = "display-config", value_name = "FILE", help_heading = COMMAND_LINE_ONLY)]
+    pub display_config: Option<PathBuf>,
+    /// Fixed frame in place of the config's [default: none]
+    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
+    pub fixed_frame: Option<String>,
+    /// Do not reload the config when its file changes
+    #[arg(long)]
+    pub no_watch: bool,
+    /// Receive clouds, scans and images also while nobody subscribes to a picture
+    #[arg(long)]
+    pub no_lazy: bool,
+    /// Encoding of depth images: metres (32FC1) or millimetres (16UC1)
+    #[arg(long, value_enum, value_name = "32FC1|16UC1", default_value = "32FC1")]
+    pub depth_encoding: DepthEncoding,
+    /// Windows of the node's own
+    #[command(flatten)]
+    pub windows: WindowArgs,
+    /// Whether moving frames are predicted.
+    #[command(flatten)]
+    pub prediction: PredictionArgs,
+    /// Where and when there may be light.
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Options of rviz's window: accepted and ignored
+    #[command(flatten)]
+    pub rviz: RvizArgs,
+    /// Log debug messages, too
+    #[arg(long, help_heading = COMMAND_LINE_ONLY)]
+    pub log_level_debug: bool,
+    #[command(flatten)]
+    opposites: Opposites,
+}
+
+/// Switches that undo others: the last one of two counts.
+#[derive(Args, Clone, Debug)]
+struct Opposites {
+    #[arg(long, hide = true, overrides_with = "no_watch")]
+    watch: bool,
+    #[arg(long, hide = true, overrides_with = "no_lazy")]
+    lazy: bool,
+    #[arg(long, hide = true, overrides_with = "set_mode")]
+    no_set_mode: bool,
+    #[arg(long, hide = true, overrides_with = "stale_note")]
+    no_stale_note: bool,
+    #[arg(long, hide = true, overrides_with = "no_mask_required")]
+    mask_required: bool,
+}
+
+/// Full-screen windows of the node's cameras.
+#[derive(Args, Clone, Debug)]
+pub struct WindowArgs {
+    /// Show the picture full screen on a monitor: name, number in projector_window --list-monitors, or auto (the last
+    /// that is not primary); with CAMERA= where the config has several cameras; repeatable
+    #[arg(long, value_name = "[CAMERA=]MONITOR")]
+    pub window: Vec<String>,
+    /// Set a monitor that runs another mode to its native one
+    #[arg(long)]
+    pub set_mode: bool,
+}
+
+/// Prediction of moving frames.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PredictionArgs {
+    /// Draw moving frames this many seconds ahead (0 to 1), or as far as the picture is late (auto), or not (none)
+    #[arg(long, value_name = "SECS|auto|none", default_value = "none", value_parser = lead)]
+    pub predict: Lead,
+    /// Longest time after a frame's newest transform that it is predicted for, 0 to 1 seconds
+    #[arg(long, value_name = "SECS", default_value = "0.1", value_parser = up_to_a_second)]
+    pub predict_limit: Duration,
+    /// With --predict auto: the time from publishing a picture to its light, 0 to 1 seconds
+    #[arg(long, value_name = "SECS", default_value = "0.02", value_parser = up_to_a_second)]
+    pub screen_delay: Duration,
+}
+
+/// Where and when there may be light, and how it is corrected.
+#[derive(Args, Clone, Debug)]
+pub struct LightArgs {
+    /// Hide data, and black out cameras, whose data are older than this: 0 to 86400 seconds, or none (0: none)
+    #[arg(long, value_name = "SECS", default_value = "none", value_parser = stale_timeout)]
+    pub stale_timeout: AgeLimit,
+    /// AgeLimit for a single topic: seconds, held (as long as it has a publisher) or never; repeatable
+    #[arg(long, value_name = "TOPIC=LIMIT")]
+    pub stale_timeouts: Vec<String>,
+    /// Write into a black picture why it is black
+    #[arg(long)]
+    pub stale_note: bool,
+    /// Topic of a mono8 image over the projector's picture, dark where there must be no light; with CAMERA= for one
+    #[arg(long, value_name = "[CAMERA=]TOPIC")]
+    pub mask_topic: Vec<String>,
+    /// No light within this distance of a frame's origin, in metres; repeatable
+    #[arg(long, value_name = "FRAME=RADIUS")]
+    pub keep_out: Vec<String>,
+    /// Keep the last mask and keep-out place while the current one is missing or expired, instead of blacking out
+    #[arg(long)]
+    pub no_mask_required: bool,
+    /// Grey image over the projector's picture, dark or transparent where there must be no light; with CAMERA= for one
+    #[arg(long, value_name = "[CAMERA=]FILE.png")]
+    pub mask: Vec<String>,
+    /// Projector's share of the light, from projector_blend: a grey image, white for all; with CAMERA= for one
+    #[arg(long, value_name = "[CAMERA=]FILE.png")]
+    pub blend: Vec<String>,
+    /// Gamma of the projectors, 0.5 to 5: light is the level to this power
+    #[arg(long, value_name = "GAMMA", default_value_t = 2.2, value_parser = gamma)]
+    pub blend_gamma: f32,
+    /// Turn the picture clockwise by 0, 90, 180 or 270 degrees, or mirror it before: mirrored, mirrored-90,
+    /// mirrored-180, mirrored-270; with CAMERA= for one [default: 0]
+    #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
+    pub orientation: Vec<String>,
+}
+
+/// Options of rviz that only concern its window: launch files may have them, so they are accepted and ignored.
+#[derive(Args, Clone, Debug)]
+pub struct RvizArgs {
+    #[arg(short = 's', long, hide = true, value_name = "FILE")]
+    splash_screen: Option<String>,
+    #[arg(long, hide = true, value_name = "FILE")]
+    help_file: Option<String>,
+    #[arg(short = 'l', long, hide = true)]
+    ogre_log: bool,
+    #[arg(long, hide = true)]
+    fullscreen: bool,
+    #[arg(long, hide = true)]
+    in_mc_wrapper: bool,
+    #[arg(long, hide = true)]
+    no_stereo: bool,
+    #[arg(long, hide = true)]
+    disable_anti_aliasing: bool,
+    #[arg(short = 'v', long, hide = true)]
+    verbose: bool,
+    #[arg(long, hide = true, value_name = "VERSION")]
+    opengl: Option<String>,
+}
+
+fn mesh_mb(text: &str) -> Result<u64, String> {
+    let size = text.parse().ok().filter(|size| MESH_MB.contains(size));
+    size.ok_or_else(|| "MB, a whole number from 1 to 4096".to_owned())
+}
+
+fn gamma(text: &str) -> Result<f32, String> {
+    within(0.5, 5.0)(text).map(|gamma| gamma as f32)
+}
+
+fn stale_timeout(text: &str) -> Result<AgeLimit, String> {
+    match text.parse() {
+        _ if text == "none" => Ok(AgeLimit::Never),
+        Ok(limit @ (AgeLimit::After(_) | AgeLimit::Never)) => Ok(limit),
+        Ok(AgeLimit::Held) | Err(_) => Err("seconds from 0 to 86400, or none".to_owned()),
+    }
+}

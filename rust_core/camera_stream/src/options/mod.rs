@@ -1,0 +1,250 @@
+//! What `camera_stream` is told to do: its command line and its private parameters, read once, merged by
+//! [`node_options`](rcs_node_support::node_options), and checked against the config's cameras.
+//!
+//! [`arguments`] holds the values as clap reads them. Nothing but this module looks at those of the node.
+
+pub mod arguments;
+pub(crate) mod config_file;
+pub mod prediction;
+
+use std::path::{Path, PathBuf};
+
+use rcs_camera::CameraModel;
+use rcs_render::{Orientation, RendererChoice};
+use rcs_resources::ResourceOptions;
+use rcs_window::MonitorChoice;
+
+use crate::cli::{Cli, Command};
+use crate::outputs::depth_image::DepthEncoding;
+use crate::safety::ages::limits::StaleTimeout;
+use crate::safety::names::{ForCamera, NONE};
+use crate::safety::rules::KeepOutFrame;
+use arguments::{LightArgs, ModelArgs, NodeArgs, PredictionArgs, ResourceArgs};
+use prediction::PredictionSettings;
+use rcs_node_support::node_options::{InvalidOption, NodeOptions};
+
+/// All options of the node.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Overrides the config's fixed frame.
+    pub fixed_frame: Option<String>,
+    /// The config is reloaded when its file changes.
+    pub watches_config: bool,
+    /// CPU or GPU.
+    pub renderer: RendererChoice,
+    /// Projection from CameraInfos.
+    pub model: CameraModel,
+    /// Limits for mesh files.
+    pub resources: ResourceOptions,
+    /// Prediction of moving frames.
+    pub prediction: PredictionSettings,
+    /// Streams are paused while nobody subscribes to an image.
+    pub is_lazy: bool,
+    /// Encoding of depth images.
+    pub depth_encoding: DepthEncoding,
+    /// Monitors that show cameras full screen.
+    pub windows: Vec<ForCamera<MonitorChoice>>,
+    /// Monitors of windows are set to their native modes.
+    pub set_mode: bool,
+    /// Where and when there may be light.
+    pub light: LightOptions,
+}
+
+/// Where and when there may be light, and how it is corrected. Files are not read and topics not resolved yet.
+#[derive(Clone, Debug)]
+pub struct LightOptions {
+    /// The limit for all topics, then those of single ones.
+    pub stale_timeouts: Vec<StaleTimeout>,
+    /// Black images say why they are black.
+    pub stale_note: bool,
+    /// Topics of masks.
+    pub mask_topics: Vec<ForCamera<String>>,
+    /// Frames around which there must be no light.
+    pub keep_out: Vec<KeepOutFrame>,
+    /// All is dark while a mask or the place of a keep-out frame is missing or expired.
+    pub mask_required: bool,
+    /// Mask files.
+    pub masks: Vec<ForCamera<PathBuf>>,
+    /// Files of weights where projectors overlap.
+    pub blends: Vec<ForCamera<PathBuf>>,
+    /// Light is the level to this power.
+    pub blend_gamma: f32,
+    /// Orientations of images.
+    pub orientations: Vec<ForCamera<Orientation>>,
+}
+
+impl Options {
+    /// The options of a command line and the parameters behind it, for a config with these cameras.
+    ///
+    /// # Errors
+    /// [`InvalidOption`], such as a camera that the config does not have.
+    pub(crate) fn of(given: &NodeOptions<Cli>, cameras: &[String]) -> Result<Self, InvalidOption> {
+        Self::new(&given.arguments, cameras, &|option| given.name_of(option))
+    }
+
+    /// The options of a command line alone.
+    ///
+    /// # Errors
+    /// [`InvalidOption`].
+    pub(crate) fn of_command_line(cli: &Cli, cameras: &[String]) -> Result<Self, InvalidOption> {
+        Self::new(cli, cameras, &|option| format!("--{option}"))
+    }
+
+    fn new(cli: &Cli, cameras: &[String], name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+        let node = cli.node_args();
+        Ok(Self {
+            fixed_frame: node.fixed_frame.clone().filter(|frame| frame != NONE),
+            watches_config: !node.no_watch,
+            renderer: cli.renderer,
+            model: cli.model.model(),
+            resources: cli.resources.options(),
+            prediction: node.prediction.into(),
+            is_lazy: !node.no_lazy,
+            depth_encoding: node.depth_encoding,
+            windows: ForCamera::read_all(&name_of("window"), &node.windows.window, cameras)?,
+            set_mode: node.windows.set_mode,
+            light: LightOptions::new(&node.light, cameras, name_of)?,
+        })
+    }
+}
+
+impl LightOptions {
+    fn new(args: &LightArgs, cameras: &[String], name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+        let general = StaleTimeout { topic: None, limit: args.stale_timeout };
+        let of_topic = |text: &str| match text.parse::<StaleTimeout>()? {
+            StaleTimeout { topic: None, .. } => Err("not TOPIC=LIMIT".to_owned()),
+            of_topic => Ok(of_topic),
+        };
+        let of_topics = parse_all(&name_of("stale-timeouts"), &args.stale_timeouts, of_topic)?;
+        Ok(Self {
+            stale_timeouts: std::iter::once(general).chain(of_topics).collect(),
+            stale_note: args.stale_note,
+            mask_topics: ForCamera::read_all(&name_of("mask-topic"), &args.mask_topic, cameras)?,
+            keep_out: parse_all(&name_of("keep-out"), &args.keep_out, str::parse)?,
+            mask_required: !args.no_mask_required,
+            masks: ForCamera::read_all(&name_of("mask"), &args.mask, cameras)?,
+            blends: ForCamera::read_all(&name_of("blend"), &args.blend, cameras)?,
+            blend_gamma: args.blend_gamma,
+            orientations: ForCamera::read_all(&name_of("orientation"), &args.orientation, cameras)?,
+        })
+    }
+}
+
+/// The values of an option; [`NONE`] is no value.
+fn parse_all<T>(
+    option: &str,
+    texts: &[String],
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<Vec<T>, InvalidOption> {
+    let parse = |text: &String| parse(text).map_err(|reason| InvalidOption::new(option, text, reason));
+    texts.iter().filter(|text| *text != NONE).map(parse).collect()
+}
+
+impl Cli {
+    /// The arguments of the node: its own, or those that `check` diagnoses.
+    pub(crate) fn node_args(&self) -> &NodeArgs {
+        match &self.command {
+            Some(Command::Check(args)) => &args.node,
+            _ => &self.node,
+        }
+    }
+}
+
+impl From<PredictionArgs> for PredictionSettings {
+    fn from(PredictionArgs { predict, predict_limit, screen_delay }: PredictionArgs) -> Self {
+        Self { lead: predict, limit: predict_limit, screen_delay }
+    }
+}
+
+impl ModelArgs {
+    /// How CameraInfos become images.
+    pub(crate) fn model(&self) -> CameraModel {
+        CameraModel { projection: self.projection, undistort: self.undistort }
+    }
+}
+
+impl ResourceArgs {
+    /// The options for the store of meshes.
+    pub(crate) fn options(&self) -> ResourceOptions {
+        let folders = self.mesh_folder.iter().filter(|folder| folder.as_os_str() != NONE);
+        ResourceOptions { max_file_bytes: self.max_mesh_mb << 20, folders: folders.cloned().collect() }
+    }
+
+    /// As [`options`](Self::options), for a program that a user runs with own files: meshes may lie beside these, too.
+    pub(crate) fn options_beside(&self, files: &[&Path]) -> ResourceOptions {
+        let mut options = self.options();
+        // A name without a folder is in the working directory.
+        let folder = |file: &&Path| match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        options.folders.extend(files.iter().map(folder));
+        options
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::options::prediction::Lead;
+
+    fn options(args: &[&str]) -> Result<Options, String> {
+        let words = [&["camera_stream", "-d", "x.rviz"], args].concat();
+        let cli = Cli::try_parse_from(words).map_err(|error| error.to_string())?;
+        let cameras = ["Left", "Right"].map(str::to_owned);
+        Options::of_command_line(&cli, &cameras).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_value_that_names_no_camera_is_refused_with_the_cameras() {
+        for option in ["--window", "--mask-topic", "--mask", "--blend", "--orientation"] {
+            let error = options(&[option, "Lef=90"]).unwrap_err();
+            let expected =
+                format!("invalid value 'Lef=90' for {option}: the config has no camera 'Lef'; cameras: Left, Right");
+            assert_eq!(error, expected);
+        }
+        assert!(options(&["--keep-out", "head=0"]).unwrap_err().starts_with("invalid value 'head=0' for --keep-out: "));
+    }
+
+    #[test]
+    fn none_is_no_value() {
+        let lists =
+            ["--window", "--mask-topic", "--mask", "--blend", "--orientation", "--keep-out", "--stale-timeouts"];
+        let single = ["--fixed-frame", "--stale-timeout", "--predict", "--mesh-folder"];
+        let args: Vec<&str> = lists.iter().chain(&single).flat_map(|option| [*option, "none"]).collect();
+        let (all, default) = (options(&args).unwrap(), options(&[]).unwrap());
+        assert_eq!(format!("{all:?}"), format!("{default:?}"));
+        assert_eq!((all.fixed_frame, all.prediction.lead), (None, Lead::Off));
+        assert!(all.windows.is_empty() && options(&["--window", "Left=none"]).unwrap().windows.is_empty());
+    }
+
+    #[test]
+    fn of_a_switch_and_its_opposite_the_last_counts() {
+        let default = options(&[]).unwrap();
+        assert!(default.is_lazy && default.watches_config && default.light.mask_required);
+        assert!(!default.set_mode && !default.light.stale_note && !default.model.undistort);
+        let changed = ["--no-lazy", "--no-watch", "--no-mask-required", "--set-mode", "--stale-note", "--undistort"];
+        let undone = ["--lazy", "--watch", "--mask-required", "--no-set-mode", "--no-stale-note", "--no-undistort"];
+        let other = options(&changed).unwrap();
+        assert!(!other.is_lazy && !other.watches_config && !other.light.mask_required);
+        assert!(other.set_mode && other.light.stale_note && other.model.undistort);
+        assert_eq!(format!("{:?}", options(&[changed, undone].concat()).unwrap()), format!("{default:?}"));
+        assert_eq!(format!("{:?}", options(&[undone, changed].concat()).unwrap()), format!("{other:?}"));
+    }
+
+    #[test]
+    fn the_size_of_meshes_has_bounds_and_folders_add_up() {
+        assert_eq!(options(&["--max-mesh-mb", "2"]).unwrap().resources.max_file_bytes, 2 << 20);
+        assert_eq!(options(&[]).unwrap().resources.max_file_bytes, ResourceOptions::default().max_file_bytes);
+        for wrong in ["0", "4097", "-1", "1.5", "much"] {
+            assert!(options(&["--max-mesh-mb", wrong]).is_err(), "{wrong}");
+        }
+        let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
+        let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
+        let resources = Cli::try_parse_from([&args[..], &folders].concat()).unwrap().resources;
+        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
+        assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
+    }
+}
