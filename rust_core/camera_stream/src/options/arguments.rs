@@ -13,7 +13,7 @@ use crate::safety::ages::limits::AgeLimit;
 use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
 
 /// Sizes in MB that a mesh file can be limited to.
-pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
+pub(crate) const MESH_MB: RangeInclusive<u64> = 1..=4096;
 
 /// How CameraInfos become pictures.
 #[derive(Args, Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 //!
 //! [`arguments`] holds the values as clap reads them. Nothing but this module looks at those of the node.
 
-pub mod arguments;
+pub(crate) mod arguments;
 pub(crate) mod config_file;
-pub mod prediction;
+pub(crate) mod prediction;
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 
 /// All options of the node.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub(crate) struct Options {
     /// Overrides the config's fixed frame.
     pub fixed_frame: Option<String>,
     /// The config is reloaded when its file changes.
@@ -52,7 +52,7 @@ pub struct Options {
 
 /// Where and when there may be light, and how it is corrected. Files are not read and topics not resolved yet.
 #[derive(Clone, Debug)]
-pub struct LightOptions {
+pub(crate) struct LightOptions {
     /// The limit for all topics, then those of single ones.
     pub stale_timeouts: Vec<StaleTimeout>,
     /// Black images say why they are black.

@@ -24,7 +24,7 @@ pub enum Lead {
 
 /// Whether and how far moving frames are predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PredictionSettings {
+pub(crate) struct PredictionSettings {
     /// Horizon from now.
     pub lead: Lead,
     /// Longest horizon from a frame's newest transform.

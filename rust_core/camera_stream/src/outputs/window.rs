@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use rcs_render::LastStep;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{join_within, Encoding, Picture};
 use rcs_window::{
     run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit,
 };

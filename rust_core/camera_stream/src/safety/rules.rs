@@ -53,7 +53,7 @@ impl Rules {
 
 /// A frame around which there must be no light: `FRAME=RADIUS`, metres.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KeepOutFrame {
+pub(crate) struct KeepOutFrame {
     /// `frame_id`, without a leading `/`.
     pub frame: String,
     /// Distance from its origin, metres.

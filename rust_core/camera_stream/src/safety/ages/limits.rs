@@ -22,7 +22,7 @@ pub enum AgeLimit {
 
 /// A limit of all topics, `SECS`, or of one: `TOPIC=SECS`, `TOPIC=held` or `TOPIC=never`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StaleTimeout {
+pub(crate) struct StaleTimeout {
     /// The topic as it was given; `None` for all topics.
     pub topic: Option<String>,
     /// The limit.
