@@ -1,16 +1,14 @@
-//! One message of any of the types that a display draws.
-//!
-//! The list at the end of this file is the only place that names them: one line adds a type.
+//! A message of any type that a display draws. The list at the end of the code names the types: one line adds one.
 
 use crate::bytes::{copy_of, give_back};
-use crate::layout::Layout;
+use crate::layout::MessageLayout;
 use crate::std_msgs::Header;
 use crate::{Image, OccupancyGrid, PointCloud2};
 use rosrust::{Message, RosMsg};
 use std::io;
 use std::sync::{Arc, OnceLock};
 
-/// Reads a small message; it keeps none of the bytes.
+/// Decodes a small message, which keeps none of the bytes.
 fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
     let message = crate::decode(&bytes);
     give_back(bytes);
@@ -31,17 +29,17 @@ fn occupancy_grid(bytes: Vec<u8>) -> io::Result<OccupancyGrid> {
 
 /// A type of message that an [`AnyMessage`] can hold.
 pub trait TypedMessage: Send + Sync + 'static {
-    /// The type's name.
+    /// The type.
     const KIND: MessageKind;
 
-    /// The message inside, if it is of this type.
+    /// The message, if it is of this type.
     fn from_any(message: &AnyMessage) -> Option<&Arc<Self>>;
 
-    /// Its header; of an array, its first element's. `None` when it has none.
+    /// Header, or that of an array's first element.
     fn header(&self) -> Option<&Header>;
 }
 
-/// Code that is generic over a message's type, for a [`MessageKind`] that is known at run time.
+/// Code that is generic over a message type, for a [`MessageKind`] known at run time.
 ///
 /// ```
 /// use rcs_messages::{Message, MessageKind, MessageVisitor};
@@ -59,10 +57,10 @@ pub trait TypedMessage: Send + Sync + 'static {
 /// assert_eq!(MessageKind::Path.visit(TypeName), "nav_msgs/Path");
 /// ```
 pub trait MessageVisitor {
-    /// What the code returns.
+    /// Return type of [`visit`](Self::visit).
     type Output;
 
-    /// The code, for messages of type `T`.
+    /// Runs the code for messages of type `T`.
     fn visit<T: Message>(self) -> Self::Output;
 }
 
@@ -81,48 +79,54 @@ macro_rules! any_message {
         }
 
         impl MessageKind {
-            /// All of them.
+            /// All kinds.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
-            /// `package/Name`.
+            /// Type name, `package/Name`.
             pub fn ros_type(self) -> &'static str {
                 match self {
                     $(Self::$variant => $ros,)*
                 }
             }
 
-            /// The checksum of the definition.
+            /// Checksum of the definition.
             pub fn md5sum(self) -> String {
                 match self {
                     $(Self::$variant => <$type as Message>::md5sum(),)*
                 }
             }
 
-            /// The whole text of the definition.
+            /// Text of the definition with those of its parts.
             pub fn definition(self) -> String {
                 match self {
                     $(Self::$variant => <$type as Message>::msg_definition(),)*
                 }
             }
 
-            /// Runs the visitor's generic code for the Rust type of this kind.
+            /// Runs generic code for the Rust type of this kind.
             pub fn visit<V: MessageVisitor>(self, visitor: V) -> V::Output {
                 match self {
                     $(Self::$variant => visitor.visit::<$type>(),)*
                 }
             }
 
-            /// Reads a message; big ones are copied once.
+            /// Decodes a message; big ones are copied once.
+            ///
+            /// # Errors
+            /// The bytes are not a message of this kind.
             pub fn decode(self, bytes: &[u8]) -> io::Result<AnyMessage> {
                 self.decode_owned(copy_of(bytes))
             }
 
-            /// Reads a message; big ones keep the bytes and copy nothing.
+            /// Decodes a message; big ones keep the bytes and copy nothing.
+            ///
+            /// # Errors
+            /// The bytes are not a message of this kind.
             pub fn decode_owned(self, bytes: Vec<u8>) -> io::Result<AnyMessage> {
                 match self {
                     $(Self::$variant => {
-                        static LAYOUT: OnceLock<Layout> = OnceLock::new();
-                        LAYOUT.get_or_init(|| Layout::of(&<$type as Message>::msg_definition())).check(&bytes)?;
+                        static LAYOUT: OnceLock<MessageLayout> = OnceLock::new();
+                        LAYOUT.get_or_init(|| MessageLayout::of(&<$type as Message>::msg_definition())).check(&bytes)?;
                         $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m)))
                     })*
                 }
@@ -130,14 +134,14 @@ macro_rules! any_message {
         }
 
         impl AnyMessage {
-            /// Which type it is.
+            /// Kind of the message.
             pub fn kind(&self) -> MessageKind {
                 match self {
                     $(Self::$variant(_) => MessageKind::$variant,)*
                 }
             }
 
-            /// The message's bytes, as on the wire.
+            /// Encodes the message.
             pub fn encode(&self) -> Vec<u8> {
                 match self {
                     $(Self::$variant(message) => crate::encode(&**message),)*
@@ -162,7 +166,7 @@ macro_rules! any_message {
             }
         })*
 
-        /// The header of a message; of an array, its first element's. None when it has none.
+        /// Header of a message, or that of an array's first element.
         pub fn header(message: &AnyMessage) -> Option<&Header> {
             match message {
                 $(AnyMessage::$variant(message) => message.header(),)*
@@ -172,7 +176,7 @@ macro_rules! any_message {
 }
 
 impl MessageKind {
-    /// The kind of the type `package/Name`, if it is one of them.
+    /// Kind of the type `package/Name`.
     pub fn from_ros_type(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.ros_type() == name)
     }

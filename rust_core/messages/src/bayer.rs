@@ -1,24 +1,23 @@
-//! Colours of a Bayer mosaic: each pixel of the sensor has one of the three, the others are the means of its
-//! neighbours.
+//! Demosaicing of Bayer images.
 //!
-//! Bilinear, rounded half up, with the outermost rows and columns copied from their neighbours: what OpenCV's
-//! `cvtColor` does, through which `image_view` and `image_proc` show such images.
+//! Bilinear, rounded half up, with the outermost rows and columns copied from their neighbours, as OpenCV's `cvtColor`,
+//! which `image_view` and `image_proc` use.
 
 use crate::Image;
 
-/// Place of the red pixel in a mosaic's first two rows and columns.
+/// Place of the red pixel in the first two rows and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Mosaic {
     /// Column of red, 0 or 1.
     red_u: usize,
     /// Row of red, 0 or 1.
     red_v: usize,
-    /// Whether a pixel has sixteen bits.
+    /// `true` for sixteen bits a pixel.
     is_wide: bool,
 }
 
 impl Mosaic {
-    /// The mosaic of an encoding of `sensor_msgs/image_encodings.h`; `None` for other encodings.
+    /// Mosaic of an encoding of `sensor_msgs/image_encodings.h`.
     fn of(encoding: &str) -> Option<Self> {
         let (pattern, is_wide) = match encoding.strip_prefix("bayer_")?.split_at_checked(4)? {
             (pattern, "8") => (pattern, false),
@@ -36,7 +35,7 @@ impl Mosaic {
     }
 }
 
-/// One level per pixel of the sensor, rows from the top.
+/// A level for each pixel, row by row.
 struct Levels {
     levels: Vec<u32>,
     width: usize,
@@ -47,7 +46,7 @@ impl Levels {
         self.levels.get(v * self.width + u).copied().unwrap_or(0)
     }
 
-    /// Rounded mean of pixels at these distances from one that is not at the border.
+    /// Rounded mean of neighbours of a pixel that is not at the border.
     fn mean<const N: usize>(&self, [u, v]: [usize; 2], offsets: [[isize; 2]; N]) -> u32 {
         let sum: u32 =
             offsets.iter().map(|[du, dv]| self.at(u.wrapping_add_signed(*du), v.wrapping_add_signed(*dv))).sum();
@@ -71,9 +70,9 @@ impl Levels {
 }
 
 impl Image {
-    /// Red, green and blue of a `bayer_*` image, one byte each, row by row; `None` for any other encoding.
+    /// Red, green and blue of a `bayer_*` image, one byte each, row by row; `None` for other encodings.
     ///
-    /// Sixteen bits become eight by 65535 → 255, rounded. An image of fewer than three rows or columns is black.
+    /// Sixteen bits are scaled to eight. An image of fewer than three rows or columns is black.
     ///
     /// # Errors
     /// The data are shorter than the image's size and step need.

@@ -1,12 +1,11 @@
-//! Recycled memory for what grows with the scene.
+//! Recycled vectors.
 //!
-//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator
-//! returns vectors of that size to the operating system and gets them anew, cleared page by page. So a vector that is
-//! done with is given back to a pool, which the next one is taken from.
+//! A depth camera's cloud takes megabytes of bytes, positions and colours thirty times a second. The allocator returns
+//! vectors of that size to the system and gets them anew, cleared page by page, so they are kept in a pool.
 
 use std::time::Instant;
 
-/// Vectors that are not in use, the longest unused first.
+/// Pool of unused vectors, the longest unused first.
 #[derive(Debug)]
 pub struct BufferPool<T> {
     unused: Vec<Unused<T>>,
@@ -18,14 +17,13 @@ struct Unused<T> {
     since: Instant,
 }
 
-/// Vectors of fewer bytes are left to the allocator, which keeps them.
+/// Least size of a pooled vector; the allocator keeps smaller ones itself.
 const MIN_BYTES: usize = 4096;
 
-/// A vector is not used for what would fill less than one part in so many of it.
+/// A vector is used for no fewer elements than its capacity divided by this.
 const MAX_WASTE: usize = 4;
 
-/// A new vector has one part in so many more room than asked for, so that it also holds a next cloud that is a little
-/// larger.
+/// A new vector's extra room is the length divided by this, for a next cloud that is a little larger.
 const ROOM_ON_TOP: usize = 8;
 
 impl<T> BufferPool<T> {
@@ -34,14 +32,14 @@ impl<T> BufferPool<T> {
         Self { unused: Vec::new() }
     }
 
-    /// An empty vector with room for so many elements: the smallest unused one that fits, or a new one.
+    /// Takes an empty vector with room for `len` elements: the smallest unused one that fits, or a new one.
     pub fn take(&mut self, len: usize) -> Vec<T> {
         let mut vector = self.find(len);
         vector.clear();
         vector
     }
 
-    /// A vector of so many elements, whose values are unspecified.
+    /// Takes a vector of `len` elements of unspecified values.
     pub fn take_filled(&mut self, len: usize) -> Vec<T>
     where
         T: Copy + Default,
@@ -62,21 +60,20 @@ impl<T> BufferPool<T> {
         }
     }
 
-    /// Returns a vector whose content is not needed any more.
+    /// Returns a vector to the pool.
     pub fn give(&mut self, vector: Vec<T>) {
         if vector.capacity().saturating_mul(size_of::<T>()) >= MIN_BYTES {
             self.unused.push(Unused { vector, since: Instant::now() });
         }
     }
 
-    /// Frees those that have been unused since before a time.
+    /// Frees vectors that have been unused since before a time.
     pub fn free_unused_since(&mut self, time: Instant) {
         let count = self.unused.partition_point(|unused| unused.since < time);
         self.unused.drain(..count);
     }
 
-    /// Frees those that have been unused for longest, until the rest has room for no more than so many elements
-    /// together.
+    /// Frees the longest unused vectors until the others have room for at most `elements` together.
     pub fn limit_to(&mut self, elements: usize) {
         let capacities = || self.unused.iter().map(|unused| unused.vector.capacity());
         let mut room: usize = capacities().sum();

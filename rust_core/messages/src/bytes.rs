@@ -1,7 +1,6 @@
-//! The bytes of a big message: shared while they are needed, and then memory for the next message.
+//! Shared bytes of big messages, whose memory is recycled.
 //!
-//! Messages are made on the threads of connections and dropped on the thread of their displays, so the process has one
-//! pool.
+//! Messages are received and dropped on different threads, so the process has one pool.
 
 use std::fmt;
 use std::ops::Deref;
@@ -10,15 +9,15 @@ use std::time::{Duration, Instant};
 
 use crate::buffer_pool::BufferPool;
 
-/// What the pool holds at most, in bytes. All of it was in use at some time, and most of it soon is again.
+/// Largest size of the pool, bytes.
 const MAX_POOLED_BYTES: usize = 256 << 20;
 
-/// After so long a time it no longer seems that it will be: as of a cloud of millions of points that came once.
+/// Time after which unused memory is freed, such as that of a cloud of millions of points that came once.
 const UNUSED_TIME: Duration = Duration::from_secs(10);
 
 static POOL: Mutex<BufferPool<u8>> = Mutex::new(BufferPool::new());
 
-/// An empty buffer with room for so many bytes of a message, in an earlier message's memory where there is some.
+/// An empty buffer with room for `len` bytes, in an earlier message's memory if possible.
 pub fn pooled_bytes(len: usize) -> Vec<u8> {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let bytes = pool.take(len);
@@ -26,7 +25,7 @@ pub fn pooled_bytes(len: usize) -> Vec<u8> {
     bytes
 }
 
-/// Frees the memory of earlier messages that none has needed for ten seconds, as each next message does, too.
+/// Frees the memory of earlier messages that was unused for ten seconds, as each new message does.
 pub fn free_unused_bytes() {
     free_unused(&mut POOL.lock().unwrap_or_else(PoisonError::into_inner));
 }
@@ -51,15 +50,15 @@ pub(crate) fn give_back(bytes: Vec<u8>) {
     pool.limit_to(MAX_POOLED_BYTES);
 }
 
-/// Something that holds bytes, such as a picture.
+/// An owner of bytes, such as a picture.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
-/// Bytes that several messages may share. The last of them returns the memory to the pool, if it is a message's own.
+/// Bytes that several messages may share. The last of them returns a message's own memory to the pool.
 #[derive(Clone)]
 pub(crate) enum Bytes {
-    /// A message's own.
+    /// Bytes of a received message.
     Own(Arc<Vec<u8>>),
-    /// Those of something that is no message.
+    /// Bytes of another owner.
     Foreign(SharedBytes),
 }
 
@@ -100,7 +99,7 @@ impl Deref for Bytes {
 
 impl Drop for Bytes {
     fn drop(&mut self) {
-        // If two are dropped at the same time, neither is the last, and the memory goes to the allocator.
+        // If two are dropped at the same time, neither is the last, and the memory is freed.
         if let Self::Own(bytes) = self {
             if let Some(bytes) = Arc::get_mut(bytes) {
                 give_back(std::mem::take(bytes));

@@ -1,28 +1,39 @@
-//! The places of a cloud's points, one by one, for what needs them all once. (Drawing has a faster way of its own.)
+//! Numbers of a cloud's points, one by one. Drawing reads them faster, in bulk.
 
 use crate::sensor_msgs::PointField;
 use crate::PointCloud2;
 
-/// Why a cloud's points have no places.
+/// Why a cloud's numbers cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPositions {
-    /// There is no such field of one 32-bit or 64-bit float.
+    /// No such field of 32-bit or 64-bit floats.
     #[error("the cloud has no field {0} of type float32 or float64")]
     Field(&'static str),
-    /// The data end before the last point.
+    /// The data are too short.
     #[error("the cloud's data are shorter than its size says")]
     Short,
 }
 
-/// Where one coordinate is in a point's bytes.
+/// Bytes of an element of a `sensor_msgs/PointField` datatype; 0 for an unknown one.
+pub fn element_size(datatype: u8) -> usize {
+    match datatype {
+        PointField::INT8 | PointField::UINT8 => 1,
+        PointField::INT16 | PointField::UINT16 => 2,
+        PointField::INT32 | PointField::UINT32 | PointField::FLOAT32 => 4,
+        PointField::FLOAT64 => 8,
+        _ => 0,
+    }
+}
+
+/// A number's place in a point's bytes.
 #[derive(Clone, Copy, Debug)]
-struct Coordinate {
+struct NumberField {
     offset: usize,
     is_double: bool,
 }
 
 impl PointCloud2 {
-    /// x, y and z of each point in metres; not finite where a sensor saw nothing.
+    /// x, y and z of each point, metres; not finite where a sensor measured nothing.
     ///
     /// # Errors
     /// [`NoPositions`], before the first point.
@@ -30,8 +41,7 @@ impl PointCloud2 {
         self.numbers(["x", "y", "z"])
     }
 
-    /// The numbers of these fields in each point. A `row_step` of 0, as some drivers send it, stands for rows without
-    /// gaps.
+    /// Numbers of these fields in each point. A `row_step` of 0, as some drivers send it, means rows without gaps.
     ///
     /// # Errors
     /// [`NoPositions`], before the first point.
@@ -39,7 +49,7 @@ impl PointCloud2 {
         &self,
         names: [&'static str; N],
     ) -> Result<impl Iterator<Item = [f64; N]> + '_, NoPositions> {
-        let mut fields = [Coordinate { offset: 0, is_double: false }; N];
+        let mut fields = [NumberField { offset: 0, is_double: false }; N];
         for (field, name) in fields.iter_mut().zip(names) {
             *field = self.coordinate(name)?;
         }
@@ -61,18 +71,17 @@ impl PointCloud2 {
         Ok(points.map(move |point| fields.map(|at| self.number(point, at))))
     }
 
-    fn coordinate(&self, name: &'static str) -> Result<Coordinate, NoPositions> {
-        let is_it = |field: &&PointField| field.name == name;
-        let field = self.fields.iter().find(is_it).ok_or(NoPositions::Field(name))?;
+    fn coordinate(&self, name: &'static str) -> Result<NumberField, NoPositions> {
+        let field = self.fields.iter().find(|field| field.name == name).ok_or(NoPositions::Field(name))?;
         let is_double = match field.datatype {
             PointField::FLOAT32 => false,
             PointField::FLOAT64 => true,
             _ => return Err(NoPositions::Field(name)),
         };
-        Ok(Coordinate { offset: field.offset as usize, is_double })
+        Ok(NumberField { offset: field.offset as usize, is_double })
     }
 
-    fn number(&self, point: &[u8], at: Coordinate) -> f64 {
+    fn number(&self, point: &[u8], at: NumberField) -> f64 {
         let bytes = point.get(at.offset..).unwrap_or_default();
         if at.is_double {
             let read = if self.is_bigendian { f64::from_be_bytes } else { f64::from_le_bytes };

@@ -1,14 +1,14 @@
-//! Messages as plain numbers, for code that should not name message types.
+//! Messages as plain numbers, for code that does not name message types.
 
 use crate::geometry_msgs::{Point, Pose, Quaternion, Transform, Vector3};
 use rosrust::Time;
 
-/// A translation in metres and a rotation as the quaternion x, y, z, w, exactly as sent: not normalised, not checked.
+/// A translation and a quaternion as sent: not normalised, not checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlainTransform {
-    /// x, y, z in metres.
+    /// x, y, z, metres.
     pub translation: [f64; 3],
-    /// x, y, z, w.
+    /// Quaternion x, y, z, w.
     pub rotation_xyzw: [f64; 4],
 }
 
@@ -27,7 +27,7 @@ impl From<&Transform> for PlainTransform {
     }
 }
 
-/// Nanoseconds since zero.
+/// A stamp in nanoseconds.
 pub fn stamp_nanos(stamp: Time) -> i64 {
     stamp.nanos()
 }
@@ -42,7 +42,7 @@ pub fn translation_xyz(vector: &Vector3) -> [f64; 3] {
     [vector.x, vector.y, vector.z]
 }
 
-/// A quaternion's parts in the order x, y, z, w.
+/// A quaternion's x, y, z, w.
 pub fn quaternion_xyzw(quaternion: &Quaternion) -> [f64; 4] {
     [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
 }

@@ -1,62 +1,58 @@
-//! The messages of `dynamic_reconfigure`, by which rqt_reconfigure and dynparam change a running node's settings.
-//!
-//! They are types of our own, so that the programs can be built where that package is not installed.
+//! Messages of `dynamic_reconfigure`, by which rqt_reconfigure and dynparam change a node's settings.
 
-use crate::fields::{fields_in_order, with_parts};
-use rosrust::{Message, RosMsg, ServicePair};
-use std::io;
+use crate::fields::{fields_in_order, message_types, service_types, with_parts};
 
 fields_in_order! {
     /// `dynamic_reconfigure/BoolParameter`
     BoolParameter {
         /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value.
         value: bool,
     }
     /// `dynamic_reconfigure/IntParameter`
     IntParameter {
         /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value.
         value: i32,
     }
     /// `dynamic_reconfigure/StrParameter`
     StrParameter {
         /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value.
         value: String,
     }
     /// `dynamic_reconfigure/DoubleParameter`
     DoubleParameter {
         /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value.
         value: f64,
     }
     /// `dynamic_reconfigure/GroupState`
     GroupState {
         /// Name of the group.
         name: String,
-        /// Whether it is open.
+        /// `true` if it is open.
         state: bool,
-        /// Its number; 0 is the group that holds all others.
+        /// Id; 0 is the group that contains all others.
         id: i32,
-        /// The number of the group around it.
+        /// Id of the group around it.
         parent: i32,
     }
     /// `dynamic_reconfigure/Config`: values of parameters.
     Config {
-        /// The switches.
+        /// Booleans.
         bools: Vec<BoolParameter>,
-        /// The whole numbers.
+        /// Integers.
         ints: Vec<IntParameter>,
-        /// The texts.
+        /// Strings.
         strs: Vec<StrParameter>,
-        /// The numbers.
+        /// Floating-point numbers.
         doubles: Vec<DoubleParameter>,
-        /// The groups that the parameters are in.
+        /// Groups of the parameters.
         groups: Vec<GroupState>,
     }
     /// `dynamic_reconfigure/ParamDescription`
@@ -65,63 +61,50 @@ fields_in_order! {
         name: String,
         /// `bool`, `int`, `str` or `double`.
         r#type: String,
-        /// Bits by which the server's callback sees what changed.
+        /// Bits that tell the server's callback what changed.
         level: u32,
-        /// What it does, for the user.
+        /// Description for the user.
         description: String,
-        /// A Python expression that lists the choices, or empty.
+        /// Python expression that lists the choices, or empty.
         edit_method: String,
     }
     /// `dynamic_reconfigure/Group`
     Group {
         /// Name of the group.
         name: String,
-        /// How it is shown; empty for a frame around its parameters.
+        /// Appearance; empty for a frame around its parameters.
         r#type: String,
-        /// What is in it, besides other groups.
+        /// Parameters of the group.
         parameters: Vec<ParamDescription>,
-        /// The number of the group around it.
+        /// Id of the group around it.
         parent: i32,
-        /// Its number.
+        /// Id.
         id: i32,
     }
-    /// `dynamic_reconfigure/ConfigDescription`: what parameters there are, with their bounds and defaults.
+    /// `dynamic_reconfigure/ConfigDescription`: parameters with their bounds and defaults.
     ConfigDescription {
-        /// All groups, the outermost first.
+        /// Groups, the outermost first.
         groups: Vec<Group>,
-        /// The largest values.
+        /// Greatest values.
         max: Config,
-        /// The least values.
+        /// Least values.
         min: Config,
-        /// The values at the start.
+        /// Default values.
         dflt: Config,
     }
 }
 
-/// `dynamic_reconfigure/Reconfigure`: sets parameters and answers with all values that hold then.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reconfigure;
-
-impl RosMsg for Reconfigure {
-    fn encode<W: io::Write>(&self, _: W) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn decode<R: io::Read>(_: R) -> io::Result<Self> {
-        Ok(Self)
-    }
-}
-
-impl ServicePair for Reconfigure {
+service_types! {
     // Request and response have one field each, which is such a message.
-    type Request = Config;
-    type Response = Config;
+    /// `dynamic_reconfigure/Reconfigure`: sets parameters and returns all values that apply then.
+    Reconfigure(Config) -> Config:
+        "dynamic_reconfigure/Reconfigure", "bb125d226a21982a4a98760418dc2672", "Config config\n---\nConfig config\n";
 }
 
 const CONFIG_FIELDS: &str =
     "BoolParameter[] bools\nIntParameter[] ints\nStrParameter[] strs\nDoubleParameter[] doubles\nGroupState[] groups\n";
 
-/// The definitions that others are made of, by name.
+/// Definitions of the parts, by name.
 const PARTS: [(&str, &str); 8] = [
     ("dynamic_reconfigure/Group", "string name\nstring type\nParamDescription[] parameters\nint32 parent\nint32 id\n"),
     (
@@ -136,51 +119,16 @@ const PARTS: [(&str, &str); 8] = [
     ("dynamic_reconfigure/GroupState", "string name\nbool state\nint32 id\nint32 parent\n"),
 ];
 
-impl Message for Config {
-    fn msg_definition() -> String {
-        with_parts(CONFIG_FIELDS, &PARTS[3..])
-    }
-
-    fn md5sum() -> String {
-        "958f16a05573709014982821e6822580".to_owned()
-    }
-
-    fn msg_type() -> String {
-        "dynamic_reconfigure/Config".to_owned()
-    }
-}
-
-impl Message for ConfigDescription {
-    fn msg_definition() -> String {
-        with_parts("Group[] groups\nConfig max\nConfig min\nConfig dflt\n", &PARTS)
-    }
-
-    fn md5sum() -> String {
-        "757ce9d44ba8ddd801bb30bc456f946f".to_owned()
-    }
-
-    fn msg_type() -> String {
-        "dynamic_reconfigure/ConfigDescription".to_owned()
-    }
-}
-
-impl Message for Reconfigure {
-    fn msg_definition() -> String {
-        "Config config\n---\nConfig config\n".to_owned()
-    }
-
-    fn md5sum() -> String {
-        "bb125d226a21982a4a98760418dc2672".to_owned()
-    }
-
-    fn msg_type() -> String {
-        "dynamic_reconfigure/Reconfigure".to_owned()
-    }
+message_types! {
+    Config: "dynamic_reconfigure/Config", "958f16a05573709014982821e6822580", with_parts(CONFIG_FIELDS, &PARTS[3..]);
+    ConfigDescription: "dynamic_reconfigure/ConfigDescription", "757ce9d44ba8ddd801bb30bc456f946f",
+        with_parts("Group[] groups\nConfig max\nConfig min\nConfig dflt\n", &PARTS);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rosrust::RosMsg;
     use std::io::Read as _;
 
     fn config() -> Config {

@@ -1,20 +1,19 @@
-//! Messages written by hand, for packages that need not be installed where the programs are built: structs whose fields
-//! are serialised one after the other.
+//! Hand-written messages, for packages that need not be installed where the programs are built.
 //!
-//! Such a message is read from the connection itself, whose end is unknown: a string or an array grows with the bytes
-//! received, never by the count that announces them, and a message longer than [`MAX_BYTES`] is an error.
+//! They are decoded from a stream of unknown length: a string or an array grows with the bytes received, never by the
+//! announced count, and a message longer than [`MAX_BYTES`] is an error.
 
 use crate::geometry_msgs::{Point, Pose, Quaternion};
 use crate::std_msgs::Header;
-use crate::wire::{write_count, write_string, write_u32};
+use crate::wire::{write_count, write_string};
 use rosrust::{Duration, Time};
 use std::io::{self, Read};
 
-/// No node has settings or loggers that take more than a small part of this.
+/// Longest message; settings and loggers take a small part of this.
 pub(crate) const MAX_BYTES: u64 = 4 << 20;
 
-/// A value that can be a field of these messages.
-pub(crate) trait Field: Sized {
+/// A field of a hand-written message.
+pub(crate) trait WireField: Sized {
     fn put(&self, out: &mut Vec<u8>);
     fn get(from: &mut dyn Read) -> io::Result<Self>;
 }
@@ -25,7 +24,7 @@ fn bytes<const N: usize>(from: &mut dyn Read) -> io::Result<[u8; N]> {
     Ok(bytes)
 }
 
-impl Field for bool {
+impl WireField for bool {
     fn put(&self, out: &mut Vec<u8>) {
         out.push(u8::from(*self));
     }
@@ -35,57 +34,23 @@ impl Field for bool {
     }
 }
 
-impl Field for u8 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.push(*self);
-    }
+macro_rules! number_fields {
+    ($($type:ty)*) => {
+        $(impl WireField for $type {
+            fn put(&self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes::<1>(from).map(Self::from_le_bytes)
-    }
+            fn get(from: &mut dyn Read) -> io::Result<Self> {
+                bytes(from).map(Self::from_le_bytes)
+            }
+        })*
+    };
 }
 
-impl Field for i8 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(&self.to_le_bytes());
-    }
+number_fields! { u8 i8 i32 u32 f64 }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for i32 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(&self.to_le_bytes());
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for u32 {
-    fn put(&self, out: &mut Vec<u8>) {
-        write_u32(*self, out);
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for f64 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(&self.to_le_bytes());
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for String {
+impl WireField for String {
     fn put(&self, out: &mut Vec<u8>) {
         write_string(self, out);
     }
@@ -101,7 +66,7 @@ impl Field for String {
     }
 }
 
-impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
+impl<T: WireField + Copy + Default, const N: usize> WireField for [T; N] {
     fn put(&self, out: &mut Vec<u8>) {
         self.iter().for_each(|element| element.put(out));
     }
@@ -115,7 +80,7 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
     }
 }
 
-impl<T: Field> Field for Vec<T> {
+impl<T: WireField> WireField for Vec<T> {
     fn put(&self, out: &mut Vec<u8>) {
         write_count(self.len(), out);
         self.iter().for_each(|element| element.put(out));
@@ -130,16 +95,16 @@ impl<T: Field> Field for Vec<T> {
     }
 }
 
-/// Fields of types of other packages, one after the other.
+/// Types of other packages as consecutive fields.
 macro_rules! field_of_fields {
     ($($type:ty { $($field:ident),* })*) => {
-        $(impl Field for $type {
+        $(impl WireField for $type {
             fn put(&self, out: &mut Vec<u8>) {
                 $(self.$field.put(out);)*
             }
 
             fn get(from: &mut dyn Read) -> io::Result<Self> {
-                Ok(Self { $($field: Field::get(from)?,)* })
+                Ok(Self { $($field: WireField::get(from)?,)* })
             }
         })*
     };
@@ -154,7 +119,7 @@ field_of_fields! {
     Pose { position, orientation }
 }
 
-/// A definition followed by those that it is made of, each with its full name, as ROS writes them one after another.
+/// A definition followed by those of its parts, in ROS's format.
 pub(crate) fn with_parts(definition: &str, parts: &[(&str, &str)]) -> String {
     let mut text = definition.to_owned();
     for (name, part) in parts {
@@ -163,7 +128,7 @@ pub(crate) fn with_parts(definition: &str, parts: &[(&str, &str)]) -> String {
     text
 }
 
-/// Structs whose fields are serialised in the order in which they are declared here.
+/// Declares message structs, whose fields are serialised in this order.
 macro_rules! fields_in_order {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
         $(
@@ -173,29 +138,78 @@ macro_rules! fields_in_order {
                 $($(#[$field_doc])* pub $field: $type,)*
             }
 
-            impl $crate::fields::Field for $name {
+            impl $crate::fields::WireField for $name {
                 fn put(&self, out: &mut Vec<u8>) {
-                    $($crate::fields::Field::put(&self.$field, out);)*
+                    $($crate::fields::WireField::put(&self.$field, out);)*
                 }
 
                 fn get(from: &mut dyn std::io::Read) -> std::io::Result<Self> {
-                    Ok(Self { $($field: $crate::fields::Field::get(from)?,)* })
+                    Ok(Self { $($field: $crate::fields::WireField::get(from)?,)* })
                 }
             }
 
             impl rosrust::RosMsg for $name {
                 fn encode<W: std::io::Write>(&self, mut w: W) -> std::io::Result<()> {
                     let mut out = Vec::new();
-                    $crate::fields::Field::put(self, &mut out);
+                    $crate::fields::WireField::put(self, &mut out);
                     w.write_all(&out)
                 }
 
                 fn decode<R: std::io::Read>(mut r: R) -> std::io::Result<Self> {
-                    $crate::fields::Field::get(&mut std::io::Read::take(std::io::Read::by_ref(&mut r), $crate::fields::MAX_BYTES))
+                    $crate::fields::WireField::get(&mut std::io::Read::take(std::io::Read::by_ref(&mut r), $crate::fields::MAX_BYTES))
                 }
             }
         )*
     };
 }
 
-pub(crate) use fields_in_order;
+/// Names, checksums and definitions of message types.
+macro_rules! message_types {
+    ($($name:ident: $ros_type:literal, $md5sum:literal, $definition:expr;)*) => {
+        $(
+            impl rosrust::Message for $name {
+                fn msg_definition() -> String {
+                    $definition.into()
+                }
+
+                fn md5sum() -> String {
+                    $md5sum.to_owned()
+                }
+
+                fn msg_type() -> String {
+                    $ros_type.to_owned()
+                }
+            }
+        )*
+    };
+}
+
+/// Declares service types, which are messages to rosrust, but never sent.
+macro_rules! service_types {
+    ($($(#[$doc:meta])* $name:ident($request:ty) -> $response:ty: $ros_type:literal, $md5sum:literal, $definition:expr;)*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Debug, Default, PartialEq)]
+            pub struct $name;
+
+            impl rosrust::ServicePair for $name {
+                type Request = $request;
+                type Response = $response;
+            }
+
+            impl rosrust::RosMsg for $name {
+                fn encode<W: std::io::Write>(&self, _: W) -> std::io::Result<()> {
+                    Ok(())
+                }
+
+                fn decode<R: std::io::Read>(_: R) -> std::io::Result<Self> {
+                    Ok(Self)
+                }
+            }
+
+            $crate::fields::message_types! { $name: $ros_type, $md5sum, $definition; }
+        )*
+    };
+}
+
+pub(crate) use {fields_in_order, message_types, service_types};

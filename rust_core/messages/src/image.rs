@@ -1,13 +1,12 @@
-//! `sensor_msgs/Image` as a view of the received bytes, or of a finished picture.
+//! `sensor_msgs/Image` as a view of received bytes or of shared pixels.
 //!
-//! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the
-//! renderer ([`Image::sharing`]), and with the connections that send it ([`Image::parts`]).
+//! A received image keeps its bytes, as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the
+//! renderer ([`Image::sharing`]) and with the connections that send it ([`Image::parts`]).
 
-use crate::bytes::{copy_of, Bytes, SharedBytes};
+use crate::big_message::big_message;
+use crate::bytes::{Bytes, SharedBytes};
 use crate::std_msgs::Header;
-use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
-use rosrust::{Message, RosMsg};
-use std::io;
+use crate::wire::{write_count, write_header, write_string, write_u32, DecodeError, WireReader};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -25,15 +24,15 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Image {
-    /// Sequence number, stamp and frame.
+    /// Header.
     pub header: Header,
     /// Rows.
     pub height: u32,
     /// Pixels in a row.
     pub width: u32,
-    /// What a pixel is, such as `rgb8`.
+    /// Pixel encoding, such as `rgb8`.
     pub encoding: String,
-    /// Whether numbers of more than one byte are big endian.
+    /// Not 0 if numbers of more than one byte are big endian.
     pub is_bigendian: u8,
     /// Bytes from one row to the next.
     pub step: u32,
@@ -42,8 +41,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// The image of width × height pixels of `encoding`, with rows `step_bytes` apart and in little endian. The pixels
-    /// are shared, not copied.
+    /// A little-endian image of width × height pixels with rows `step_bytes` apart, which shares the pixels.
     pub fn new(header: Header, size_px: [u32; 2], encoding: &str, step_bytes: u32, pixels: Arc<Vec<u8>>) -> Self {
         let [width, height] = size_px;
         Self {
@@ -58,7 +56,7 @@ impl Image {
         .with_data(pixels)
     }
 
-    /// As [`new`](Self::new), with the pixels of `owner`, which stay its own.
+    /// An image as by [`new`](Self::new) with pixels that belong to `owner`.
     pub fn sharing(header: Header, size_px: [u32; 2], encoding: &str, step_bytes: u32, owner: SharedBytes) -> Self {
         let mut image = Self::new(header, size_px, encoding, step_bytes, Arc::default());
         image.data = 0..(*owner).as_ref().len();
@@ -66,21 +64,24 @@ impl Image {
         image
     }
 
-    /// Reads a message whose bytes become the image's own; nothing is copied.
+    /// Reads a message without copying: the image keeps the bytes.
+    ///
+    /// # Errors
+    /// [`DecodeError`].
     pub fn from_bytes(bytes: Arc<Vec<u8>>) -> Result<Self, DecodeError> {
-        let mut reader = Reader::new(&bytes);
+        let mut reader = WireReader::new(&bytes);
         let mut image = Self::read_around_data(&mut reader)?;
         reader.finish()?;
         image.buffer = bytes.into();
         Ok(image)
     }
 
-    /// The bytes of the pixels, row by row.
+    /// Bytes of the pixels, row by row.
     pub fn data(&self) -> &[u8] {
         self.buffer.get(self.data.clone()).unwrap_or_default()
     }
 
-    /// The bytes of each row's pixels, of `pixel_bytes` each, without the padding between rows.
+    /// Rows of pixels of `pixel_bytes` each, without the padding between rows.
     ///
     /// # Errors
     /// Width or height is zero, a row is longer than the step, or the data are shorter than rows and step need.
@@ -100,7 +101,7 @@ impl Image {
         }
     }
 
-    /// Two bytes of this image as a number, in its byte order.
+    /// Number of two bytes in the image's byte order.
     pub fn u16_of(&self, bytes: [u8; 2]) -> u16 {
         if self.is_bigendian != 0 {
             u16::from_be_bytes(bytes)
@@ -109,7 +110,7 @@ impl Image {
         }
     }
 
-    /// Four bytes of this image as a number, in its byte order.
+    /// Number of four bytes in the image's byte order.
     pub fn f32_of(&self, bytes: [u8; 4]) -> f32 {
         if self.is_bigendian != 0 {
             f32::from_be_bytes(bytes)
@@ -118,7 +119,7 @@ impl Image {
         }
     }
 
-    /// The same image with these bytes as its pixels, shared and not copied.
+    /// Replaces the pixels by shared ones.
     #[must_use]
     pub fn with_data(mut self, data: Arc<Vec<u8>>) -> Self {
         self.data = 0..data.len();
@@ -126,8 +127,8 @@ impl Image {
         self
     }
 
-    /// The message in two parts: what comes before the pixels, and the pixels, which are shared if they are those of
-    /// [`sharing`](Self::sharing), and copied if not.
+    /// The encoded message in two parts: the fields before the pixels, and the pixels, which are copied unless they are
+    /// those of [`sharing`](Self::sharing).
     pub fn parts(&self) -> (Vec<u8>, SharedBytes) {
         let mut beginning = Vec::new();
         self.write_before_data(&mut beginning);
@@ -138,7 +139,7 @@ impl Image {
         (beginning, pixels)
     }
 
-    fn read_around_data(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
+    fn read_around_data(reader: &mut WireReader<'_>) -> Result<Self, DecodeError> {
         let mut image = Self {
             header: reader.header()?,
             height: reader.u32("height")?,
@@ -170,7 +171,7 @@ impl Image {
         out.extend_from_slice(self.data());
     }
 
-    /// About how many bytes the message takes, at least what its data does.
+    /// Approximate length of the message, bytes.
     fn len_hint(&self) -> usize {
         self.data().len() + 128
     }
@@ -186,49 +187,14 @@ impl PartialEq for Image {
     }
 }
 
-impl RosMsg for Image {
-    fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
-        let mut out = Vec::with_capacity(self.len_hint());
-        self.write(&mut out);
-        w.write_all(&out)
-    }
-
-    /// Reads to the end of `r`: an image is always a message of its own.
-    fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
-        let mut bytes = Vec::new();
-        r.read_to_end(&mut bytes)?;
-        Ok(Self::from_bytes(Arc::new(bytes))?)
-    }
-
-    fn encode_vec(&self) -> io::Result<Vec<u8>> {
-        framed(self.len_hint(), |out| self.write(out))
-    }
-
-    fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
-        let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
-    }
-}
-
-impl Message for Image {
-    fn msg_definition() -> String {
-        rosrust_msg::sensor_msgs::Image::msg_definition()
-    }
-
-    fn md5sum() -> String {
-        rosrust_msg::sensor_msgs::Image::md5sum()
-    }
-
-    fn msg_type() -> String {
-        rosrust_msg::sensor_msgs::Image::msg_type()
-    }
-}
+big_message!(Image: rosrust_msg::sensor_msgs::Image);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{decode, encode};
     use proptest::prelude::*;
+    use rosrust::RosMsg;
 
     fn image() -> Image {
         Image {

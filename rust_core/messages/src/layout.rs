@@ -1,33 +1,33 @@
-//! Checks whether bytes can be a message of a type, from the type's definition and before anything is allocated.
+//! Checks of a message's lengths against its type's definition before it is decoded.
 //!
-//! The generated types allocate whatever length an array announces; a damaged message would end the process.
-//! A [`Layout`] walks the bytes first: it skips what has a fixed size and checks each length against the bytes left.
+//! The generated types allocate whatever length an array announces, so a damaged message would end the process. A
+//! [`MessageLayout`] walks the bytes first and checks each length against the bytes left.
 
-use crate::wire::Reader;
+use crate::wire::WireReader;
 use crate::DecodeError;
 
-/// One field of a message, or several of fixed size one after the other.
+/// A field, or consecutive fields of fixed size.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Field {
-    /// So many bytes.
+enum LayoutField {
+    /// Bytes of fixed number.
     Fixed(usize),
-    /// A length and so many bytes, each element of which has the size.
+    /// A count and elements of this size.
     Elements(usize),
-    /// A length and so many elements of different sizes.
-    Nested(Vec<Field>),
-    /// A fixed number of elements of different sizes.
-    Repeated(usize, Vec<Field>),
+    /// A count and elements of varying size.
+    Nested(Vec<LayoutField>),
+    /// A fixed number of elements of varying size.
+    Repeated(usize, Vec<LayoutField>),
 }
 
-/// How the fields of a message type lie in its bytes.
+/// The fields of a message type in its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Layout {
-    fields: Vec<Field>,
+pub(crate) struct MessageLayout {
+    fields: Vec<LayoutField>,
 }
 
-impl Layout {
-    /// From the whole text of a definition: the type's own fields, and those of the types that it is made of, each
-    /// after a line of `=` and one with its name. Types that the text lacks make the layout end before them.
+impl MessageLayout {
+    /// Layout by the whole text of a definition: the type's fields, then the definitions of its parts, each after a
+    /// line of `=` and one with its name. Missing parts end the layout.
     pub(crate) fn of(definition: &str) -> Self {
         let mut sections = definition.split("\n====");
         let own = sections.next().unwrap_or_default();
@@ -45,29 +45,29 @@ impl Layout {
     /// # Errors
     /// [`DecodeError`] if a length or a field reaches past the end, or bytes are left over.
     pub(crate) fn check(&self, bytes: &[u8]) -> Result<(), DecodeError> {
-        let mut reader = Reader::new(bytes);
+        let mut reader = WireReader::new(bytes);
         walk(&self.fields, &mut reader)?;
         reader.finish()
     }
 }
 
-fn walk(fields: &[Field], reader: &mut Reader<'_>) -> Result<(), DecodeError> {
+fn walk(fields: &[LayoutField], reader: &mut WireReader<'_>) -> Result<(), DecodeError> {
     for field in fields {
         match field {
-            Field::Fixed(size) => {
+            LayoutField::Fixed(size) => {
                 reader.take(*size, "fields")?;
             }
-            Field::Elements(size) => {
+            LayoutField::Elements(size) => {
                 let count = reader.count(*size, "array elements")?;
                 reader.take(count * size, "array elements")?;
             }
-            Field::Nested(nested) => {
+            LayoutField::Nested(nested) => {
                 let count = reader.count(least_size(nested), "array elements")?;
                 for _ in 0..count {
                     walk(nested, reader)?;
                 }
             }
-            Field::Repeated(count, nested) => {
+            LayoutField::Repeated(count, nested) => {
                 for _ in 0..*count {
                     walk(nested, reader)?;
                 }
@@ -77,19 +77,19 @@ fn walk(fields: &[Field], reader: &mut Reader<'_>) -> Result<(), DecodeError> {
     Ok(())
 }
 
-fn least_size(fields: &[Field]) -> usize {
-    let least = |field: &Field| match field {
-        Field::Fixed(size) => *size,
-        Field::Elements(_) | Field::Nested(_) => 4,
-        Field::Repeated(count, nested) => count * least_size(nested),
+fn least_size(fields: &[LayoutField]) -> usize {
+    let least = |field: &LayoutField| match field {
+        LayoutField::Fixed(size) => *size,
+        LayoutField::Elements(_) | LayoutField::Nested(_) => 4,
+        LayoutField::Repeated(count, nested) => count * least_size(nested),
     };
     fields.iter().map(least).sum()
 }
 
-/// No definition nests deeper; one that contains itself ends here.
-const MOST_LEVELS: usize = 16;
+/// Deepest nesting, which ends a definition that contains itself.
+const MAX_LEVELS: usize = 16;
 
-fn read_fields(text: &str, others: &[(&str, &str)], level: usize, fields: &mut Vec<Field>) {
+fn read_fields(text: &str, others: &[(&str, &str)], level: usize, fields: &mut Vec<LayoutField>) {
     for line in text.lines() {
         let line = line.split('#').next().unwrap_or_default();
         let Some((kind, name)) = line.trim().split_once(char::is_whitespace) else { continue };
@@ -97,47 +97,47 @@ fn read_fields(text: &str, others: &[(&str, &str)], level: usize, fields: &mut V
             continue; // a constant
         }
         let (element, count) = match kind.strip_suffix(']').and_then(|kind| kind.split_once('[')) {
-            Some((element, "")) => (element, Count::Any),
-            Some((element, count)) => (element, Count::Exactly(count.parse().unwrap_or(0))),
-            None => (kind, Count::Exactly(1)),
+            Some((element, "")) => (element, ElementCount::Any),
+            Some((element, count)) => (element, ElementCount::Exactly(count.parse().unwrap_or(0))),
+            None => (kind, ElementCount::Exactly(1)),
         };
         let mut inner = Vec::new();
         if let Some(size) = builtin_size(element) {
-            inner.push(Field::Fixed(size));
+            inner.push(LayoutField::Fixed(size));
         } else if element == "string" {
-            inner.push(Field::Elements(1));
-        } else if level < MOST_LEVELS {
+            inner.push(LayoutField::Elements(1));
+        } else if level < MAX_LEVELS {
             let is_named = |name: &str| name == element || name.rsplit_once('/').is_some_and(|(_, own)| own == element);
             if let Some((_, text)) = others.iter().find(|(name, _)| is_named(name)) {
                 read_fields(text, others, level + 1, &mut inner);
             }
         }
         match (count, inner.as_slice()) {
-            (Count::Exactly(count), [Field::Fixed(size)]) => push_fixed(fields, count * size),
-            (Count::Exactly(1), _) => {
+            (ElementCount::Exactly(count), [LayoutField::Fixed(size)]) => push_fixed(fields, count * size),
+            (ElementCount::Exactly(1), _) => {
                 for field in inner {
                     match field {
-                        Field::Fixed(size) => push_fixed(fields, size),
+                        LayoutField::Fixed(size) => push_fixed(fields, size),
                         other => fields.push(other),
                     }
                 }
             }
-            (Count::Exactly(count), _) => fields.push(Field::Repeated(count, inner)),
-            (Count::Any, [Field::Fixed(size)]) => fields.push(Field::Elements(*size)),
-            (Count::Any, _) => fields.push(Field::Nested(inner)),
+            (ElementCount::Exactly(count), _) => fields.push(LayoutField::Repeated(count, inner)),
+            (ElementCount::Any, [LayoutField::Fixed(size)]) => fields.push(LayoutField::Elements(*size)),
+            (ElementCount::Any, _) => fields.push(LayoutField::Nested(inner)),
         }
     }
 }
 
-enum Count {
+enum ElementCount {
     Exactly(usize),
     Any,
 }
 
-fn push_fixed(fields: &mut Vec<Field>, size: usize) {
+fn push_fixed(fields: &mut Vec<LayoutField>, size: usize) {
     match fields.last_mut() {
-        Some(Field::Fixed(before)) => *before += size,
-        _ => fields.push(Field::Fixed(size)),
+        Some(LayoutField::Fixed(before)) => *before += size,
+        _ => fields.push(LayoutField::Fixed(size)),
     }
 }
 
@@ -158,12 +158,15 @@ mod tests {
 
     #[test]
     fn fixed_fields_are_one_and_constants_none() {
-        let layout = Layout::of(
+        let layout = MessageLayout::of(
             "uint8 A=1\nHeader header # seq, stamp, frame\nfloat64[3] v\ntime t\nPoint[] points\n\
             ====\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n\
             ====\nMSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n",
         );
-        assert_eq!(layout.fields, [Field::Fixed(12), Field::Elements(1), Field::Fixed(32), Field::Elements(24)]);
+        assert_eq!(
+            layout.fields,
+            [LayoutField::Fixed(12), LayoutField::Elements(1), LayoutField::Fixed(32), LayoutField::Elements(24)]
+        );
     }
 
     #[test]
@@ -176,7 +179,7 @@ mod tests {
             ..PointCloud::default()
         };
         let mut bytes = crate::encode(&cloud);
-        let layout = Layout::of(&PointCloud::msg_definition());
+        let layout = MessageLayout::of(&PointCloud::msg_definition());
         assert_eq!(layout.check(&bytes), Ok(()));
         for len in 0..bytes.len() {
             assert!(layout.check(&bytes[..len]).is_err(), "{len} bytes");

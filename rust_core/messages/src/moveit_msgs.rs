@@ -1,96 +1,94 @@
-//! MoveIt's collision objects, by which a planning scene learns of things that an arm is to keep clear of.
+//! Collision objects of MoveIt's planning scene.
 //!
-//! They are types of our own, so that nothing of MoveIt need be installed. The message has changed: since moveit_msgs
-//! 0.11 (Noetic) an object has a pose that its shapes are relative to, and subframes; [`MelodicCollisionObject`] is the
-//! one before. A subscriber of one does not take the other.
+//! Since moveit_msgs 0.11 (Noetic) an object has a pose that its shapes are relative to, and subframes;
+//! [`MelodicCollisionObject`] is the type before. A subscriber of one does not accept the other.
 
-use crate::fields::{fields_in_order, with_parts};
+use crate::fields::{fields_in_order, message_types, with_parts};
 use crate::geometry_msgs::{Point, Pose};
 use crate::std_msgs::Header;
-use rosrust::Message;
 
 fields_in_order! {
-    /// `object_recognition_msgs/ObjectType`: what an object is, by a database.
+    /// `object_recognition_msgs/ObjectType`: key of an object in a database.
     ObjectType {
-        /// The object's key.
+        /// Key.
         key: String,
-        /// The database's parameters.
+        /// Parameters of the database.
         db: String,
     }
     /// `shape_msgs/SolidPrimitive`: a shape around its own origin.
     SolidPrimitive {
-        /// Such as [`SolidPrimitive::CYLINDER`].
+        /// Type, such as [`SolidPrimitive::CYLINDER`].
         r#type: u8,
-        /// Metres; of a cylinder along z its height and its radius.
+        /// Dimensions, metres; of a cylinder its height and radius.
         dimensions: Vec<f64>,
     }
     /// `shape_msgs/MeshTriangle`
     MeshTriangle {
-        /// Three of the mesh's vertices.
+        /// Indices of three vertices.
         vertex_indices: [u32; 3],
     }
     /// `shape_msgs/Mesh`
     Mesh {
-        /// The faces.
+        /// Faces.
         triangles: Vec<MeshTriangle>,
-        /// The corners, metres.
+        /// Vertices, metres.
         vertices: Vec<Point>,
     }
     /// `shape_msgs/Plane`: ax + by + cz + d = 0.
     Plane {
-        /// a, b, c, d.
+        /// Coefficients a, b, c, d.
         coef: [f64; 4],
     }
     /// `moveit_msgs/CollisionObject` of Noetic.
     CollisionObject {
-        /// The frame of the poses.
+        /// Frame of the poses.
         header: Header,
-        /// The object's pose, which the shapes' poses are relative to.
+        /// Pose of the object, which the shapes' poses are relative to.
         pose: Pose,
-        /// The object's name.
+        /// Name.
         id: String,
-        /// What it is.
+        /// Type in a database.
         r#type: ObjectType,
         /// Simple shapes.
         primitives: Vec<SolidPrimitive>,
-        /// Where they are.
+        /// Poses of the shapes.
         primitive_poses: Vec<Pose>,
         /// Meshes.
         meshes: Vec<Mesh>,
-        /// Where they are.
+        /// Poses of the meshes.
         mesh_poses: Vec<Pose>,
         /// Planes.
         planes: Vec<Plane>,
-        /// Where they are.
+        /// Poses of the planes.
         plane_poses: Vec<Pose>,
-        /// Names of places on the object.
+        /// Names of the subframes.
         subframe_names: Vec<String>,
-        /// Where they are.
+        /// Poses of the subframes.
         subframe_poses: Vec<Pose>,
         /// [`CollisionObject::ADD`] or [`CollisionObject::REMOVE`].
         operation: i8,
     }
     /// `moveit_msgs/CollisionObject` of Melodic and before.
     MelodicCollisionObject {
-        /// The frame of the poses.
+        /// Frame of the poses.
         header: Header,
-        /// The object's name.
+        /// Name.
         id: String,
-        /// What it is.
+        /// Type in a database.
         r#type: ObjectType,
         /// Simple shapes.
         primitives: Vec<SolidPrimitive>,
-        /// Where they are in the header's frame.
+        /// Poses of the shapes in the header's frame.
         primitive_poses: Vec<Pose>,
         /// Meshes.
         meshes: Vec<Mesh>,
-        /// Where they are.
+        /// Poses of the meshes.
         mesh_poses: Vec<Pose>,
         /// Planes.
         planes: Vec<Plane>,
-        /// Where they are.
+        /// Poses of the planes.
         plane_poses: Vec<Pose>,
-        /// As in [`CollisionObject`].
+        /// Operation, as in [`CollisionObject`].
         operation: i8,
     }
 }
@@ -101,13 +99,13 @@ impl SolidPrimitive {
 }
 
 impl CollisionObject {
-    /// Puts the object into the scene, in the place of one of the same name.
+    /// Adds the object, or replaces one of the same name.
     pub const ADD: i8 = 0;
-    /// Takes the object out of the scene.
+    /// Removes the object.
     pub const REMOVE: i8 = 1;
 }
 
-/// The definitions that both are made of, by name.
+/// Definitions of the parts, by name.
 const PARTS: [(&str, &str); 9] = [
     ("std_msgs/Header", "uint32 seq\ntime stamp\nstring frame_id\n"),
     ("geometry_msgs/Pose", "Point position\nQuaternion orientation\n"),
@@ -130,37 +128,17 @@ const SHAPES: &str = "string id\nobject_recognition_msgs/ObjectType type\nshape_
      shape_msgs/Plane[] planes\ngeometry_msgs/Pose[] plane_poses\n";
 const OPERATIONS: &str = "byte ADD=0\nbyte REMOVE=1\nbyte APPEND=2\nbyte MOVE=3\nbyte operation\n";
 
-impl Message for CollisionObject {
-    fn msg_definition() -> String {
+message_types! {
+    CollisionObject: "moveit_msgs/CollisionObject", "dbba710596087da521c07564160dfccb", {
         let subframes = "string[] subframe_names\ngeometry_msgs/Pose[] subframe_poses\n";
         with_parts(&format!("Header header\ngeometry_msgs/Pose pose\n{SHAPES}{subframes}{OPERATIONS}"), &PARTS)
-    }
-
-    fn md5sum() -> String {
-        "dbba710596087da521c07564160dfccb".to_owned()
-    }
-
-    fn msg_type() -> String {
-        "moveit_msgs/CollisionObject".to_owned()
-    }
-}
-
-impl Message for MelodicCollisionObject {
-    fn msg_definition() -> String {
-        with_parts(&format!("Header header\n{SHAPES}{OPERATIONS}"), &PARTS)
-    }
-
-    fn md5sum() -> String {
-        "568a161b26dc46c54a5a07621ce82cf3".to_owned()
-    }
-
-    fn msg_type() -> String {
-        CollisionObject::msg_type()
-    }
+    };
+    MelodicCollisionObject: "moveit_msgs/CollisionObject", "568a161b26dc46c54a5a07621ce82cf3",
+        with_parts(&format!("Header header\n{SHAPES}{OPERATIONS}"), &PARTS);
 }
 
 impl From<CollisionObject> for MelodicCollisionObject {
-    /// The same object; `pose` must be the identity, and subframes are lost.
+    /// Converts an object whose `pose` is the identity; subframes are lost.
     fn from(object: CollisionObject) -> Self {
         Self {
             header: object.header,

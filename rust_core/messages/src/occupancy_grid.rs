@@ -1,31 +1,34 @@
 //! `nav_msgs/OccupancyGrid` as a view of the received bytes.
 //!
-//! A map may have tens of millions of cells; it keeps its bytes as [`crate::PointCloud2`] does.
+//! A map of tens of millions of cells keeps its bytes, as [`crate::PointCloud2`] does.
 
-use crate::bytes::{copy_of, Bytes};
+use crate::big_message::big_message;
+use crate::bytes::Bytes;
 use crate::nav_msgs::MapMetaData;
 use crate::std_msgs::Header;
-use crate::wire::{framed, write_count, write_header, DecodeError, Reader, LENGTH_PREFIX};
-use rosrust::{Message, RosMsg, Time};
-use std::io;
+use crate::wire::{write_count, write_header, DecodeError, WireReader};
+use rosrust::Time;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// ROS message `nav_msgs/OccupancyGrid`.
 #[derive(Clone, Debug, Default)]
 pub struct OccupancyGrid {
-    /// Sequence number, stamp and frame.
+    /// Header.
     pub header: Header,
-    /// Size in cells, metres a cell, and where the corner of cell (0, 0) lies.
+    /// Size in cells, metres a cell, and the pose of cell (0, 0).
     pub info: MapMetaData,
     buffer: Bytes,
     data: Range<usize>,
 }
 
 impl OccupancyGrid {
-    /// Reads a message whose bytes become the map's own; nothing is copied.
+    /// Reads a message without copying: the map keeps the bytes.
+    ///
+    /// # Errors
+    /// [`DecodeError`].
     pub fn from_bytes(bytes: Arc<Vec<u8>>) -> Result<Self, DecodeError> {
-        let mut reader = Reader::new(&bytes);
+        let mut reader = WireReader::new(&bytes);
         let mut grid = Self { header: reader.header()?, info: read_info(&mut reader)?, ..Self::default() };
         let len = reader.count(1, "cells")?;
         let start = reader.position();
@@ -36,17 +39,21 @@ impl OccupancyGrid {
         Ok(grid)
     }
 
-    /// The cells row by row, as the bytes that they were sent as: 255 is −1.
+    /// Cells row by row as unsigned bytes: 255 is −1.
     pub fn data(&self) -> &[u8] {
         self.buffer.get(self.data.clone()).unwrap_or_default()
     }
 
-    /// The same map with these cells.
+    /// Replaces the cells.
     #[must_use]
     pub fn with_data(mut self, data: Vec<u8>) -> Self {
         self.data = 0..data.len();
         self.buffer = data.into();
         self
+    }
+
+    fn len_hint(&self) -> usize {
+        self.data().len() + 128
     }
 
     fn write(&self, out: &mut Vec<u8>) {
@@ -57,7 +64,7 @@ impl OccupancyGrid {
     }
 }
 
-fn read_info(reader: &mut Reader<'_>) -> Result<MapMetaData, DecodeError> {
+fn read_info(reader: &mut WireReader<'_>) -> Result<MapMetaData, DecodeError> {
     let mut info = MapMetaData {
         map_load_time: Time { sec: reader.u32("map_load_time")?, nsec: reader.u32("map_load_time")? },
         resolution: f32::from_le_bytes(reader.array("resolution")?),
@@ -81,48 +88,13 @@ impl PartialEq for OccupancyGrid {
     }
 }
 
-impl RosMsg for OccupancyGrid {
-    fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
-        let mut out = Vec::with_capacity(self.data().len() + 128);
-        self.write(&mut out);
-        w.write_all(&out)
-    }
-
-    /// Reads to the end of `r`: a map is always a message of its own here.
-    fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
-        let mut bytes = Vec::new();
-        r.read_to_end(&mut bytes)?;
-        Ok(Self::from_bytes(Arc::new(bytes))?)
-    }
-
-    fn encode_vec(&self) -> io::Result<Vec<u8>> {
-        framed(self.data().len() + 128, |out| self.write(out))
-    }
-
-    fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
-        let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
-    }
-}
-
-impl Message for OccupancyGrid {
-    fn msg_definition() -> String {
-        rosrust_msg::nav_msgs::OccupancyGrid::msg_definition()
-    }
-
-    fn md5sum() -> String {
-        rosrust_msg::nav_msgs::OccupancyGrid::md5sum()
-    }
-
-    fn msg_type() -> String {
-        rosrust_msg::nav_msgs::OccupancyGrid::msg_type()
-    }
-}
+big_message!(OccupancyGrid: rosrust_msg::nav_msgs::OccupancyGrid);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{decode, encode};
+    use rosrust::RosMsg;
 
     fn grid() -> OccupancyGrid {
         let mut grid = OccupancyGrid {

@@ -1,23 +1,21 @@
 //! `sensor_msgs/PointCloud2` as a view of the received bytes.
 //!
-//! A cloud of a depth camera is some ten megabytes thirty times a second, so its points are never decoded one by one:
-//! the message keeps the bytes that came from the wire in one shared buffer and remembers where in them the points lie.
-//! [`PointCloud2::from_bytes`] copies nothing, reading it from a slice copies that slice once, and a clone shares the
-//! buffer.
+//! A depth camera sends some ten megabytes thirty times a second, so points are not decoded one by one: the message
+//! keeps the received bytes in a shared buffer. [`PointCloud2::from_bytes`] copies nothing, decoding a slice copies it
+//! once, and a clone shares the buffer.
 
-use crate::bytes::{copy_of, Bytes};
+use crate::big_message::big_message;
+use crate::bytes::Bytes;
 use crate::sensor_msgs::PointField;
 use crate::std_msgs::Header;
-use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
-use rosrust::{Message, RosMsg};
-use std::io;
+use crate::wire::{write_count, write_header, write_string, write_u32, DecodeError, WireReader};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// ROS message `sensor_msgs/PointCloud2`.
 ///
-/// Lengths inside the message are checked (a field or the data reaching past the end is an error); whether the data is
-/// as long as [`height`](Self::height), [`row_step`](Self::row_step) and [`point_step`](Self::point_step) claim is not.
+/// Decoding checks the lengths inside the message, but not that the data are as long as [`height`](Self::height),
+/// [`row_step`](Self::row_step) and [`point_step`](Self::point_step) announce.
 ///
 /// ```
 /// use rcs_messages::PointCloud2;
@@ -32,56 +30,59 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PointCloud2 {
-    /// Sequence number, stamp and frame.
+    /// Header.
     pub header: Header,
     /// Rows of an organised cloud; 1 for an unorganised one.
     pub height: u32,
     /// Points in a row.
     pub width: u32,
-    /// The channels of a point.
+    /// Channels of a point.
     pub fields: Vec<PointField>,
-    /// Whether the numbers are big endian.
+    /// `true` if the numbers are big endian.
     pub is_bigendian: bool,
     /// Bytes from one point to the next.
     pub point_step: u32,
     /// Bytes from one row to the next.
     pub row_step: u32,
-    /// Whether no point has a NaN coordinate.
+    /// `true` if no point has a NaN coordinate.
     pub is_dense: bool,
     buffer: Bytes,
     data: Range<usize>,
 }
 
 impl PointCloud2 {
-    /// Reads a message whose bytes become the cloud's own; nothing is copied.
+    /// Reads a message without copying: the cloud keeps the bytes.
+    ///
+    /// # Errors
+    /// [`DecodeError`].
     pub fn from_bytes(bytes: Arc<Vec<u8>>) -> Result<Self, DecodeError> {
-        let mut reader = Reader::new(&bytes);
+        let mut reader = WireReader::new(&bytes);
         let mut cloud = Self::read_around_data(&mut reader)?;
         reader.finish()?;
         cloud.buffer = bytes.into();
         Ok(cloud)
     }
 
-    /// The bytes of the points, row by row.
+    /// Bytes of the points, row by row.
     pub fn data(&self) -> &[u8] {
         self.buffer.get(self.data.clone()).unwrap_or_default()
     }
 
-    /// Puts `data` in the place of the points' bytes.
+    /// Replaces the bytes of the points.
     pub fn set_data(&mut self, data: Vec<u8>) {
         self.data = 0..data.len();
         self.buffer = data.into();
     }
 
-    /// The same cloud with these bytes as its points.
+    /// Replaces the bytes of the points.
     #[must_use]
     pub fn with_data(mut self, data: Vec<u8>) -> Self {
         self.set_data(data);
         self
     }
 
-    /// Reads all but the data, and leaves its place in `data`.
-    fn read_around_data(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
+    /// Reads all but the data, whose range is noted.
+    fn read_around_data(reader: &mut WireReader<'_>) -> Result<Self, DecodeError> {
         let mut cloud = Self {
             header: reader.header()?,
             height: reader.u32("height")?,
@@ -112,10 +113,10 @@ impl PartialEq for PointCloud2 {
     }
 }
 
-/// The least number of bytes that a field takes: a name's length, offset, datatype and count.
+/// Least length of a field: a name's length, offset, datatype and count.
 const MIN_FIELD_LEN: usize = 13;
 
-fn read_fields(reader: &mut Reader<'_>) -> Result<Vec<PointField>, DecodeError> {
+fn read_fields(reader: &mut WireReader<'_>) -> Result<Vec<PointField>, DecodeError> {
     let count = reader.count(MIN_FIELD_LEN, "fields")?;
     let mut fields = Vec::with_capacity(count);
     for _ in 0..count {
@@ -149,55 +150,20 @@ impl PointCloud2 {
         out.push(u8::from(self.is_dense));
     }
 
-    /// About how many bytes the message takes, at least what its data does.
+    /// Approximate length of the message, bytes.
     fn len_hint(&self) -> usize {
         self.data().len() + 256
     }
 }
 
-impl RosMsg for PointCloud2 {
-    fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
-        let mut out = Vec::with_capacity(self.len_hint());
-        self.write(&mut out);
-        w.write_all(&out)
-    }
-
-    /// Reads to the end of `r`: a cloud is always a message of its own.
-    fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
-        let mut bytes = Vec::new();
-        r.read_to_end(&mut bytes)?;
-        Ok(Self::from_bytes(Arc::new(bytes))?)
-    }
-
-    fn encode_vec(&self) -> io::Result<Vec<u8>> {
-        framed(self.len_hint(), |out| self.write(out))
-    }
-
-    fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
-        let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
-    }
-}
-
-impl Message for PointCloud2 {
-    fn msg_definition() -> String {
-        rosrust_msg::sensor_msgs::PointCloud2::msg_definition()
-    }
-
-    fn md5sum() -> String {
-        rosrust_msg::sensor_msgs::PointCloud2::md5sum()
-    }
-
-    fn msg_type() -> String {
-        rosrust_msg::sensor_msgs::PointCloud2::msg_type()
-    }
-}
+big_message!(PointCloud2: rosrust_msg::sensor_msgs::PointCloud2);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{decode, encode};
     use proptest::prelude::*;
+    use rosrust::RosMsg;
 
     fn cloud() -> PointCloud2 {
         PointCloud2 {

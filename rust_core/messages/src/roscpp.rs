@@ -1,91 +1,43 @@
-//! The services of the package `roscpp` by which rqt_logger_level and `rosservice` change what a running node logs.
-//!
-//! They are types of our own, so that the programs can be built where that package is not installed.
+//! Services of the package `roscpp` by which rqt_logger_level changes what a node logs.
 
-use crate::fields::fields_in_order;
-use rosrust::{Message, RosMsg, ServicePair};
+use crate::fields::{fields_in_order, service_types};
 use rosrust_msg::std_srvs::{EmptyReq, EmptyRes};
-use std::io;
 
 fields_in_order! {
-    /// `roscpp/Logger`: a logger and what it logs.
+    /// `roscpp/Logger`: a logger and its level.
     Logger {
-        /// Its name, such as `ros.rviz_camera_stream`.
+        /// Name, such as `ros.rviz_camera_stream`.
         name: String,
-        /// The least level that it logs, such as `info`.
+        /// Least level that it logs, such as `info`.
         level: String,
     }
-    /// The response of [`GetLoggers`].
+    /// Response of [`GetLoggers`].
     GetLoggersRes {
-        /// All of the node's.
+        /// The node's loggers.
         loggers: Vec<Logger>,
     }
-    /// The request of [`SetLoggerLevel`].
+    /// Request of [`SetLoggerLevel`].
     SetLoggerLevelReq {
-        /// The logger's name.
+        /// Name of the logger.
         logger: String,
         /// `debug`, `info`, `warn`, `error` or `fatal`.
         level: String,
     }
 }
 
-/// `roscpp/GetLoggers`: what a node logs.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GetLoggers;
-
-/// `roscpp/SetLoggerLevel`: changes what a node logs.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SetLoggerLevel;
-
-impl ServicePair for GetLoggers {
-    type Request = EmptyReq;
-    type Response = GetLoggersRes;
-}
-
-impl ServicePair for SetLoggerLevel {
-    type Request = SetLoggerLevelReq;
-    type Response = EmptyRes;
-}
-
-/// A service's type is a message in rosrust's eyes; it is never sent.
-macro_rules! service_type {
-    ($($name:ident: $ros_type:literal, $md5sum:literal, $definition:literal;)*) => {
-        $(
-            impl RosMsg for $name {
-                fn encode<W: io::Write>(&self, _: W) -> io::Result<()> {
-                    Ok(())
-                }
-
-                fn decode<R: io::Read>(_: R) -> io::Result<Self> {
-                    Ok(Self)
-                }
-            }
-
-            impl Message for $name {
-                fn msg_definition() -> String {
-                    $definition.to_owned()
-                }
-
-                fn md5sum() -> String {
-                    $md5sum.to_owned()
-                }
-
-                fn msg_type() -> String {
-                    $ros_type.to_owned()
-                }
-            }
-        )*
-    };
-}
-
-service_type! {
-    GetLoggers: "roscpp/GetLoggers", "32e97e85527d4678a8f9279894bb64b0", "---\nLogger[] loggers\n";
-    SetLoggerLevel: "roscpp/SetLoggerLevel", "51da076440d78ca1684d36c868df61ea", "string logger\nstring level\n---\n";
+service_types! {
+    /// `roscpp/GetLoggers`: lists a node's loggers.
+    GetLoggers(EmptyReq) -> GetLoggersRes:
+        "roscpp/GetLoggers", "32e97e85527d4678a8f9279894bb64b0", "---\nLogger[] loggers\n";
+    /// `roscpp/SetLoggerLevel`: changes a logger's level.
+    SetLoggerLevel(SetLoggerLevelReq) -> EmptyRes:
+        "roscpp/SetLoggerLevel", "51da076440d78ca1684d36c868df61ea", "string logger\nstring level\n---\n";
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rosrust::RosMsg;
 
     #[test]
     fn requests_and_responses_come_back_as_they_were() {

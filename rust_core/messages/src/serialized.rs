@@ -1,8 +1,4 @@
-//! A message that is not decoded yet.
-//!
-//! Subscribing to `Serialized<T>` instead of `T` takes the bytes out of rosrust with one copy and leaves decoding to
-//! [`crate::MessageKind::decode_owned`], which checks lengths first and copies nothing of the big messages. When one is
-//! published, its header stays as it is; in generated messages rosrust fills in sequence number and stamp.
+//! A message that is not decoded yet. Its header stays as it is when it is published.
 
 use crate::bytes::copy_of;
 use crate::wire::LENGTH_PREFIX;
@@ -11,7 +7,7 @@ use std::fmt;
 use std::io;
 use std::marker::PhantomData;
 
-/// The bytes of a message of type `T`, without the length that TCPROS puts before them.
+/// Bytes of a message of type `T`, without the length that TCPROS puts before them.
 ///
 /// ```
 /// use rcs_messages::{rosgraph_msgs::Clock, Message, Serialized, Time};
@@ -29,7 +25,7 @@ pub struct Serialized<T> {
 }
 
 impl<T> Serialized<T> {
-    /// Takes `bytes` for a message of type `T`.
+    /// Wraps the bytes of a message of type `T`.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self { bytes, kind: PhantomData }
     }

@@ -1,33 +1,31 @@
-//! `trajectory_msgs`: where joints are to be at which time, for joint_trajectory_controller and the like.
-//!
-//! They are types of our own, so that the programs can be built where that package is not installed.
+//! `trajectory_msgs`: trajectories for joint_trajectory_controller.
 
-use crate::fields::{fields_in_order, with_parts};
+use crate::fields::{fields_in_order, message_types, with_parts};
 use crate::std_msgs::Header;
-use rosrust::{Duration, Message};
+use rosrust::Duration;
 
 fields_in_order! {
     /// `trajectory_msgs/JointTrajectoryPoint`: positions and their derivatives at one time, in the order of the
-    /// trajectory's names; empty where they are left to the controller.
+    /// trajectory's names; empty lists are left to the controller.
     JointTrajectoryPoint {
-        /// Radians or metres.
+        /// Positions, radians or metres.
         positions: Vec<f64>,
-        /// Per second.
+        /// Velocities, per second.
         velocities: Vec<f64>,
-        /// Per second squared.
+        /// Accelerations, per second squared.
         accelerations: Vec<f64>,
-        /// Newton metres or newton.
+        /// Efforts, newton metres or newtons.
         effort: Vec<f64>,
-        /// When, after the trajectory's stamp.
+        /// Time after the trajectory's stamp.
         time_from_start: Duration,
     }
     /// `trajectory_msgs/JointTrajectory`
     JointTrajectory {
-        /// Its stamp is the start; zero means at once.
+        /// Header, whose stamp is the start; zero means at once.
         header: Header,
-        /// The joints.
+        /// Joints.
         joint_names: Vec<String>,
-        /// Where they are to be, in the order of time.
+        /// Points in the order of time.
         points: Vec<JointTrajectoryPoint>,
     }
 }
@@ -35,22 +33,14 @@ fields_in_order! {
 const POINT: &str = "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\n\
      duration time_from_start\n";
 
-impl Message for JointTrajectory {
-    fn msg_definition() -> String {
+message_types! {
+    JointTrajectory: "trajectory_msgs/JointTrajectory", "65b4f94a94d1ed67169da35a02f33d3f", {
         let parts = [
             ("std_msgs/Header", "uint32 seq\ntime stamp\nstring frame_id\n"),
             ("trajectory_msgs/JointTrajectoryPoint", POINT),
         ];
         with_parts("Header header\nstring[] joint_names\nJointTrajectoryPoint[] points\n", &parts)
-    }
-
-    fn md5sum() -> String {
-        "65b4f94a94d1ed67169da35a02f33d3f".to_owned()
-    }
-
-    fn msg_type() -> String {
-        "trajectory_msgs/JointTrajectory".to_owned()
-    }
+    };
 }
 
 #[cfg(test)]

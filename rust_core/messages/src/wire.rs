@@ -1,28 +1,28 @@
 //! ROS 1's serialisation: little endian, fields in order, a `u32` element count before strings and variable arrays.
 //!
-//! [`Reader`] walks a slice and checks every length against what is left of it. An element count is multiplied by the
-//! least number of bytes that an element takes before anything is allocated, so a hostile count costs nothing.
+//! [`WireReader`] checks every length against the bytes left. An element count is multiplied by the least length of an
+//! element before anything is allocated, so a hostile count costs nothing.
 
 use crate::std_msgs::Header;
 use rosrust::{RosMsg, Time};
 use std::io;
 
-/// What is wrong with the bytes of a message.
+/// Bytes are not a valid message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
-    /// A value, or the elements that a count announces, would lie past the end.
+    /// A value or an array reaches past the end.
     #[error("message too short: {needed} bytes of {what} at byte {at}, {left} left")]
     TooShort {
         /// The ROS type of the value.
         what: &'static str,
         /// Offset of the value in the message.
         at: usize,
-        /// How many bytes it takes at least.
+        /// Least length of the value, bytes.
         needed: u64,
-        /// How many bytes there are.
+        /// Bytes left.
         left: usize,
     },
-    /// Bytes follow the message's last field.
+    /// Bytes follow the last field.
     #[error("message too long: {0} bytes after its last field")]
     TrailingBytes(usize),
 }
@@ -35,13 +35,13 @@ impl From<DecodeError> for io::Error {
 
 /// A position in the bytes of one message.
 #[derive(Clone, Debug)]
-pub(crate) struct Reader<'a> {
+pub(crate) struct WireReader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl<'a> Reader<'a> {
-    /// Starts at the first of `bytes`.
+impl<'a> WireReader<'a> {
+    /// Starts at the first byte.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
         self.at
     }
 
-    /// How many bytes are left.
+    /// Number of bytes left.
     pub(crate) fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.at)
     }
@@ -97,10 +97,10 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// How many bytes TCPROS puts before a message for its length.
+/// Bytes of the length that TCPROS puts before a message.
 pub(crate) const LENGTH_PREFIX: usize = 4;
 
-impl Reader<'_> {
+impl WireReader<'_> {
     pub(crate) fn u8(&mut self, what: &'static str) -> Result<u8, DecodeError> {
         let [byte] = self.array::<1>(what)?;
         Ok(byte)
@@ -110,7 +110,7 @@ impl Reader<'_> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }
 
-    /// ROS strings are bytes of no stated encoding; what is no UTF-8 becomes U+FFFD.
+    /// A string, in which bytes that are not UTF-8 become U+FFFD.
     pub(crate) fn string(&mut self, what: &'static str) -> Result<String, DecodeError> {
         let len = self.count(1, what)?;
         Ok(String::from_utf8_lossy(self.take(len, what)?).into_owned())
@@ -125,7 +125,10 @@ impl Reader<'_> {
     }
 }
 
-/// Reads a whole message; bytes left over are an error.
+/// Decodes a whole message.
+///
+/// # Errors
+/// The message's, or [`DecodeError::TrailingBytes`].
 pub fn decode<T: RosMsg>(bytes: &[u8]) -> io::Result<T> {
     let mut rest = bytes;
     let value = T::decode(&mut rest)?;
@@ -135,7 +138,7 @@ pub fn decode<T: RosMsg>(bytes: &[u8]) -> io::Result<T> {
     }
 }
 
-/// The bytes of a message, without the length that TCPROS puts before them.
+/// Encodes a message, without the length that TCPROS puts before it.
 pub fn encode<T: RosMsg>(message: &T) -> Vec<u8> {
     let mut out = Vec::new();
     // Writing to a vector cannot fail.
@@ -143,7 +146,7 @@ pub fn encode<T: RosMsg>(message: &T) -> Vec<u8> {
     out
 }
 
-/// A message of about `len` bytes with its length before it.
+/// Encodes a message of about `len` bytes with its length before it.
 pub(crate) fn framed(len: usize, write: impl FnOnce(&mut Vec<u8>)) -> io::Result<Vec<u8>> {
     let mut out = Vec::with_capacity(LENGTH_PREFIX + len);
     out.extend_from_slice(&[0; LENGTH_PREFIX]);
@@ -159,7 +162,7 @@ pub(crate) fn write_u32(value: u32, out: &mut Vec<u8>) {
     out.extend_from_slice(&value.to_le_bytes());
 }
 
-/// Appends an element count. ROS counts with 32 bits; no message of this project comes near that.
+/// Appends an element count of 32 bits, which no message of this project comes near.
 pub(crate) fn write_count(count: usize, out: &mut Vec<u8>) {
     write_u32(u32::try_from(count).unwrap_or(u32::MAX), out);
 }
@@ -183,19 +186,19 @@ mod tests {
     #[test]
     fn a_giant_count_is_an_error_before_anything_is_allocated() {
         let bytes = [0xff, 0xff, 0xff, 0xff, 1, 2, 3];
-        let error = Reader::new(&bytes).count(8, "D").unwrap_err();
+        let error = WireReader::new(&bytes).count(8, "D").unwrap_err();
         assert_eq!(error, DecodeError::TooShort { what: "D", at: 4, needed: u64::from(u32::MAX) * 8, left: 3 });
     }
 
     #[test]
     fn a_string_longer_than_the_message_is_an_error() {
         let bytes = [5, 0, 0, 0, b'a', b'b'];
-        assert!(Reader::new(&bytes).string("name").is_err());
+        assert!(WireReader::new(&bytes).string("name").is_err());
     }
 
     #[test]
     fn a_string_of_other_bytes_than_utf8_is_kept_readable() {
         let bytes = [3, 0, 0, 0, b'a', 0xe9, b'b'];
-        assert_eq!(Reader::new(&bytes).string("name").unwrap(), "a\u{fffd}b");
+        assert_eq!(WireReader::new(&bytes).string("name").unwrap(), "a\u{fffd}b");
     }
 }
