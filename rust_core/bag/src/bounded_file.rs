@@ -1,16 +1,16 @@
-//! A file that is read in pieces, none of which may reach past its end.
+//! A file that is read in pieces within its length.
 
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;
 use std::path::PathBuf;
 
-use crate::BagError;
+use crate::error::BagError;
 
-/// The longest piece that is read at once: more than any chunk has.
+/// Longest piece read at once: more than any chunk has.
 const MAX_PIECE_LEN: u64 = 2 << 30;
 
-/// A file and its length. What a length in it announces is compared with that before memory is taken.
+/// A file whose announced lengths are checked against its own before memory is allocated.
 #[derive(Debug)]
 pub(crate) struct BoundedFile {
     pub(crate) path: PathBuf,
@@ -30,11 +30,11 @@ impl BoundedFile {
         }
     }
 
-    /// The bytes from an offset on.
+    /// Reads `len` bytes at an offset.
     pub(crate) fn read(&self, at: u64, len: u64) -> io::Result<Vec<u8>> {
         let past_end = || io::Error::new(io::ErrorKind::UnexpectedEof, "reaches past the end of the file");
         at.checked_add(len).filter(|end| *end <= self.len).ok_or_else(past_end)?;
-        let too_long = || io::Error::new(io::ErrorKind::InvalidData, "longer than anything that is read at once");
+        let too_long = || io::Error::new(io::ErrorKind::InvalidData, "record too long");
         let piece_len = usize::try_from(len).ok().filter(|_| len <= MAX_PIECE_LEN).ok_or_else(too_long)?;
         let mut bytes = vec![0; piece_len];
         self.file.read_exact_at(&mut bytes, at)?;

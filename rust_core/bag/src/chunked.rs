@@ -1,15 +1,15 @@
-//! Common part of the bag formats: messages in chunks that are unpacked one by one, and an index of both.
+//! Common interface of the bag formats: chunks of messages, and an index.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::connection::Connection;
-use crate::BagError;
+use crate::error::BagError;
 
 /// A file whose index was read.
 pub(crate) trait Chunked: fmt::Debug + Send + Sync {
-    /// Visits the messages of the chunk at an offset whose connection is wanted, and perhaps others. What comes before
-    /// a damaged one is visited, too.
+    /// Visits the messages of the chunk at an offset whose connection is wanted, and perhaps others, up to a damaged
+    /// one.
     fn unpack(
         &self,
         at: u64,
@@ -22,7 +22,7 @@ pub(crate) trait Chunked: fmt::Debug + Send + Sync {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RawMessage<'a> {
     pub(crate) connection: u32,
-    /// When it was recorded.
+    /// Recording time.
     pub(crate) nanos: i64,
     pub(crate) bytes: &'a [u8],
 }
@@ -34,7 +34,7 @@ pub(crate) struct Index {
     pub(crate) chunks: Vec<ChunkRef>,
 }
 
-/// Where a chunk is, and what its index says of it.
+/// A chunk as the index describes it.
 #[derive(Clone, Debug)]
 pub(crate) struct ChunkRef {
     pub(crate) at: u64,
@@ -46,13 +46,13 @@ pub(crate) struct ChunkRef {
 }
 
 impl ChunkRef {
-    /// A damaged index may say that a chunk ends before it begins.
+    /// Orders the times, because a damaged index may swap them.
     pub(crate) fn new(at: u64, [one, other]: [i64; 2], connections: Vec<u32>) -> Self {
         Self { at, start_nanos: one.min(other), end_nanos: one.max(other), connections }
     }
 }
 
-/// Nanoseconds that a stamp can hold: damaged bytes may say more.
+/// Clamps damaged times to what a stamp can hold.
 pub(crate) fn nanos(time: u64) -> i64 {
     const LAST: i64 = u32::MAX as i64 * 1_000_000_000 + 999_999_999;
     i64::try_from(time).map_or(LAST, |time| time.min(LAST))

@@ -1,14 +1,14 @@
-//! Unpacking of an MCAP file's chunks.
+//! Decompression of an MCAP file's chunks.
 
 use std::borrow::Cow;
 use std::io::{self, Read};
 
-/// The longest unpacked chunk; recorders cut them below a few megabytes unless one message is longer.
+/// Longest unpacked chunk; recorders cut them below a few megabytes unless one message is longer.
 const MAX_CHUNK_LEN: u64 = 1 << 30;
-/// No compression packs more tightly: bzip2 reaches some 50 000 on zeros, so a small chunk may still be a large one.
+/// Highest compression ratio; bzip2 reaches some 50,000 on zeros.
 const MAX_RATIO: u64 = 100_000;
 
-/// Whether a chunk of any format can have the length that it announces.
+/// Checks the length that a chunk of any format announces.
 pub(crate) fn check_len(len: u64, packed_len: u64) -> io::Result<()> {
     if len > MAX_CHUNK_LEN || len > packed_len.saturating_mul(MAX_RATIO) {
         return Err(damaged("chunk announces more bytes than it can have"));
@@ -16,7 +16,7 @@ pub(crate) fn check_len(len: u64, packed_len: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// The records of a chunk that announces `len` bytes, by the name of its compression.
+/// Unpacks the records of a chunk that announces `len` bytes.
 pub(crate) fn unpack<'a>(compression: &[u8], packed: &'a [u8], len: u64) -> io::Result<Cow<'a, [u8]>> {
     check_len(len, packed.len() as u64)?;
     match compression {

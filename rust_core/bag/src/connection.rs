@@ -1,6 +1,5 @@
-//! Topics of a bag, and which messages they hold.
+//! Topics of a bag and their types.
 
-use std::fmt;
 use std::sync::Arc;
 
 use rcs_messages::MessageKind;
@@ -21,8 +20,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Whether its messages are of a type: by the checksum, as ROS compares types when nodes connect; by the name where
-    /// the bag has no checksum.
+    /// `true` if its messages are of a type: by the checksum, as between nodes, or by the name if the bag has none.
     pub fn holds(&self, kind: MessageKind) -> bool {
         if self.md5sum.is_empty() {
             kind.ros_type() == &*self.ros_type
@@ -31,35 +29,25 @@ impl Connection {
         }
     }
 
-    /// The type that a message of it is decoded as, unless it is one that nothing here reads.
+    /// The type its messages are decoded as; `None` for one that is not supported.
     pub fn kind(&self) -> Option<MessageKind> {
         let of_name = MessageKind::from_ros_type(&self.ros_type).filter(|kind| self.holds(*kind));
         of_name.or_else(|| MessageKind::ALL.iter().copied().find(|kind| self.holds(*kind)))
     }
 
-    /// Formats its type, for a message about a type that it does not hold.
-    pub fn held(&self) -> Held<'_> {
-        Held(self)
-    }
-}
-
-/// Prints the type of a connection; with its checksum if the type of that name has another one here.
-#[derive(Clone, Copy, Debug)]
-pub struct Held<'a>(&'a Connection);
-
-impl fmt::Display for Held<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(Connection { ros_type, md5sum, .. }) = self;
+    /// Its type, with the checksum if it is another version of a known type.
+    pub fn held(&self) -> String {
+        let Self { ros_type, md5sum, .. } = self;
         match MessageKind::from_ros_type(ros_type).map(MessageKind::md5sum) {
             Some(known) if !md5sum.is_empty() && known != *md5sum => {
-                write!(f, "another version of {ros_type} (md5sum {md5sum}, here {known})")
+                format!("another version of {ros_type} (md5sum {md5sum}, here {known})")
             }
-            _ => f.write_str(ros_type),
+            _ => ros_type.to_string(),
         }
     }
 }
 
-/// The md5sum if it is one, else nothing: recorders of topics of any type write `*`.
+/// The md5sum, or nothing for other texts: recorders of topics of any type write `*`.
 pub(crate) fn md5sum(text: &[u8]) -> String {
     let is_md5sum = text.len() == 32 && text.iter().all(u8::is_ascii_hexdigit);
     if is_md5sum {
@@ -69,7 +57,7 @@ pub(crate) fn md5sum(text: &[u8]) -> String {
     }
 }
 
-/// A topic's whole name in a bag, without remapping: names without a slash are below the root.
+/// A topic's whole name in a bag, without remapping; names without a slash are below the root.
 ///
 /// ```
 /// assert_eq!([rcs_bag::full_name("tf"), rcs_bag::full_name("/tf")], ["/tf", "/tf"]);

@@ -1,4 +1,4 @@
-//! Why a bag, or a part of it, cannot be read.
+//! Errors of reading bags.
 
 use std::io;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ pub enum BagError {
         /// The system's error.
         source: io::Error,
     },
-    /// It does not begin as a bag does.
+    /// Not a bag, by its first bytes.
     #[error("{path}: neither a ROS bag of version 2.0 nor an MCAP file")]
     NotABag {
         /// The file.
@@ -28,7 +28,7 @@ pub enum BagError {
         /// The command that writes an index.
         remedy: &'static str,
     },
-    /// Its chunks are encrypted.
+    /// The chunks are encrypted.
     #[error("{path}: encrypted by {encryptor}: run `rosbag decrypt` on it")]
     Encrypted {
         /// The bag.
@@ -44,14 +44,14 @@ pub enum BagError {
         /// The encoding, such as `cdr` for ROS 2.
         encoding: String,
     },
-    /// A part of it is damaged.
+    /// A part is damaged.
     #[error("{path}: damaged at byte {at}: {reason}")]
     Damaged {
         /// The bag.
         path: PathBuf,
         /// Offset in the file.
         at: u64,
-        /// The problem at that offset.
+        /// The problem there.
         reason: String,
     },
 }

@@ -1,8 +1,7 @@
-//! MCAP files with messages of ROS 1 (<https://mcap.dev/spec>), as `mcap convert` and the writers of Foxglove make
-//! them.
+//! MCAP files with messages of ROS 1 (<https://mcap.dev/spec>), as `mcap convert` and Foxglove's writers make them.
 //!
 //! A record is `kind, length, content`. The summary at the end has the channels (topics), their schemas (types), and an
-//! index of the chunks. The crate `mcap` knows the content of records; lengths are checked here before.
+//! index of the chunks. The crate `mcap` parses the content of records; lengths are checked here before.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Display;
@@ -14,23 +13,23 @@ use crate::bounded_file::BoundedFile;
 use crate::chunked::{nanos, ChunkRef, Chunked, Index, RawMessage};
 use crate::compression::{damaged, unpack};
 use crate::connection::{md5sum, Connection};
-use crate::BagError;
+use crate::error::BagError;
 
 pub(crate) use mcap::MAGIC;
 
-/// The bytes from the beginning of the footer to the end of the file: kind and length, the places of the summary and of
-/// its offsets, a checksum, and what the file begins with.
+/// Length of the footer to the end of the file: kind, length, the offsets of the summary and of its index, a checksum,
+/// the magic.
 const FOOTER_LEN: u64 = 1 + 8 + 8 + 8 + 4 + MAGIC.len() as u64;
-/// The longest summary that is read.
+/// Longest summary that is read.
 const MAX_SUMMARY_LEN: u64 = 256 << 20;
-/// How messages of ROS 1 are encoded; the specification once had the other name.
+/// Message encodings of ROS 1; the specification once had the second name.
 const ROS1: [&str; 2] = ["ros1", "ros"];
 
 /// An MCAP file.
 #[derive(Debug)]
 pub(crate) struct McapFile {
     file: BoundedFile,
-    /// The lengths of the chunks by their offsets.
+    /// Lengths of the chunks by their offsets.
     chunk_lens: HashMap<u64, u64>,
 }
 
@@ -68,7 +67,7 @@ impl McapFile {
     fn visit_messages(&self, at: u64, visit: &mut dyn FnMut(RawMessage<'_>)) -> io::Result<()> {
         let len = self.chunk_lens.get(&at).copied().unwrap_or_default();
         let bytes = self.file.read(at, len)?;
-        let no_chunk = || damaged("no chunk where the index says that there is one");
+        let no_chunk = || damaged("no chunk where the index lists one");
         let (op::CHUNK, content, _) = split_record(&bytes).ok_or_else(no_chunk)? else { return Err(no_chunk()) };
         let Record::Chunk { header, data } = parse(op::CHUNK, content)? else { return Err(no_chunk()) };
         let records = unpack(header.compression.as_bytes(), &data, header.uncompressed_size)?;
@@ -96,7 +95,7 @@ impl Summary {
         let mut summary = Self::default();
         each_record(bytes, |kind, content| {
             let record = match parse(kind, content) {
-                // Such as a topic in another encoding than UTF-8. Nobody can have asked for it.
+                // Such as a topic's name that is not UTF-8, which nobody can have asked for.
                 Err(_) if matches!(kind, op::SCHEMA | op::CHANNEL) => return Ok(()),
                 record => record?,
             };
@@ -117,7 +116,7 @@ impl Summary {
         let chunk = |chunk: &ChunkIndex| {
             let times = [chunk.message_start_time, chunk.message_end_time].map(nanos);
             let ids = if chunk.message_index_offsets.is_empty() {
-                // Its writer has left out which channels a chunk has.
+                // The writer has left out which channels a chunk has.
                 connections.keys().copied().collect()
             } else {
                 chunk.message_index_offsets.keys().map(|id| (*id).into()).collect()
@@ -145,7 +144,7 @@ impl Summary {
     }
 }
 
-/// The content of a record of a kind that is read here; others may have anything in them.
+/// Parses the content of a record; kinds that are not read here may contain anything.
 fn parse(kind: u8, content: &[u8]) -> io::Result<Record<'_>> {
     match kind {
         op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK | op::CHUNK_INDEX => {
@@ -155,7 +154,7 @@ fn parse(kind: u8, content: &[u8]) -> io::Result<Record<'_>> {
     }
 }
 
-/// Visits the records that lie one behind the other. What comes before one that is cut off is visited, too.
+/// Visits consecutive records, up to one that is cut off.
 fn each_record(mut bytes: &[u8], mut visit: impl FnMut(u8, &[u8]) -> io::Result<()>) -> io::Result<()> {
     while !bytes.is_empty() {
         let (kind, content, rest) = split_record(bytes).ok_or_else(|| damaged("a record is cut off"))?;
@@ -165,7 +164,7 @@ fn each_record(mut bytes: &[u8], mut visit: impl FnMut(u8, &[u8]) -> io::Result<
     Ok(())
 }
 
-/// A record's kind and content, and what follows it.
+/// A record's kind and content, and the rest.
 fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (kind, rest) = bytes.split_first()?;
     let (len, rest) = rest.split_first_chunk()?;

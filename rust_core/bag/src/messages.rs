@@ -1,4 +1,4 @@
-//! The messages of a bag in the order of time.
+//! Messages of a bag in the order of time.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -8,20 +8,20 @@ use rcs_messages::Time;
 
 use crate::chunked::{ChunkRef, Chunked};
 use crate::connection::Connection;
-use crate::BagError;
+use crate::error::BagError;
 
 /// A message of a bag.
 #[derive(Clone, Debug)]
 pub struct BagMessage {
-    /// When it was recorded.
+    /// Recording time.
     pub time: Time,
     /// The topic and its publisher.
     pub connection: Arc<Connection>,
-    /// Its bytes, serialised as the connection's type.
+    /// Serialised as the connection's type.
     pub bytes: Vec<u8>,
 }
 
-/// Connections by the number of their file and their id in it.
+/// Connections by file number and id.
 pub(crate) type Connections = BTreeMap<(usize, u32), Arc<Connection>>;
 
 /// A chunk, and the number of its file.
@@ -36,17 +36,17 @@ pub(crate) struct FileChunk {
 pub struct Messages {
     files: Arc<[Box<dyn Chunked>]>,
     connections: Connections,
-    /// The earliest recording time; messages before it are left out.
+    /// Earliest recording time.
     from_nanos: i64,
-    /// Those not unpacked yet, the earliest last.
+    /// Chunks not unpacked yet, the earliest last.
     chunks: Vec<FileChunk>,
     errors: Vec<BagError>,
-    waiting: BinaryHeap<Reverse<Waiting>>,
+    unpacked: BinaryHeap<Reverse<UnpackedMessage>>,
 }
 
-/// A message of an unpacked chunk. Its order is that of time, then of the files, then of the file.
+/// A message of an unpacked chunk, ordered by time, then by file, then by its place in the file.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Waiting {
+struct UnpackedMessage {
     nanos: i64,
     file: usize,
     chunk_at: u64,
@@ -56,7 +56,7 @@ struct Waiting {
 }
 
 impl Messages {
-    /// The messages of these connections from a time on.
+    /// Messages of these connections from a time on.
     pub(crate) fn new(
         files: Arc<[Box<dyn Chunked>]>,
         connections: Connections,
@@ -69,28 +69,28 @@ impl Messages {
         };
         let mut chunks: Vec<_> = chunks.iter().filter(is_wanted).cloned().collect();
         chunks.sort_by_key(|FileChunk { file, chunk }| Reverse((chunk.start_nanos, *file, chunk.at)));
-        Self { files, connections, from_nanos, chunks, errors: Vec::new(), waiting: BinaryHeap::new() }
+        Self { files, connections, from_nanos, chunks, errors: Vec::new(), unpacked: BinaryHeap::new() }
     }
 
     fn unpack(&mut self, file: usize, at: u64) {
-        let Self { files, connections, from_nanos, errors, waiting, .. } = self;
+        let Self { files, connections, from_nanos, errors, unpacked, .. } = self;
         let Some(chunked) = files.get(file) else { return };
         let mut index = 0;
         let is_wanted = |connection| connections.contains_key(&(file, connection));
-        let unpacked = chunked.unpack(at, &is_wanted, &mut |message| {
+        let result = chunked.unpack(at, &is_wanted, &mut |message| {
             if message.nanos >= *from_nanos && is_wanted(message.connection) {
                 let (nanos, connection, bytes) = (message.nanos, message.connection, message.bytes.to_vec());
-                waiting.push(Reverse(Waiting { nanos, file, chunk_at: at, index, connection, bytes }));
+                unpacked.push(Reverse(UnpackedMessage { nanos, file, chunk_at: at, index, connection, bytes }));
             }
             index += 1;
         });
-        errors.extend(unpacked.err());
+        errors.extend(result.err());
     }
 
-    /// Unpacks every chunk that may have a message before the first waiting one.
+    /// Unpacks every chunk that may have a message before the first unpacked one.
     fn unpack_due(&mut self) {
         while let Some(FileChunk { file, chunk }) = self.chunks.last() {
-            let due = (self.waiting.peek()).is_none_or(|Reverse(first)| chunk.start_nanos <= first.nanos);
+            let due = (self.unpacked.peek()).is_none_or(|Reverse(first)| chunk.start_nanos <= first.nanos);
             if !due {
                 break;
             }
@@ -109,7 +109,7 @@ impl Iterator for Messages {
         if let Some(error) = self.errors.pop() {
             return Some(Err(error));
         }
-        let Reverse(first) = self.waiting.pop()?;
+        let Reverse(first) = self.unpacked.pop()?;
         let connection = Arc::clone(self.connections.get(&(first.file, first.connection))?);
         Some(Ok(BagMessage { time: Time::from_nanos(first.nanos), connection, bytes: first.bytes }))
     }

@@ -1,11 +1,10 @@
 //! Bags of version 2.0, which ROS 1 records.
 //!
 //! A record is `header length, header fields, data length, data`; a field is `length, name=value`. Chunks are records
-//! with further records in them; the index at the end repeats the connections and says where the chunks are.
+//! that contain records; the index at the end repeats the connections and lists the chunks.
 //!
-//! The crate `rosbag` unpacks chunks and reads the messages that are asked for. It takes a connection with a message
-//! definition that is not UTF-8 or an md5sum of `*` for damage, and allocates whatever length a chunk announces. So the
-//! index at the end and the headers of chunks are read here; what nothing needs is skipped by its length.
+//! The crate `rosbag` unpacks chunks. It takes a message definition that is not UTF-8 or an md5sum of `*` for damage,
+//! and allocates whatever length a chunk announces, so the index and the headers of chunks are read here.
 
 use std::fmt;
 use std::io;
@@ -14,19 +13,19 @@ use crate::bounded_file::BoundedFile;
 use crate::chunked::{nanos, ChunkRef, Chunked, Index, RawMessage};
 use crate::compression::{check_len, damaged};
 use crate::connection::{md5sum, Connection};
-use crate::BagError;
+use crate::error::BagError;
 use rosbag::{ChunkRecord, MessageRecord, RosBag};
 
-/// What such a file begins with.
+/// First bytes of the file.
 pub(crate) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-/// The longest header that is read; real ones have some hundred bytes.
+/// Longest header that is read; real ones have some hundred bytes.
 const MAX_HEADER_LEN: u32 = 1 << 20;
-/// The longest record of the index that is read: a connection with its message definition, or a chunk's connections.
+/// Longest record of the index that is read: a connection with its message definition, or a chunk's connections.
 const MAX_INDEX_RECORD_LEN: u32 = 16 << 20;
-/// The encryptor that encrypts nothing.
+/// Encryptor of bags that are not encrypted.
 const NO_ENCRYPTOR: &[u8] = b"rosbag/NoEncryptor";
 
-/// Kinds of records, their field `op`.
+/// Values of the field `op`.
 mod op {
     pub(super) const CHUNK: &[u8] = &[5];
     pub(super) const CHUNK_INFO: &[u8] = &[6];
@@ -45,7 +44,7 @@ impl fmt::Debug for RosbagFile {
     }
 }
 
-/// A record in the file.
+/// A record of the file.
 struct Record {
     fields: Vec<u8>,
     data_at: u64,
@@ -53,7 +52,7 @@ struct Record {
 }
 
 impl Record {
-    /// Where the next record begins.
+    /// Offset of the next record.
     fn end(&self) -> u64 {
         self.data_at + u64::from(self.data_len)
     }
@@ -95,7 +94,7 @@ impl RosbagFile {
             };
             match field(&record.fields, b"op") {
                 Some(op::CONNECTION) => {
-                    // What has neither an id nor a topic belongs to no message that anybody asks for.
+                    // Without id or topic it belongs to no message that can be asked for.
                     if let Some((id, connection)) = data().ok().and_then(|data| connection(&record.fields, &data)) {
                         index.connections.insert(id, connection);
                     }
@@ -122,7 +121,7 @@ impl RosbagFile {
         let Some(Ok(ChunkRecord::Chunk(chunk))) = records.next() else {
             return Err(damaged("the chunk cannot be unpacked"));
         };
-        // Behind a chunk is where the messages of each of its connections are.
+        // Behind a chunk are the offsets of each connection's messages.
         let mut offsets = Vec::new();
         for record in records {
             let Ok(ChunkRecord::IndexData(of_connection)) = record else { break };
@@ -131,7 +130,7 @@ impl RosbagFile {
             }
         }
         if offsets.is_empty() {
-            return Err(damaged("no message where the index says that there are some"));
+            return Err(damaged("no message where the index lists some"));
         }
         offsets.sort_unstable();
         let mut messages = chunk.messages();
@@ -145,18 +144,18 @@ impl RosbagFile {
         Ok(())
     }
 
-    /// Whether the chunk at `at` announces a length that it can have, and holds no chunk, which would be unpacked, too.
-    /// What a packed chunk holds cannot be seen before it is unpacked.
+    /// Checks the length that the chunk at `at` announces, and that it contains no chunk, which would be unpacked, too.
+    /// The content of a packed chunk cannot be checked before it is unpacked.
     fn check_chunk(&self, at: u64) -> io::Result<()> {
         let chunk = record(&self.file, at)?;
         if field(&chunk.fields, b"op") != Some(op::CHUNK) {
-            return Err(damaged("no chunk where the index says that there is one"));
+            return Err(damaged("no chunk where the index lists one"));
         }
         let size = number(&chunk.fields, b"size").ok_or_else(|| damaged("chunk without size"))?;
         check_len(size.into(), chunk.data_len.into())?;
         let mut inner = chunk.data_at;
         while field(&chunk.fields, b"compression") == Some(b"none") && inner < chunk.end() {
-            // A record that is cut off is found when it is read.
+            // A truncated record is reported when it is read.
             let Ok(within) = record(&self.file, inner) else { break };
             if field(&within.fields, b"op") == Some(op::CHUNK) {
                 return Err(damaged("a chunk in a chunk"));
@@ -197,8 +196,7 @@ impl Chunked for RosbagFile {
     }
 }
 
-/// A connection's id and what its record says, whatever else is in there: the message definition may be in any
-/// encoding.
+/// A connection and its id. The message definition is not read: it may be in any encoding.
 fn connection(header: &[u8], data: &[u8]) -> Option<(u32, Connection)> {
     let id = number(header, b"conn")?;
     let text = |value: &[u8]| String::from_utf8_lossy(value).into_owned();
@@ -213,7 +211,7 @@ fn connection(header: &[u8], data: &[u8]) -> Option<(u32, Connection)> {
     Some((id, connection))
 }
 
-/// A chunk and the ids of its connections, each followed by its number of messages.
+/// A chunk with the ids of its connections, which the record lists with their numbers of messages.
 fn chunk_info(header: &[u8], data: &[u8]) -> Option<ChunkRef> {
     let at = u64::from_le_bytes(field(header, b"chunk_pos")?.try_into().ok()?);
     let times = [time(field(header, b"start_time")?)?, time(field(header, b"end_time")?)?];
@@ -221,7 +219,7 @@ fn chunk_info(header: &[u8], data: &[u8]) -> Option<ChunkRef> {
     Some(ChunkRef::new(at, times, ids.collect()))
 }
 
-/// Bytes behind their length, and what follows them.
+/// Splits off bytes that follow their length.
 fn split_counted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (len, rest) = bytes.split_first_chunk()?;
     rest.split_at_checked(u32::from_le_bytes(*len) as usize)
@@ -238,12 +236,12 @@ fn field<'a>(mut fields: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
     None
 }
 
-/// The value of a field that is a number.
+/// A field's value as a number.
 fn number(fields: &[u8], name: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes(field(fields, name)?.try_into().ok()?))
 }
 
-/// The nanoseconds of a time.
+/// A time in nanoseconds.
 fn time(value: &[u8]) -> Option<i64> {
     let (secs, rest) = value.split_first_chunk()?;
     let nsecs = u32::from_le_bytes(rest.try_into().ok()?);

@@ -73,7 +73,7 @@ fn a_topic_of_another_encoding_is_of_no_type_and_a_file_of_such_topics_is_refuse
     writer.finish().unwrap();
     let bag = Bag::open(&path).unwrap();
     let json = bag.connections().find(|connection| &*connection.topic == "/b").unwrap();
-    assert_eq!(json.held().to_string(), "sensor_msgs/PointCloud2 (encoded as json)");
+    assert_eq!(json.held(), "sensor_msgs/PointCloud2 (encoded as json)");
     assert!(!json.holds(MessageKind::PointCloud2));
     write(&path, "cdr", &[1]);
     let error = Bag::open(&path).unwrap_err().to_string();
