@@ -1,77 +1,75 @@
-//! Where to turn two joints so that a beam from the lens meets a target.
+//! Inverse kinematics of a pan-tilt unit: the joint positions at which a beam from the lens hits a target.
 //!
-//! The lens may sit anywhere on the unit, so that it moves when the unit turns, and the axes may be tilted and apart:
-//! there is no closed form that holds for all of them. The angle by which the beam misses the target is a smooth
-//! function of the two positions, and its zeros are found by Levenberg and Marquardt's method from a grid of beginnings
-//! that is much finer than the function's bends: at most eight postures aim at a point. Of those within the limits the
-//! nearest to the present posture counts. Where there is none, the beam is brought as near to the target as the limits
-//! allow.
+//! The lens may be anywhere on the unit and the axes may be tilted and apart, for which there is no closed form. The
+//! angle between beam and target is a smooth function of the two positions. Its zeros, of which there are at most
+//! eight, are found by Levenberg-Marquardt from a grid of start positions. Of those within the limits the nearest to
+//! the present posture counts; without any, the posture of the least angle.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix2, Matrix3x2, Point3, Unit, Vector2, Vector3};
 
-use crate::{PanTilt, Travel};
+use crate::pan_tilt::{PanTilt, Travel};
 
-/// A half line of light in the lens's frame.
+/// A ray of light in the lens's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
-    /// Where it begins, metres.
+    /// Origin, metres.
     pub origin: Point3<f64>,
-    /// Where it goes.
+    /// Direction.
     pub direction: Unit<Vector3<f64>>,
 }
 
 /// A posture of the two joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// The positions, radians, within the limits.
+    /// Joint positions, radians, within the limits.
     pub positions: [f64; 2],
-    /// The angle at the beam's beginning between the beam and the target, radians.
+    /// Angle between the beam and the target, radians.
     pub miss_rad: f64,
 }
 
-/// A beam that misses by less meets the target: a hundredth of a millimetre at ten metres.
-const MET_RAD: f64 = 1e-6;
-/// Beginnings along each joint.
+/// Largest angle that counts as a hit: a hundredth of a millimetre at ten metres.
+const HIT_RAD: f64 = 1e-6;
+/// Start positions along each joint.
 const GRID: usize = 14;
-/// Steps from one beginning.
+/// Steps from one start position.
 const MOST_STEPS: usize = 100;
 /// Postures nearer to each other than this are the same, radians.
 const SAME: f64 = 1e-4;
 /// A target nearer to the lens has no direction, metres.
 const AT_LENS_M: f64 = 1e-6;
-/// How far from the least miss the cheap descent may end, radians.
+/// Error of the cheap descent above the least angle, radians.
 const ROUGH_RAD: f64 = 0.05;
 
 impl Aim {
-    /// Whether the beam meets the target.
+    /// `true` if the beam hits the target.
     pub fn meets(&self) -> bool {
-        self.miss_rad < MET_RAD
+        self.miss_rad < HIT_RAD
     }
 }
 
-/// How the beam misses at a posture: unit vector towards the target minus the beam's, and its derivatives.
-struct Miss {
+/// Direction error at a posture: unit vector towards the target minus the beam's, and its derivatives.
+struct DirectionError {
     vector: Vector3<f64>,
     by_position: Matrix3x2<f64>,
 }
 
-impl Miss {
-    /// The angle; the vector is the chord of it.
+impl DirectionError {
+    /// The angle, of which the vector is the chord.
     fn angle(&self) -> f64 {
         2.0 * (self.vector.norm() / 2.0).min(1.0).asin()
     }
 
-    /// The derivatives of half the squared length.
+    /// Gradient of half the squared length.
     fn slope(&self) -> Vector2<f64> {
         self.by_position.transpose() * self.vector
     }
 }
 
 impl PanTilt {
-    /// The posture that aims `beam` at `target`, a point of the base, and is nearest to `present`; if none does, the
-    /// one that comes nearest to it. None if the target is at the lens wherever that turns, or is not finite.
+    /// The posture nearest to `present` at which `beam` hits `target`, a point of the base, or else the one of the
+    /// least angle. `None` for a target that is always at the lens, or is not finite.
     pub fn aim(&self, beam: &Beam, target: Point3<f64>, present: [f64; 2]) -> Option<Aim> {
         let problem = Problem { unit: self, beam, target };
         let present = present.map(|position| if position.is_finite() { position } else { 0.0 });
@@ -82,20 +80,20 @@ impl PanTilt {
         problem.nearest_hit(present).or_else(|| problem.least_miss(present))
     }
 
-    /// The angle by which `beam` misses `target`, a point of the base, when the joints are at these positions, radians;
-    /// none for a target at the lens.
+    /// Angle between `beam` and `target`, a point of the base, at these positions, radians; `None` for a target at the
+    /// lens.
     pub fn miss_rad(&self, beam: &Beam, target: Point3<f64>, positions: [f64; 2]) -> Option<f64> {
         Problem { unit: self, beam, target }.miss(positions).map(|miss| miss.angle())
     }
 }
 
-/// Which curvature of the squared miss a step follows.
+/// Second derivatives that a step uses.
 #[derive(Clone, Copy)]
-enum Bends {
-    /// Gauss and Newton's, right at a hit and cheap.
-    OfTheSquares,
-    /// All of it, for where nothing is hit.
-    Whole,
+enum Hessian {
+    /// Gauss and Newton's approximation, cheap and exact at a hit.
+    GaussNewton,
+    /// All terms, for a minimum that is no hit.
+    Full,
 }
 
 struct Problem<'a> {
@@ -105,7 +103,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    fn miss(&self, positions: [f64; 2]) -> Option<Miss> {
+    fn miss(&self, positions: [f64; 2]) -> Option<DirectionError> {
         let [first, second] = self.unit.hinges;
         // The target in the frames from the base to the lens; a joint that turns moves it the other way.
         let in_first = first.at(positions[0]).inverse() * self.target;
@@ -125,13 +123,13 @@ impl Problem<'_> {
         }
         let direction = towards / distance;
         let across = columns.map(|column| (column - direction * direction.dot(&column)) / distance);
-        Some(Miss {
+        Some(DirectionError {
             vector: direction - self.beam.direction.into_inner(),
             by_position: Matrix3x2::from_columns(&across),
         })
     }
 
-    /// The second derivatives of half the squared miss, from differences of the first.
+    /// Second derivatives of half the squared error, by differences.
     fn curvature(&self, positions: [f64; 2]) -> Option<Matrix2<f64>> {
         const STEP: f64 = 1e-5;
         let column = |joint: usize| {
@@ -146,16 +144,16 @@ impl Problem<'_> {
         Some((both + both.transpose()) / 2.0)
     }
 
-    /// Goes downhill from a posture, within the limits where there are any.
-    fn descend(&self, from: [f64; 2], limits: [Travel; 2], bends: Bends) -> Option<Aim> {
+    /// Descends from a posture to a minimum within the limits.
+    fn descend(&self, from: [f64; 2], limits: [Travel; 2], hessian: Hessian) -> Option<Aim> {
         // The end of a span is rounded, perhaps beyond a limit, and a controller may refuse what is beyond.
         let mut positions = [0, 1].map(|joint| limits[joint].clamp(from[joint]));
         let mut miss = self.miss(positions)?;
         let mut damping = 1e-3;
         for _ in 0..MOST_STEPS {
-            let curvature = match bends {
-                Bends::OfTheSquares => miss.by_position.transpose() * miss.by_position,
-                Bends::Whole => self.curvature(positions)?,
+            let curvature = match hessian {
+                Hessian::GaussNewton => miss.by_position.transpose() * miss.by_position,
+                Hessian::Full => self.curvature(positions)?,
             };
             let Some(step) = step(curvature, miss.slope(), positions, limits, damping) else { break };
             let tried = [0, 1].map(|joint| limits[joint].clamp(positions[joint] + step[joint]));
@@ -174,14 +172,13 @@ impl Problem<'_> {
         Some(Aim { positions, miss_rad: miss.angle() })
     }
 
-    /// The nearest posture within the limits from which the beam meets the target.
+    /// The nearest posture within the limits at which the beam hits the target.
     fn nearest_hit(&self, present: [f64; 2]) -> Option<Aim> {
         let travel = self.unit.hinges.map(|hinge| hinge.travel);
         let mut found: Vec<Aim> = Vec::new();
-        let beginnings = std::iter::once(present).chain(grid([Travel { lower: -PI, upper: PI }; 2]));
-        for aim in beginnings
-            .filter_map(|from| self.descend(from, [Travel::ENDLESS; 2], Bends::OfTheSquares))
-            .filter(Aim::meets)
+        let starts = std::iter::once(present).chain(grid([Travel { lower: -PI, upper: PI }; 2]));
+        for aim in
+            starts.filter_map(|from| self.descend(from, [Travel::ENDLESS; 2], Hessian::GaussNewton)).filter(Aim::meets)
         {
             let is_known = |known: &Aim| {
                 let apart = |joint: usize| turn_between(known.positions[joint], aim.positions[joint]) < SAME;
@@ -199,19 +196,19 @@ impl Problem<'_> {
         within.min_by(|a, b| distance(a.positions, present).total_cmp(&distance(b.positions, present)))
     }
 
-    /// The posture within the limits from which the beam misses the target least.
+    /// The posture of the least angle within the limits.
     fn least_miss(&self, present: [f64; 2]) -> Option<Aim> {
         let travel = self.unit.hinges.map(|hinge| hinge.travel);
         let spans = [0, 1].map(|joint| travel[joint].turn_around(present[joint]));
         let here = [0, 1].map(|joint| travel[joint].clamp(present[joint]));
-        let beginnings = std::iter::once(here).chain(grid(spans));
-        let rough: Vec<Aim> = beginnings.filter_map(|from| self.descend(from, travel, Bends::OfTheSquares)).collect();
+        let starts = std::iter::once(here).chain(grid(spans));
+        let rough: Vec<Aim> = starts.filter_map(|from| self.descend(from, travel, Hessian::GaussNewton)).collect();
         let least = rough.iter().map(|aim| aim.miss_rad).fold(f64::INFINITY, f64::min);
         let promising = rough.into_iter().filter(|aim| aim.miss_rad < least + ROUGH_RAD);
-        let refined = promising.filter_map(|aim| self.descend(aim.positions, travel, Bends::Whole));
-        // Of equal ones the nearest.
+        let refined = promising.filter_map(|aim| self.descend(aim.positions, travel, Hessian::Full));
+        // The nearest of equal ones.
         let order = |a: &Aim, b: &Aim| {
-            if (a.miss_rad - b.miss_rad).abs() > MET_RAD {
+            if (a.miss_rad - b.miss_rad).abs() > HIT_RAD {
                 a.miss_rad.total_cmp(&b.miss_rad)
             } else {
                 distance(a.positions, present).total_cmp(&distance(b.positions, present))
@@ -221,8 +218,7 @@ impl Problem<'_> {
     }
 }
 
-/// A step of Levenberg and Marquardt's method. A joint at a limit that the step would leave stays there. None where
-/// nothing is to be won.
+/// A Levenberg-Marquardt step. A joint at a limit that the step would leave stays there. `None` at a minimum.
 fn step(
     mut curvature: Matrix2<f64>,
     mut slope: Vector2<f64>,
@@ -252,7 +248,7 @@ fn step(
     Some(if longest > 0.5 { step * (0.5 / longest) } else { step })
 }
 
-/// Postures all over these spans, their ends included: what is missed is often missed least at a limit.
+/// A grid of postures over these spans, their ends included: the least angle is often at a limit.
 fn grid(spans: [Travel; 2]) -> impl Iterator<Item = [f64; 2]> {
     let place = move |joint: usize, cell: usize| {
         let Travel { lower, upper } = spans[joint];
@@ -261,7 +257,7 @@ fn grid(spans: [Travel; 2]) -> impl Iterator<Item = [f64; 2]> {
     (0..GRID * GRID).map(move |cell| [place(0, cell / GRID), place(1, cell % GRID)])
 }
 
-/// The turn from one position to another by the shorter way.
+/// The shorter rotation between two positions, unsigned.
 fn turn_between(a: f64, b: f64) -> f64 {
     let turn = (a - b).rem_euclid(TAU);
     turn.min(TAU - turn)

@@ -1,26 +1,26 @@
-//! The joints between two links of a robot.
+//! Kinematic chains: the joints between two links of a robot.
 
 use nalgebra::Isometry3;
 use thiserror::Error;
 
 use crate::{Joint, JointKind, Robot};
 
-/// Why there is no chain, or not one of that kind.
+/// Why a chain or a joint cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChainError {
     /// The description has no such joint.
     #[error("the robot's description has no joint \"{0}\"; its turning joints are: {1}")]
     NoJoint(String, String),
-    /// The joint does not turn.
+    /// The joint does not rotate.
     #[error("joint \"{0}\" does not turn: it is neither revolute nor continuous")]
     NotTurning(String),
-    /// The joint follows another one.
+    /// The joint follows another one (mimic).
     #[error("joint \"{0}\" follows joint \"{1}\" (mimic) and cannot be commanded")]
     Mimic(String, String),
-    /// The joint has an axis of no length.
+    /// The joint's axis has length 0.
     #[error("joint \"{0}\" has an axis of length 0")]
     NoAxis(String),
-    /// The limits leave no place.
+    /// The lower limit is above the upper one.
     #[error("joint \"{0}\" has a lower limit above its upper one")]
     NoTravel(String),
     /// The second joint does not move with the first.
@@ -31,12 +31,12 @@ pub enum ChainError {
         /// The other joint.
         second: String,
     },
-    /// The chain has not two turning joints to choose.
+    /// The chain has not exactly two rotating joints.
     #[error("{count} joints turn above link \"{link}\" ({names}): name the two to aim with")]
     NotTwo {
         /// The last link of the chain.
         link: String,
-        /// How many joints turn.
+        /// Number of rotating joints.
         count: usize,
         /// Their names.
         names: String,
@@ -44,18 +44,18 @@ pub enum ChainError {
 }
 
 impl Robot {
-    /// The joint that moves a link; none for the root and for links that the description lacks.
+    /// The joint that moves a link; `None` for the root and for unknown links.
     fn joint_above(&self, link: &str) -> Option<(&str, &Joint)> {
         self.joints.iter().find(|(_, joint)| joint.child_link == link).map(|(name, joint)| (name.as_str(), joint))
     }
 
-    /// The link that hangs on no joint.
+    /// The link that no joint moves.
     pub fn root(&self) -> Option<&str> {
         let is_moved = |link: &&String| self.joint_above(link).is_some();
         self.links.keys().find(|link| !is_moved(link)).map(String::as_str)
     }
 
-    /// The joints from a link up to the root, each with its name.
+    /// Joints from a link up to the root, each with its name.
     pub fn joints_above<'a>(&'a self, link: &'a str) -> impl Iterator<Item = (&'a str, &'a Joint)> {
         // A description is a tree (`parse` checks that it has one root); no chain has more joints than there are.
         let mut link = link;
@@ -66,7 +66,7 @@ impl Robot {
         })
     }
 
-    /// Where `link` is in `ancestor`, if only fixed joints lie between them.
+    /// Pose of `link` in `ancestor`, if only fixed joints lie between them.
     pub fn fixed_transform(&self, ancestor: &str, link: &str) -> Option<Isometry3<f64>> {
         if ancestor == link {
             return self.links.contains_key(link).then(Isometry3::identity);
@@ -84,10 +84,10 @@ impl Robot {
         None
     }
 
-    /// The two joints that turn above a link, the one nearer to the base first, if there are exactly two.
+    /// The two rotating joints above a link, the one nearer to the base first.
     ///
     /// # Errors
-    /// [`ChainError::NotTwo`], with the names of those that turn.
+    /// [`ChainError::NotTwo`], with the names of all.
     pub fn two_turning_joints(&self, link: &str) -> Result<[String; 2], ChainError> {
         let turns = |joint: &Joint| joint.turns() && joint.mimics.is_none();
         let turning = self.joints_above(link).filter(|(_, joint)| turns(joint));
@@ -96,24 +96,16 @@ impl Robot {
         <[String; 2]>::try_from(names).map_err(|names| ChainError::NotTwo {
             link: link.to_owned(),
             count: names.len(),
-            names: if names.is_empty() { "none".to_owned() } else { names.join(", ") },
+            names: list_of(names.iter().map(String::as_str)),
         })
     }
 
-    /// A joint that can be turned, by its name.
+    /// A rotating joint that can be commanded, by its name.
     ///
     /// # Errors
     /// [`ChainError::NoJoint`], [`ChainError::NotTurning`] or [`ChainError::Mimic`].
     pub fn turning_joint(&self, name: &str) -> Result<&Joint, ChainError> {
-        let names = || {
-            let turning = self.joints.iter().filter(|(_, joint)| joint.turns());
-            let names: Vec<&str> = turning.map(|(name, _)| name.as_str()).collect();
-            if names.is_empty() {
-                "none".to_owned()
-            } else {
-                names.join(", ")
-            }
-        };
+        let names = || list_of(self.joints.iter().filter(|(_, joint)| joint.turns()).map(|(name, _)| name.as_str()));
         let joint = self.joints.get(name).ok_or_else(|| ChainError::NoJoint(name.to_owned(), names()))?;
         match &joint.mimics {
             _ if !joint.turns() => Err(ChainError::NotTurning(name.to_owned())),
@@ -122,21 +114,32 @@ impl Robot {
         }
     }
 
-    /// Checks that `second` moves with `first`, which are names of joints.
+    /// Checks that the joint `second` moves with the joint `first`.
     ///
     /// # Errors
     /// [`ChainError::NotBehind`].
     pub fn check_order(&self, first: &str, second: &str) -> Result<(), ChainError> {
         let start = self.joints.get(second).map(|joint| joint.parent_link.as_str()).unwrap_or_default();
         let is_behind = self.joints_above(start).any(|(name, _)| name == first);
-        is_behind
-            .then_some(())
-            .ok_or_else(|| ChainError::NotBehind { first: first.to_owned(), second: second.to_owned() })
+        if is_behind {
+            return Ok(());
+        }
+        Err(ChainError::NotBehind { first: first.to_owned(), second: second.to_owned() })
+    }
+}
+
+/// Names with commas between them.
+fn list_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
     }
 }
 
 impl Joint {
-    /// Whether it turns about an axis.
+    /// `true` if it rotates about an axis.
     pub fn turns(&self) -> bool {
         matches!(self.kind, JointKind::Revolute | JointKind::Continuous)
     }

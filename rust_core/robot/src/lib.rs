@@ -1,7 +1,7 @@
-//! A robot's description (URDF), and what follows from it: chains of joints, and aiming a beam with two of them.
+//! Robot descriptions (URDF), chains of joints, and aiming a beam with a pan-tilt unit.
 //!
-//! No ROS, no files, no drawing: text and numbers in, numbers out. Lengths are metres, angles radians. Transforms are
-//! named `target_from_source`; a joint turns right-handed about its axis.
+//! No ROS, no files, no drawing. Lengths are metres, angles radians. Transforms are named `target_from_source`; a joint
+//! rotates right-handed about its axis.
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,18 +1,19 @@
-//! A unit of two turning joints that carries a lens: any axes, any offsets between them.
+//! A pan-tilt unit that carries a lens: two rotating joints with any axes and offsets.
 //!
 //! ```text
 //!   base ─ first joint(q0) ─ between ─ second joint(q1) ─ lens
 //! ```
 //!
-//! The base is the frame of the first joint while that is at zero: where its `<origin>` puts it in its parent link.
+//! The base is the first joint's frame at zero, which its `<origin>` places in its parent link.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
-use crate::{ChainError, Joint, JointKind};
+use crate::chain::ChainError;
+use crate::urdf::{Joint, JointKind};
 
-/// How far a joint may turn, radians; infinite for a continuous one.
+/// Range of a joint's position, radians; infinite for a continuous one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
     /// The least position.
@@ -22,10 +23,10 @@ pub struct Travel {
 }
 
 impl Travel {
-    /// That of a joint without limits.
+    /// Travel of a joint without limits.
     pub const ENDLESS: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
-    /// Whether a position is within the limits.
+    /// `true` if a position is within the limits.
     pub fn contains(&self, position: f64) -> bool {
         (self.lower..=self.upper).contains(&position)
     }
@@ -35,7 +36,7 @@ impl Travel {
         position.max(self.lower).min(self.upper)
     }
 
-    /// The positions around `present`, a whole turn of them where there are as many.
+    /// Positions around `present`, at most a whole turn of them.
     pub(crate) fn turn_around(&self, present: f64) -> Self {
         if self.upper - self.lower <= TAU {
             return *self;
@@ -44,7 +45,7 @@ impl Travel {
         Self { lower, upper: lower + TAU }
     }
 
-    /// Of all positions within the limits that look the same (whole turns apart), the nearest to `present`.
+    /// Of the positions whole turns apart from `position` and within the limits, the nearest to `present`.
     pub fn nearest_turn(&self, position: f64, present: f64) -> Option<f64> {
         // Within rounding of a limit is at the limit.
         const ROUNDING: f64 = 1e-9;
@@ -63,17 +64,17 @@ impl Travel {
     }
 }
 
-/// A turning joint.
+/// A rotating joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hinge {
-    /// What it turns about, in its own frame.
+    /// Axis in the joint's frame.
     pub axis: Unit<Vector3<f64>>,
-    /// How far it may turn.
+    /// Range of its position.
     pub travel: Travel,
 }
 
 impl Hinge {
-    /// The hinge of a joint of a description, whose name is given for errors.
+    /// Hinge of a description's joint; `name` is for errors.
     ///
     /// # Errors
     /// [`ChainError::NotTurning`], [`ChainError::NoAxis`] or [`ChainError::NoTravel`].
@@ -96,19 +97,19 @@ impl Hinge {
     }
 }
 
-/// Two turning joints and a lens.
+/// Two rotating joints and a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanTilt {
     /// The joints, the one nearer to the base first.
     pub hinges: [Hinge; 2],
-    /// Where the second joint's frame is, at zero, in the link that the first joint moves.
+    /// Pose of the second joint's frame, at zero, in the link that the first joint moves.
     pub first_from_second: Isometry3<f64>,
-    /// Where the lens is in the link that the second joint moves.
+    /// Pose of the lens in the link that the second joint moves.
     pub second_from_lens: Isometry3<f64>,
 }
 
 impl PanTilt {
-    /// Where the lens is in the base when the joints are at these positions.
+    /// Forward kinematics: the pose of the lens in the base at these positions.
     pub fn base_from_lens(&self, positions: [f64; 2]) -> Isometry3<f64> {
         let [first, second] = self.hinges;
         first.at(positions[0]) * self.first_from_second * second.at(positions[1]) * self.second_from_lens

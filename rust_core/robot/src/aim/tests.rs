@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Hinge, Travel};
+use crate::Hinge;
 
 /// The angle between beam and target by forward kinematics.
 fn miss_by_kinematics(unit: &PanTilt, beam: &Beam, target: Point3<f64>, positions: [f64; 2]) -> f64 {
@@ -63,7 +63,7 @@ fn what_lies_behind_a_limit_is_missed_by_the_least_angle() {
 
 #[test]
 fn what_is_missed_is_missed_within_the_limits_to_the_last_digit() {
-    // Of these limits, the end of the grid of beginnings lies 4e-16 beyond the upper one.
+    // The end of the grid of start positions lies 4e-16 beyond the upper limit.
     let pan = Travel { lower: -3.92139976983135, upper: -0.36475648440321606 };
     let unit = usual_unit([pan, Travel { lower: -1.5, upper: 0.1 }]);
     let aim = unit.aim(&straight(), Point3::new(2.0, 1.0, -1.5), [0.0, 0.0]).unwrap();
@@ -143,7 +143,7 @@ proptest! {
         let present = [0, 1].map(|joint| position(travel[joint], present_shares[joint]));
         let aim = unit.aim(&beam, target, present).unwrap();
         prop_assert!(aim.meets(), "missed by {}", aim.miss_rad);
-        prop_assert!(miss_by_kinematics(&unit, &beam, target, aim.positions) < 2.0 * MET_RAD);
+        prop_assert!(miss_by_kinematics(&unit, &beam, target, aim.positions) < 2.0 * HIT_RAD);
         prop_assert!(travel[0].contains(aim.positions[0]) && travel[1].contains(aim.positions[1]), "{aim:?}");
         let (found, known) = (distance(aim.positions, present), distance(lit_from, present));
         prop_assert!(found <= known + 1e-3, "{found} is farther than {known}: {:?}, not {lit_from:?}", aim.positions);

@@ -1,6 +1,6 @@
-//! Values of attributes, as urdfdom reads them: numbers that are decimal, finite and separated by blanks.
+//! Values of attributes as urdfdom reads them: decimal, finite numbers separated by blanks.
 
-/// A number; none for anything else, such as `nan`, `0x1` or `1 m`.
+/// Parses a number; `None` for anything else, such as `nan`, `0x1` or `1 m`.
 pub(super) fn number(text: &str) -> Option<f64> {
     let is_decimal = |letter: char| matches!(letter, '0'..='9' | '+' | '-' | '.' | 'e' | 'E');
     let text = text.trim();
@@ -8,12 +8,12 @@ pub(super) fn number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// A list of numbers; `None` where one of them cannot be read.
+/// Parses a list of numbers.
 pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_ascii_whitespace().map(number).collect()
 }
 
-/// Three numbers.
+/// Parses three numbers.
 pub(super) fn vector(text: &str) -> Option<[f64; 3]> {
     numbers(text)?.try_into().ok()
 }

@@ -1,29 +1,31 @@
-//! The elements of a description: materials, links with their shapes, joints.
+//! Elements of a description: materials, links with their shapes, joints.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::attribute_values::{number, numbers, vector};
+use super::model::{Collision, Joint, JointKind, JointLimits, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
 use super::xml::Element;
-use super::{Collision, Joint, JointKind, JointLimits, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
 
-/// What could be read, and the fault that kept the rest from being read.
+/// An element as far as it could be read, and the error that ended it.
 pub(super) struct Partial<T> {
     pub(super) value: T,
     pub(super) fault: Option<UrdfError>,
 }
 
-/// From an element's frame to the one around it.
-pub(super) struct Origin(pub(super) Isometry3<f64>);
-
 type Read<T> = Result<T, UrdfError>;
 
-/// An attribute that must be there.
+/// Error of an element.
+pub(super) fn error_at(element: &Element, reason: impl Into<String>) -> UrdfError {
+    UrdfError::new(element.line, element.describe(), reason)
+}
+
+/// A required attribute.
 fn needed<'a>(element: &'a Element, name: &str) -> Read<&'a str> {
-    element.attribute(name).ok_or_else(|| UrdfError::at(element, format!("it has no attribute {name}")))
+    element.attribute(name).ok_or_else(|| error_at(element, format!("it has no attribute {name}")))
 }
 
 fn bad(element: &Element, name: &str, text: &str, wanted: &str) -> UrdfError {
-    UrdfError::at(element, format!("{name}=\"{text}\" is not {wanted}"))
+    error_at(element, format!("{name}=\"{text}\" is not {wanted}"))
 }
 
 fn needed_number(element: &Element, name: &str) -> Read<f64> {
@@ -40,32 +42,32 @@ fn optional_vector(element: &Element, name: &str) -> Read<Option<[f64; 3]>> {
     element.attribute(name).map(read).transpose()
 }
 
-/// The `<origin>` in an element.
-fn origin(parent: &Element) -> Read<Origin> {
-    let Some(element) = parent.child("origin") else { return Ok(Origin::default()) };
+/// The `<origin>` of an element: its pose in the frame around it.
+fn origin(parent: &Element) -> Read<Isometry3<f64>> {
+    let Some(element) = parent.child("origin") else { return Ok(Isometry3::identity()) };
     let [x, y, z] = optional_vector(element, "xyz")?.unwrap_or_default();
     let [roll, pitch, yaw] = optional_vector(element, "rpy")?.unwrap_or_default();
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Ok(Origin(Isometry3::from_parts(Translation3::new(x, y, z), rotation)))
+    Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
 }
 
-/// A material that must have a colour or a texture. One without is black.
+/// A material of the robot, which must have a colour or a texture. One without is black.
 pub(super) fn material(element: &Element) -> Partial<UrdfMaterial> {
-    let name = element.attribute("name").unwrap_or_default().to_owned();
-    match defined_material(element) {
-        Ok(Some(value)) => Partial { value, fault: None },
-        Ok(None) => Partial {
-            value: UrdfMaterial { name, rgba: [0.0, 0.0, 0.0, 1.0], texture: String::new() },
-            fault: Some(UrdfError::at(element, "it has neither a colour nor a texture")),
-        },
-        Err(fault) => Partial {
-            value: UrdfMaterial { name, rgba: [0.0, 0.0, 0.0, 1.0], texture: String::new() },
-            fault: Some(fault),
-        },
+    let defined = defined_material(element)
+        .and_then(|material| material.ok_or_else(|| error_at(element, "it has neither a colour nor a texture")));
+    match defined {
+        Ok(value) => Partial { value, fault: None },
+        Err(fault) => {
+            let name = element.attribute("name").unwrap_or_default().to_owned();
+            Partial {
+                value: UrdfMaterial { name, rgba: [0.0, 0.0, 0.0, 1.0], texture: String::new() },
+                fault: Some(fault),
+            }
+        }
     }
 }
 
-/// A material with a colour or a texture; `None` for a mere name.
+/// A material with a colour or a texture; `None` for a reference by name.
 fn defined_material(element: &Element) -> Read<Option<UrdfMaterial>> {
     let texture = element.child("texture").and_then(|texture| texture.attribute("filename"));
     let color = element.child("color").and_then(|color| Some((color, color.attribute("rgba")?)));
@@ -93,8 +95,8 @@ fn defined_material(element: &Element) -> Read<Option<UrdfMaterial>> {
 
 /// The shape in `<geometry>`.
 fn shape(parent: &Element) -> Read<UrdfShape> {
-    let geometry = parent.child("geometry").ok_or_else(|| UrdfError::at(parent, "it has no geometry"))?;
-    let element = geometry.first_child().ok_or_else(|| UrdfError::at(geometry, "it is empty"))?;
+    let geometry = parent.child("geometry").ok_or_else(|| error_at(parent, "it has no geometry"))?;
+    let element = geometry.first_child().ok_or_else(|| error_at(geometry, "it is empty"))?;
     Ok(match element.name.as_str() {
         "sphere" => UrdfShape::Sphere { radius_m: needed_number(element, "radius")? },
         "box" => {
@@ -110,17 +112,17 @@ fn shape(parent: &Element) -> Read<UrdfShape> {
             url: needed(element, "filename")?.to_owned(),
             scale: optional_vector(element, "scale")?.unwrap_or([1.0; 3]),
         },
-        _ => return Err(UrdfError::at(element, "there is no such shape")),
+        _ => return Err(error_at(element, "unknown shape")),
     })
 }
 
 fn visual(element: &Element) -> Read<Visual> {
-    let Origin(link_from_shape) = origin(element)?;
+    let link_from_shape = origin(element)?;
     let shape = shape(element)?;
     let (material_name, material) = match element.child("material") {
         Some(material) => {
             let name = needed(material, "name")?.to_owned();
-            // A definition that cannot be read counts as a mere name.
+            // A definition that cannot be read counts as a reference by name.
             (name, defined_material(material).unwrap_or_default().map(Into::into))
         }
         None => (String::new(), None),
@@ -131,7 +133,7 @@ fn visual(element: &Element) -> Read<Visual> {
 fn check_inertial(element: &Element) -> Read<()> {
     let Some(inertial) = element.child("inertial") else { return Ok(()) };
     origin(inertial)?;
-    let part = |name| inertial.child(name).ok_or_else(|| UrdfError::at(inertial, format!("it has no {name}")));
+    let part = |name| inertial.child(name).ok_or_else(|| error_at(inertial, format!("it has no {name}")));
     needed_number(part("mass")?, "value")?;
     let inertia = part("inertia")?;
     for name in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"] {
@@ -140,11 +142,11 @@ fn check_inertial(element: &Element) -> Read<()> {
     Ok(())
 }
 
-/// A link with what could be read of it: the first fault ends it.
+/// A link up to the first error.
 pub(super) fn link(element: &Element) -> Partial<Link> {
     let mut value = Link::default();
     let fault = read_link(element, &mut value).err();
-    // Faults name the innermost element; the link's name helps as much.
+    // Errors name the innermost element; the link's name helps as much.
     let fault = fault.map(|fault| UrdfError { element: format!("{}: {}", element.describe(), fault.element), ..fault });
     Partial { value, fault }
 }
@@ -157,7 +159,7 @@ fn read_link(element: &Element, link: &mut Link) -> Read<()> {
     }
     link.has_first_visual = !link.visuals.is_empty();
     for child in element.children("collision") {
-        let Origin(link_from_shape) = origin(child)?;
+        let link_from_shape = origin(child)?;
         link.collisions.push(Collision { link_from_shape, shape: shape(child)? });
     }
     Ok(())
@@ -172,7 +174,7 @@ pub(super) fn joint(element: &Element) -> Read<(String, Joint)> {
 }
 
 fn read_joint(element: &Element) -> Read<Joint> {
-    let Origin(parent_from_child_at_zero) = origin(element)?;
+    let parent_from_child_at_zero = origin(element)?;
     let link = |name| element.child(name).and_then(|child| child.attribute("link")).unwrap_or_default().to_owned();
     let text = needed(element, "type")?;
     let kind = match text {
@@ -197,7 +199,7 @@ fn read_joint(element: &Element) -> Read<Joint> {
             let limits = softened(JointLimits { lower, upper, velocity }, element);
             (Some(needed_number(limit, "effort")?), Some(limits))
         }
-        (None, JointKind::Revolute | JointKind::Prismatic) => return Err(UrdfError::at(element, "it has no limits")),
+        (None, JointKind::Revolute | JointKind::Prismatic) => return Err(error_at(element, "it has no limits")),
         (None, _) => (None, None),
     };
     check_joint_extras(element)?;
@@ -206,7 +208,7 @@ fn read_joint(element: &Element) -> Read<Joint> {
     Ok(Joint { kind, parent_link, child_link, parent_from_child_at_zero, axis, max_effort, limits, mimics, line })
 }
 
-/// Limits within those of the safety controller, where it has any.
+/// Limits narrowed to those of the safety controller.
 fn softened(limits: JointLimits, joint: &Element) -> JointLimits {
     let soft = |name| number(joint.child("safety_controller")?.attribute(name)?);
     match (soft("soft_lower_limit"), soft("soft_upper_limit")) {
@@ -217,7 +219,7 @@ fn softened(limits: JointLimits, joint: &Element) -> JointLimits {
     }
 }
 
-/// The parts of a joint that nothing is drawn of, but without which urdfdom refuses it.
+/// Checks the parts of a joint that are not used here, but that urdfdom refuses a robot for.
 fn check_joint_extras(element: &Element) -> Read<()> {
     if let Some(safety) = element.child("safety_controller") {
         for name in ["soft_lower_limit", "soft_upper_limit", "k_position"] {
@@ -237,7 +239,7 @@ fn check_joint_extras(element: &Element) -> Read<()> {
     if let Some(dynamics) = element.child("dynamics") {
         let given = [optional_number(dynamics, "damping")?, optional_number(dynamics, "friction")?];
         if given == [None, None] {
-            return Err(UrdfError::at(dynamics, "it has neither damping nor friction"));
+            return Err(error_at(dynamics, "it has neither damping nor friction"));
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! XML as elements that know their line.
+//! XML elements with their lines.
 //!
 //! Namespaces are ignored, as in TinyXML, which urdfdom reads with: descriptions use prefixes (`sensor:camera`,
 //! `xacro:macro`) that they declare nowhere.
@@ -6,7 +6,7 @@
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::Reader;
 
-use super::UrdfError;
+use super::model::UrdfError;
 
 /// Deeper nesting is refused; a description has six levels.
 const MAX_DEPTH: usize = 100;
@@ -17,7 +17,7 @@ pub(super) struct Element {
     pub(super) name: String,
     attributes: Vec<(String, String)>,
     children: Vec<Element>,
-    /// From 1.
+    /// Line, from 1.
     pub(super) line: usize,
 }
 
@@ -27,22 +27,22 @@ impl Element {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// The elements of a name directly in this one.
+    /// Children of a name.
     pub(super) fn children<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Element> {
         self.children.iter().filter(move |child| child.name == name)
     }
 
-    /// The first of them.
+    /// First child of a name.
     pub(super) fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// The first element in this one, of whatever name.
+    /// First child.
     pub(super) fn first_child(&self) -> Option<&Element> {
         self.children.first()
     }
 
-    /// Its name in errors: `link "base"`.
+    /// Name in errors, such as `link "base"`.
     pub(super) fn describe(&self) -> String {
         match self.attribute("name") {
             Some(name) => format!("{} \"{name}\"", self.name),
@@ -51,14 +51,14 @@ impl Element {
     }
 }
 
-/// Finds the lines of growing positions in a text.
-struct Lines<'a> {
+/// Finds the lines of increasing positions in a text.
+struct LineCounter<'a> {
     text: &'a [u8],
     position: usize,
     line: usize,
 }
 
-impl Lines<'_> {
+impl LineCounter<'_> {
     fn at(&mut self, position: usize) -> usize {
         let passed = self.text.get(self.position..position).unwrap_or_default();
         self.line += passed.iter().filter(|byte| **byte == b'\n').count();
@@ -67,13 +67,13 @@ impl Lines<'_> {
     }
 }
 
-/// The outermost elements of a text.
+/// Parses the outermost elements of a text.
 ///
 /// # Errors
-/// Where it is not well-formed.
+/// For a text that is not well-formed.
 pub(super) fn parse(text: &str) -> Result<Vec<Element>, UrdfError> {
     let mut reader = Reader::from_str(text);
-    let mut lines = Lines { text: text.as_bytes(), position: 0, line: 1 };
+    let mut lines = LineCounter { text: text.as_bytes(), position: 0, line: 1 };
     // The last is the innermost; the first stands for the document.
     let mut open = vec![Element::default()];
     loop {

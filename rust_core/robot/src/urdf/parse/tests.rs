@@ -1,6 +1,9 @@
 //! Descriptions, sound and damaged.
 
+use nalgebra::Vector3;
+
 use super::*;
+use crate::JointKind;
 
 fn robot(inside: &str) -> Result<Robot, UrdfError> {
     parse(&format!("<?xml version=\"1.0\"?>\n<robot name=\"r\">\n{inside}\n</robot>"))
