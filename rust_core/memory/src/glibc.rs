@@ -1,51 +1,50 @@
-//! The allocator of glibc: how much of it is free, and giving that back.
+//! glibc's allocator: bytes in use, and returning free memory to the system.
 //!
-//! It has an area for the first thread and others for all further ones (mallopt(3), malloc_trim(3)). A free piece at an
-//! area's end goes back by itself once it is large enough; free pieces before that only by `malloc_trim`.
+//! It has an arena for the first thread and others for further ones (mallopt(3), malloc_trim(3)). A free chunk at an
+//! arena's end goes back by itself once it is large enough; free chunks before that only by `malloc_trim`.
 
 use std::fs::File;
 use std::io::Read;
 
-/// A free piece of this size at the end of an area goes back to the system at once; with it the area may be its size
-/// too large for good, as [`give_back`] leaves the ends of the areas of threads.
-const AREA_END_BYTES: libc::c_int = 4 << 20;
-/// A piece of this size and more is memory of its own, that goes back when it is freed.
-const OWN_MEMORY_BYTES: libc::c_int = 4 << 20;
+/// A free chunk of this size at an arena's end goes back at once. [`trim`] leaves smaller ones of threads' arenas.
+const TRIM_THRESHOLD_BYTES: libc::c_int = 4 << 20;
+/// Allocations of this size and more are mappings of their own, which go back when they are freed.
+const MMAP_THRESHOLD_BYTES: libc::c_int = 4 << 20;
 
-/// Keeps the two sizes from which on the C library gives memory back where they are. By itself it raises them to what
-/// was freed at some time, up to 32 and 64 MB.
-pub(crate) fn fix_sizes() {
-    for (parameter, bytes) in [(libc::M_TRIM_THRESHOLD, AREA_END_BYTES), (libc::M_MMAP_THRESHOLD, OWN_MEMORY_BYTES)] {
+/// Fixes the two thresholds. By itself glibc raises them to what was freed at some time, up to 32 and 64 MB.
+pub(crate) fn fix_thresholds() {
+    for (parameter, bytes) in
+        [(libc::M_TRIM_THRESHOLD, TRIM_THRESHOLD_BYTES), (libc::M_MMAP_THRESHOLD, MMAP_THRESHOLD_BYTES)]
+    {
         // SAFETY: it takes no pointer, and both parameters may be set at any time; a value that it does not take is
         // ignored.
         let _is_set = unsafe { libc::mallopt(parameter, bytes) };
     }
 }
 
-/// Gives all whole pages back that lie in free pieces. Each of the allocator's areas is locked while it is looked
-/// through, for some milliseconds where a hundred megabytes are free.
-pub(crate) fn give_back() {
+/// Returns all whole free pages to the system. Each arena is locked for some milliseconds where a hundred megabytes are
+/// free.
+pub(crate) fn trim() {
     // SAFETY: the function takes no pointer, may be called from any thread, and gives back only what is not allocated.
     // That all of the program's allocations are the C library's or keep to its rules holds for any program.
     let _is_any = unsafe { libc::malloc_trim(0) };
 }
 
-/// Bytes that are allocated. Each area is locked while its free pieces are counted: some milliseconds for 100,000.
+/// Allocated bytes. Each arena is locked while its free chunks are counted: some milliseconds for 100,000.
 pub(crate) fn bytes_in_use() -> u64 {
-    // SAFETY: the function takes no pointer and may be called from any thread; it locks each area while it counts.
+    // SAFETY: the function takes no pointer and may be called from any thread; it locks each arena while it counts.
     // `mallinfo2`, whose numbers have 64 bits, came with glibc 2.33 only.
     let counts = unsafe { libc::mallinfo() };
     in_use(&counts)
 }
 
-/// In areas, and in pieces of memory of their own. The numbers have 32 bits and start again after 4 GB each, with which
-/// more seems unused than is: then nothing is found to give back, which the policy knows.
+/// Bytes in arenas and in mappings. The counters wrap at 4 GB each, with which more seems unused than is; the policy
+/// copes with finding nothing to return.
 fn in_use(counts: &libc::mallinfo) -> u64 {
     u64::from(counts.uordblks.cast_unsigned()) + u64::from(counts.hblkhd.cast_unsigned())
 }
 
-/// Bytes that the process has in memory and that are no file's: what is allocated, free pieces, and what is not the
-/// allocator's, such as stacks. None where the system does not tell.
+/// Resident bytes that belong to no file: allocated, free and not the allocator's, such as stacks. `None` if unknown.
 pub(crate) fn anonymous_bytes() -> Option<u64> {
     let mut text = [0; 256];
     let len = File::open("/proc/self/statm").and_then(|mut file| file.read(&mut text)).ok()?;
@@ -55,7 +54,7 @@ pub(crate) fn anonymous_bytes() -> Option<u64> {
     Some(pages * u64::try_from(page_bytes).ok()?)
 }
 
-/// Of `/proc/self/statm`, see proc_pid_statm(5): `size resident shared …`, in pages.
+/// Anonymous pages by `/proc/self/statm` (proc_pid_statm(5)): `size resident shared …`.
 fn anonymous_pages(statm: &[u8]) -> Option<u64> {
     let mut numbers = statm.split(|byte| *byte == b' ').map(|digits| std::str::from_utf8(digits).ok()?.parse().ok());
     let (_size, resident, shared): (u64, u64, u64) = (numbers.next()??, numbers.next()??, numbers.next()??);
@@ -88,13 +87,13 @@ mod tests {
         assert_eq!(in_use(&counts), 4_000_000_000);
     }
 
-    /// Pieces that are freed but lie below one that is used, which keeps the C library from giving them back.
+    /// Freed chunks below one in use, which glibc does not return by itself.
     #[test]
     fn what_was_freed_is_found_and_given_back() {
-        const PIECE: usize = 1000;
+        const CHUNK: usize = 1000;
         const COUNT: usize = 100_000;
         let before = unused_bytes();
-        let mut pieces: Vec<Box<[u8; PIECE]>> = (0..COUNT).map(|_| Box::new([1; PIECE])).collect();
+        let mut pieces: Vec<Box<[u8; CHUNK]>> = (0..COUNT).map(|_| Box::new([1; CHUNK])).collect();
         let with = unused_bytes();
         // Other tests of this process allocate little.
         assert!(with < before + (10 << 20), "{before} {with}: what is used is not unused");
@@ -102,7 +101,7 @@ mod tests {
         drop(pieces);
         let freed = unused_bytes();
         assert!(freed > with + (80 << 20), "{with} {freed}");
-        give_back();
+        trim();
         let after = unused_bytes();
         println!("unused: {before} bytes, {with} with all, {freed} freed, {after} given back");
         assert!(after < before + (10 << 20), "{freed} {after}");

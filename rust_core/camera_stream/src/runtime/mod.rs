@@ -53,7 +53,7 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     log::info!("options: {}", given.command_line);
     let options = Options::of(&given, &camera_names(config))?;
     // First, while little is in use.
-    let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
+    let _memory = rcs_memory::MemoryTrimmer::start(rcs_messages::free_unused_bytes)
         .context("cannot start the thread that gives memory back")?;
     let shared = Arc::new(NodeState::new(ros));
     let scene = SceneThread::start(&options, config, &shared)?;
