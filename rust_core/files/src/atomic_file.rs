@@ -1,15 +1,13 @@
-//! Files that appear whole or not at all: each is written beside its place under another name and renamed, so that a
-//! script may wait for it to exist, and a failure leaves the file of before. What replaces a file is on the disk before
-//! that: without power in the wrong moment, one of the two is there.
+//! Atomic writing: a file is written under another name and renamed, so that it appears whole or not at all and a
+//! failure leaves the previous file. A replacement is on the disk before the rename, in case of a power failure.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes one file with `write`, replacing the content of one that is there: its permissions stay, and so does a link
-/// to it. What is no regular file, such as `/dev/stdout`, is written to as it is. The folder must exist. `io_error`
-/// wraps the system's errors.
+/// Writes or replaces a file with `write`. Permissions and links are kept, pipes and devices are written to directly.
+/// The folder must exist. `io_error` wraps the system's errors.
 ///
 /// # Errors
 /// Those of `write`, and the system's.
@@ -38,13 +36,13 @@ pub fn write_atomically<E>(
         replace(&unfinished, &target).map_err(&io_error)
     })();
     if written.is_err() {
-        // What is left of a failed attempt is of no use, and the error that matters is already at hand.
+        // The first error is the one to report.
         let _ = fs::remove_file(&unfinished);
     }
     written
 }
 
-/// Gives a finished file its name. If that is another file's, its content is on the disk before.
+/// Renames a finished file, which is on the disk before it replaces another.
 ///
 /// # Errors
 /// The system's.
@@ -55,7 +53,7 @@ pub fn replace(finished: &Path, target: &Path) -> io::Result<()> {
     fs::rename(finished, target)
 }
 
-/// The name of a file until it is whole: hidden, in the same folder, one for each process.
+/// Name of an unfinished file: hidden, in the same folder, unique for the process.
 fn unfinished_name(path: &Path) -> PathBuf {
     let mut name = OsString::from(".");
     name.push(path.file_name().unwrap_or_default());

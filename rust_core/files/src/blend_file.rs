@@ -1,7 +1,7 @@
-//! A projector's share of the light, as a PNG: what `projector_blend` writes and `camera_stream --blend` reads.
+//! Blend weights of a projector as a PNG, which `projector_blend` writes and `camera_stream --blend` reads.
 //!
-//! Grey is the weight in linear light, white all of it. What black is lifted by, in linear light, is transparency: an
-//! opaque picture, such as a mask drawn by hand, lifts nothing. Written with 16 bits; 8 bits are read, too.
+//! Grey is the weight in linear light, and transparency the black-level lift in linear light, so that an opaque
+//! picture, such as a mask drawn by hand, lifts nothing. Files have 16 bits; 8 bits are read, too.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -13,25 +13,25 @@ use thiserror::Error;
 
 use crate::atomic_file::write_atomically;
 
-/// What a decoder may need, bytes: a picture of 16384×16384 pixels is larger.
+/// Memory of the decoder, bytes: a picture of 16384×16384 pixels needs more.
 const MOST_BYTES: u64 = 1 << 30;
-/// The longest side, pixels.
+/// Longest side, pixels.
 const MOST_SIDE_PX: u32 = 16384;
-/// All light.
+/// Weight 1.
 const FULL: f32 = 65535.0;
 
-/// Weights and lifts of a projector's pixels, row by row, in fractions of 65535.
+/// Weights and lifts of a projector's pixels, row by row, as fractions of 65535.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlendFile {
-    /// Width and height.
+    /// Width and height, pixels.
     pub size_px: [u32; 2],
-    /// What light is multiplied by.
+    /// Factors of linear light.
     pub weights: Vec<u16>,
-    /// The light that is added.
+    /// Linear light that is added.
     pub lifts: Vec<u16>,
 }
 
-/// Why weights cannot be read or written.
+/// Weights cannot be read or written.
 #[derive(Debug, Error)]
 pub enum BlendFileError {
     /// The file cannot be read.
@@ -42,12 +42,12 @@ pub enum BlendFileError {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// It is no PNG that can be used.
+    /// Not a valid PNG of weights.
     #[error("{}: not a PNG of weights: {source}", .path.display())]
     Decode {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         source: ImageError,
     },
     /// The file cannot be written.
@@ -61,7 +61,7 @@ pub enum BlendFileError {
 }
 
 impl BlendFile {
-    /// That of weights and lifts from 0 to 1; what is beyond is cut.
+    /// Converts weights and lifts from 0 to 1, clamping others.
     pub fn new(size_px: [u32; 2], weights: &[f32], lifts: &[f32]) -> Self {
         let fixed = |share: &f32| (share.clamp(0.0, 1.0) * FULL).round() as u16;
         Self { size_px, weights: weights.iter().map(fixed).collect(), lifts: lifts.iter().map(fixed).collect() }

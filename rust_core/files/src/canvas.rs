@@ -1,11 +1,11 @@
-//! Marks on a small picture, such as a camera's: crosses, dots and lines one pixel wide, without blending. Pixels are
-//! those of ROS: an integer is a pixel's centre. What lies beside the picture is left out.
+//! Drawing marks on a small picture: crosses, dots and lines one pixel wide, without blending. An integer is a pixel's
+//! centre, as in ROS; marks are clipped.
 
 use nalgebra::Point2;
 
 use rcs_scene::{Encoding, Picture};
 
-/// The most pixels of a line.
+/// Most pixels of a line.
 const MOST_STEPS: u32 = 4000;
 
 /// A colour picture to draw on.
@@ -17,7 +17,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A picture of grey levels, row by row; what is missing is black.
+    /// A picture of grey levels, row by row; missing ones are black.
     pub fn from_grey(size_px: [u32; 2], levels: impl IntoIterator<Item = u8>) -> Self {
         let [width, height] = size_px;
         let mut rgb: Vec<u8> = levels.into_iter().flat_map(|level| [level; 3]).collect();
@@ -25,7 +25,7 @@ impl Canvas {
         Self { width, height, rgb }
     }
 
-    /// Colours a pixel.
+    /// Draws a pixel.
     pub fn set(&mut self, at: Point2<f64>, color: [u8; 3]) {
         let (x, y) = (at.x.round(), at.y.round());
         if x >= 0.0 && y >= 0.0 && x < f64::from(self.width) && y < f64::from(self.height) {
@@ -34,7 +34,7 @@ impl Canvas {
         }
     }
 
-    /// An upright cross, seven pixels wide.
+    /// Draws an upright cross, seven pixels wide.
     pub fn cross(&mut self, at: Point2<f64>, color: [u8; 3]) {
         for step in -3..=3 {
             let step = f64::from(step);
@@ -43,7 +43,7 @@ impl Canvas {
         }
     }
 
-    /// A dot, three pixels wide.
+    /// Draws a dot, three pixels wide.
     pub fn dot(&mut self, at: Point2<f64>, color: [u8; 3]) {
         for y in -1..=1 {
             for x in -1..=1 {
@@ -52,7 +52,7 @@ impl Canvas {
         }
     }
 
-    /// A line from pixel to pixel.
+    /// Draws a line.
     pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>, color: [u8; 3]) {
         let steps = ((to - from).amax().ceil() as u32).min(MOST_STEPS);
         for step in 0..=steps {
@@ -61,7 +61,7 @@ impl Canvas {
         }
     }
 
-    /// What was drawn.
+    /// Converts it to a picture.
     pub fn into_picture(self) -> Picture {
         Picture { width_px: self.width, height_px: self.height, encoding: Encoding::Rgb8, data: self.rgb }
     }

@@ -1,6 +1,6 @@
-//! The files that the programs read and write, each format in one place: a projector's geometry ([`projector`]), what
-//! its calibration reads and writes ([`capture`], [`correspondences`], [`calibration_report`], [`verification`]), point
-//! clouds ([`pcd`]) and pictures ([`picture_file`], with marks drawn by [`canvas`]).
+//! File formats: a projector's geometry ([`projector`]), the calibration's input and output ([`capture`],
+//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]) and pictures
+//! ([`picture_file`], [`canvas`]).
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,14 +1,13 @@
-//! Reading files of a limited size, so that one that was named by mistake, a device among them, does not fill memory.
+//! Reading files of a limited size, so that one named by mistake, such as a device, does not fill memory.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The contents of a file of so many bytes at most. What is no regular file, such as the output of another program, is
-/// read up to there.
+/// Reads a file or a pipe of at most `most_bytes` bytes.
 ///
 /// # Errors
-/// The system's; [`io::ErrorKind::FileTooLarge`] that says the limit.
+/// The system's; [`io::ErrorKind::FileTooLarge`] with the limit.
 pub fn read_limited(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     let too_large = || {
         let limit =
@@ -28,10 +27,10 @@ pub fn read_limited(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a file of so many bytes at most.
+/// Reads a text file of at most `most_bytes` bytes.
 ///
 /// # Errors
-/// As [`read_limited`], and [`io::ErrorKind::InvalidData`] where it is not UTF-8.
+/// As [`read_limited`], and [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn read_limited_text(path: &Path, most_bytes: u64) -> io::Result<String> {
     let not_text = |_| io::Error::new(io::ErrorKind::InvalidData, "not UTF-8 text");
     String::from_utf8(read_limited(path, most_bytes)?).map_err(not_text)

@@ -1,4 +1,4 @@
-//! Pictures as PNG and JPEG files; the name's ending says which.
+//! Writing pictures as PNG and JPEG files, by the name's extension.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -11,16 +11,16 @@ use rcs_scene::{Encoding, Picture};
 
 use crate::atomic_file::write_atomically;
 
-/// Why a picture was not written.
+/// A picture cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureFileError {
-    /// The name's ending is that of no format.
+    /// Unknown extension.
     #[error("{}: a picture's name ends with {}", path.display(), PictureFormat::ENDINGS)]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
-    /// The pixels are not as many as width and height need.
+    /// The data's length does not fit the size.
     #[error("{}: a picture of {width_px}x{height_px} pixels needs {needed_bytes} bytes, but there are {got_bytes}", path.display())]
     WrongLength {
         /// The file.
@@ -52,7 +52,7 @@ pub enum PictureFileError {
     },
 }
 
-/// A format that pictures are written in.
+/// Format of a picture file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureFormat {
     /// Lossless.
@@ -61,14 +61,14 @@ pub enum PictureFormat {
     Jpeg,
 }
 
-/// From 1 to 100. At this one, edges have no visible noise.
+/// Quality of JPEG files, at which edges have no visible noise.
 const JPEG_QUALITY: u8 = 95;
 
 impl PictureFormat {
-    /// The endings of file names, as a text for messages.
+    /// Extensions, as a text for messages.
     pub const ENDINGS: &str = ".png, .jpg or .jpeg";
 
-    /// The format that the ending of a file's name says.
+    /// Format by a name's extension.
     ///
     /// # Errors
     /// [`PictureFileError::UnknownFormat`].
@@ -82,9 +82,9 @@ impl PictureFormat {
     }
 }
 
-/// Writes a picture in the format of the name's ending: colours as RGB whatever the encoding's order, mono8 as grey,
-/// mono16 as 16-bit grey in a PNG file and as 8-bit grey in a JPEG file. Alpha is dropped. The file appears whole or
-/// not at all, and replaces one that is there. The folder must exist.
+/// Writes or replaces a picture in the format of the name's extension: colours as RGB, mono8 as grey, mono16 as 16-bit
+/// grey in a PNG file and as 8-bit grey in a JPEG file. Alpha is dropped. The file appears whole or not at all, in an
+/// existing folder.
 ///
 /// ```
 /// use rcs_files::picture_file;
@@ -133,25 +133,25 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
     )
 }
 
-/// How a picture is encoded for a message.
+/// Coding of a picture for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coding {
     /// Lossy, with a quality from 1 to 100; colours and greys of 8 bits.
     Jpeg {
-        /// From 1 to 100.
+        /// Quality from 1 to 100.
         quality: u8,
     },
     /// Lossless.
     Png {
-        /// How hard zlib tries, from 1 to 9.
+        /// Level of zlib from 1 to 9.
         level: u8,
     },
 }
 
-/// A picture's file, as [`write`] would write it, in memory.
+/// Encodes a picture in memory.
 ///
 /// # Errors
-/// The encoder's, for pixels that are not as many as width and height need among others.
+/// The encoder's, or a data length that does not fit the size.
 pub fn encode(picture: &Picture, coding: Coding) -> Result<Vec<u8>, ImageError> {
     let Picture { width_px, height_px, encoding, data } = picture;
     let (width_px, height_px) = (*width_px, *height_px);
@@ -174,7 +174,7 @@ pub fn encode(picture: &Picture, coding: Coding) -> Result<Vec<u8>, ImageError> 
     Ok(file)
 }
 
-/// The encoders panic where there are not as many bytes as the size needs.
+/// Checks the data's length, because the encoders panic if it does not fit the size.
 fn check_length(bytes: &[u8], width_px: u32, height_px: u32, color: ExtendedColorType) -> Result<(), ImageError> {
     let needed = u64::from(width_px) * u64::from(height_px) * u64::from(color.bits_per_pixel() / 8);
     match bytes.len() as u64 == needed && needed > 0 {
@@ -183,7 +183,7 @@ fn check_length(bytes: &[u8], width_px: u32, height_px: u32, color: ExtendedColo
     }
 }
 
-/// What a format calls the pixels, and their bytes in its order.
+/// A format's name of the pixels, and their bytes in its order.
 fn pixels_for(format: PictureFormat, encoding: Encoding, data: &[u8]) -> (ExtendedColorType, Cow<'_, [u8]>) {
     match (format, encoding) {
         // The high byte of each value.
@@ -194,8 +194,7 @@ fn pixels_for(format: PictureFormat, encoding: Encoding, data: &[u8]) -> (Extend
     }
 }
 
-/// What PNG calls the pixels, and their bytes in its order; 16-bit grey in the machine's byte order, as the encoder
-/// takes it.
+/// PNG's name of the pixels, and their bytes in its order; 16-bit grey is in the machine's byte order for the encoder.
 fn png_pixels(encoding: Encoding, data: &[u8]) -> (ExtendedColorType, Cow<'_, [u8]>) {
     let rgb = |order: [usize; 3]| -> Cow<'_, [u8]> {
         let pixels = data.chunks_exact(encoding.bytes_per_pixel());

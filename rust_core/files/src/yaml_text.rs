@@ -1,9 +1,8 @@
-//! Numbers and texts as they are written into YAML files: any reader takes them for what they are, and reads back the
-//! same.
+//! Formatting of numbers and texts in YAML files, for YAML 1.1 and 1.2.
 
 use std::fmt::Write as _;
 
-/// A number that is read back exactly, with a point before and a sign in its exponent.
+/// Formats a number exactly, with a point before and a sign in its exponent.
 pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:?}");
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
@@ -12,7 +11,7 @@ pub(crate) fn number(value: f64) -> String {
     format!("{mantissa}{point}e{sign}{exponent}")
 }
 
-/// A text in double quotes, with escapes for all but letters, digits and ASCII's other visible characters.
+/// Quotes a text, with escapes for all but letters, digits and visible ASCII characters.
 pub(crate) fn quoted(text: &str) -> String {
     let mut quoted = "\"".to_owned();
     for character in text.chars() {
@@ -30,12 +29,12 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
-/// A text from a file in one line: spaces instead of control characters.
+/// Replaces control characters by spaces.
 pub(crate) fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// What a reader of YAML says is wrong, in one line: it may repeat a text that is as long as the file.
+/// Shortens a YAML error, which may repeat a text as long as the file, to a line.
 pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
     const BEGIN: usize = 160;
     const END: usize = 60;
@@ -43,12 +42,12 @@ pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
     if text.len() <= BEGIN + END {
         return text.into_iter().collect();
     }
-    // The end says at which line and column.
+    // The end names line and column.
     let (begin, end) = (&text[..BEGIN], &text[text.len() - END..]);
     begin.iter().chain(&[' ', '…', ' ']).chain(end).collect()
 }
 
-/// A number that is read back exactly, or what YAML calls one that is none.
+/// Formats a number exactly, infinities and NaN included.
 pub(crate) fn exact(value: f64) -> String {
     if value.is_nan() {
         ".nan".to_owned()
@@ -59,17 +58,17 @@ pub(crate) fn exact(value: f64) -> String {
     }
 }
 
-/// A number with the six digits that count.
+/// Formats a number with six significant digits.
 pub(crate) fn figure(value: f64) -> String {
     exact(format!("{value:.5e}").parse().unwrap_or(value))
 }
 
-/// Such numbers as a list.
+/// Formats a list of numbers with six significant digits.
 pub(crate) fn figures(values: &[f64]) -> String {
     list(values, figure)
 }
 
-/// Numbers as a list.
+/// Formats a list of numbers.
 pub(crate) fn list(values: &[f64], text: impl Fn(f64) -> String) -> String {
     let texts: Vec<String> = values.iter().map(|value| text(*value)).collect();
     format!("[{}]", texts.join(", "))

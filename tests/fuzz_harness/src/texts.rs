@@ -4,8 +4,9 @@ use std::path::{Component, Path};
 
 use rcs_files::capture::parse_patterns;
 use rcs_files::correspondences::Points;
-use rcs_files::pcd::{PcdCloud, PointDatatype};
+use rcs_files::pcd::PcdCloud;
 use rcs_files::projector::ProjectorFile;
+use rcs_messages::element_size;
 
 use crate::displays::Shown;
 
@@ -101,12 +102,7 @@ pub(crate) fn pcd(data: &[u8]) {
     let points = cloud.width as usize * cloud.height as usize;
     assert_eq!(cloud.data.len(), points * cloud.point_step_bytes as usize);
     for field in &cloud.fields {
-        let size = match field.datatype {
-            PointDatatype::Int8 | PointDatatype::Uint8 => 1,
-            PointDatatype::Int16 | PointDatatype::Uint16 => 2,
-            PointDatatype::Int32 | PointDatatype::Uint32 | PointDatatype::Float32 => 4,
-            PointDatatype::Float64 => 8,
-        };
-        assert!(field.offset_bytes + size * field.count <= cloud.point_step_bytes, "{field:?}");
+        let size = element_size(field.datatype) as u32;
+        assert!(size > 0 && field.offset + size * field.count <= cloud.point_step_bytes, "{field:?}");
     }
 }

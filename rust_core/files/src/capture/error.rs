@@ -1,5 +1,4 @@
-//! What is wrong with a capture folder or a list of patterns: one line, with the file and, where there is one, the
-//! line.
+//! Errors of a capture folder or a list of patterns: one line, with file and line.
 
 use std::path::PathBuf;
 
@@ -9,7 +8,7 @@ use crate::picture_file::PictureFileError;
 use crate::projector::ProjectorFileError;
 use crate::yaml_text::brief;
 
-/// Why a capture folder or a list of patterns cannot be read or written.
+/// A capture folder or a list of patterns cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
     /// The file cannot be read.
@@ -31,24 +30,16 @@ pub enum CaptureError {
     Outside {
         /// The name in the folder.
         path: PathBuf,
-        /// Where it leads.
+        /// Target of the link.
         target: PathBuf,
     },
-    /// A value is wrong, or the file is not YAML; the message names key, line and column.
+    /// Invalid value, or not YAML; the message names key, line and column.
     #[error("{}: {}", path.display(), brief(source))]
     Yaml {
         /// The file.
         path: PathBuf,
-        /// Key, line, column and what is wrong there.
+        /// Reason, with key, line and column.
         source: serde_yaml_ng::Error,
-    },
-    /// The file is longer than any list of patterns.
-    #[error("{}: longer than {most_bytes} bytes", path.display())]
-    LongYaml {
-        /// The file.
-        path: PathBuf,
-        /// The most bytes.
-        most_bytes: u64,
     },
     /// The camera's CameraInfo cannot be read.
     #[error(transparent)]
@@ -58,17 +49,17 @@ pub enum CaptureError {
     Lens {
         /// The file.
         path: PathBuf,
-        /// The key and what is wrong with it.
+        /// Key and reason.
         problem: LensProblem,
     },
     /// A picture is wider or higher than any camera's or projector's.
     #[error("{}: pictures of {}x{} pixels; the most is {most_px}", path.display(), size_px[0], size_px[1])]
     TooLarge {
-        /// The file that says so.
+        /// The file.
         path: PathBuf,
         /// Width and height, pixels.
         size_px: [u32; 2],
-        /// The most of each, pixels.
+        /// Largest size, pixels.
         most_px: u32,
     },
     /// All pictures together need too much memory.
@@ -77,24 +68,24 @@ pub enum CaptureError {
         path.display(), size_px[0], size_px[1], most_bytes >> 30
     )]
     TooMuch {
-        /// The file that says so.
+        /// The file.
         path: PathBuf,
-        /// How many pictures.
+        /// Number of pictures.
         patterns: usize,
         /// Their width and height, pixels.
         size_px: [u32; 2],
-        /// The most bytes.
+        /// Largest size, bytes.
         most_bytes: u64,
     },
-    /// A picture is not the PNG that it should be.
-    #[error("{}: not a PNG picture that can be read: {source}", path.display())]
+    /// A picture is not a valid PNG.
+    #[error("{}: invalid PNG: {source}", path.display())]
     Decode {
         /// The file.
         path: PathBuf,
         /// The decoder's error.
         source: image::ImageError,
     },
-    /// A picture has another size than the CameraInfo says.
+    /// A picture has another size than the CameraInfo.
     #[error(
         "{}: {}x{} pixels where the CameraInfo says {}x{}",
         path.display(), size_px[0], size_px[1], camera_px[0], camera_px[1]
@@ -107,22 +98,22 @@ pub enum CaptureError {
         /// Width and height of the CameraInfo, pixels.
         camera_px: [u32; 2],
     },
-    /// A picture has other pixels than it should have.
+    /// A picture has an unsupported pixel format.
     #[error("{}: {found} where {wanted} is needed", path.display())]
     Pixels {
         /// The file.
         path: PathBuf,
-        /// What it has.
+        /// Its format.
         found: String,
-        /// What it should have.
+        /// The format needed.
         wanted: &'static str,
     },
-    /// What is to be written could not be read again.
+    /// The data to be written could not be read again.
     #[error("{}: {reason}", path.display())]
     Unwritable {
         /// The folder.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// A file cannot be written.

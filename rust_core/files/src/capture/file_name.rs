@@ -1,5 +1,5 @@
-//! A file's name in a capture folder. It may lead into folders of the folder, never out of it, by links neither: a
-//! folder that somebody sent must not make a program read or write other files.
+//! File names in a capture folder. They never lead out of it, links included: a folder that somebody sent must not make
+//! a program read or write other files.
 
 use std::fmt;
 use std::path::{Component, Path, PathBuf};
@@ -7,22 +7,22 @@ use std::path::{Component, Path, PathBuf};
 use serde::de::{Deserializer, Error, Visitor};
 use serde::Deserialize;
 
-use super::CaptureError;
+use super::error::CaptureError;
 
-/// A relative name without `..`, and without control characters: errors that have it are one line.
+/// A relative name without `..` and control characters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct FileName(String);
 
 impl FileName {
-    /// Where it is.
+    /// Path of the file.
     pub(super) fn in_folder(&self, folder: &Path) -> PathBuf {
         folder.join(&self.0)
     }
 
-    /// Where it is, for reading.
+    /// Path for reading.
     ///
     /// # Errors
-    /// [`CaptureError::Outside`], and [`CaptureError::Read`] where it is not there.
+    /// [`CaptureError::Outside`] or [`CaptureError::Read`].
     pub(super) fn to_read(&self, folder: &Path) -> Result<PathBuf, CaptureError> {
         let path = self.in_folder(folder);
         let real =
@@ -35,7 +35,7 @@ impl FileName {
         }
     }
 
-    /// As the file has it.
+    /// The name as given.
     pub(super) fn as_str(&self) -> &str {
         &self.0
     }

@@ -1,4 +1,4 @@
-//! The keys that `capture.yaml` and `patterns.yaml` share: the projector's size, and the list of patterns.
+//! Keys common to `capture.yaml` and `patterns.yaml`: the projector's size and the list of patterns.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -8,12 +8,12 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::Deserialize;
 
 use super::file_name::FileName;
-use super::{MOST_PATTERNS, MOST_PIXELS};
-use crate::projector::checked_numbers::Whole;
+use super::limits::{MOST_PATTERNS, MOST_PIXELS};
+use crate::projector::checked_numbers::IntegerIn;
 
-type Pixels = Whole<1, MOST_PIXELS>;
+type Pixels = IntegerIn<1, MOST_PIXELS>;
 
-/// The projector's size.
+/// Size of the projector's image.
 #[derive(Deserialize)]
 pub(super) struct ProjectorSize {
     width: Pixels,
@@ -26,7 +26,7 @@ impl ProjectorSize {
     }
 }
 
-/// A pattern, and the file with its picture.
+/// A pattern and the file of its picture.
 #[derive(Debug)]
 pub(super) struct PatternEntry {
     pub(super) file: FileName,
@@ -35,7 +35,7 @@ pub(super) struct PatternEntry {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum PatternKind {
     White,
     Black,
     GrayCode,
@@ -48,16 +48,16 @@ enum AxisName {
     Y,
 }
 
-/// All keys of an entry; those of Gray codes are missing with white and black.
+/// Keys of an entry; white and black have none of those of Gray codes.
 #[derive(Deserialize)]
 struct RawEntry {
     file: FileName,
-    kind: Kind,
+    kind: PatternKind,
     axis: Option<AxisName>,
-    bits: Option<Whole<1, { Stripes::MOST_BITS }>>,
-    bit: Option<Whole<0, { Stripes::MOST_BITS }>>,
-    step: Option<Whole<1, MOST_PIXELS>>,
-    offset: Option<Whole<0, { 2 * MOST_PIXELS }>>,
+    bits: Option<IntegerIn<1, { Stripes::MOST_BITS }>>,
+    bit: Option<IntegerIn<0, { Stripes::MOST_BITS }>>,
+    step: Option<IntegerIn<1, MOST_PIXELS>>,
+    offset: Option<IntegerIn<0, { 2 * MOST_PIXELS }>>,
     inverted: Option<bool>,
 }
 
@@ -67,16 +67,16 @@ impl RawEntry {
             value.ok_or_else(|| format!("missing field `{key}`, which a gray_code needs"))
         }
         match self.kind {
-            Kind::White => return Ok(Pattern::White),
-            Kind::Black => return Ok(Pattern::Black),
-            Kind::GrayCode => {}
+            PatternKind::White => return Ok(Pattern::White),
+            PatternKind::Black => return Ok(Pattern::Black),
+            PatternKind::GrayCode => {}
         }
         let axis = match needed("axis", self.axis.as_ref())? {
             AxisName::X => Axis::X,
             AxisName::Y => Axis::Y,
         };
-        let (Whole(bits), Whole(bit)) = (needed("bits", self.bits)?, needed("bit", self.bit)?);
-        let (Whole(step), Whole(offset)) = (needed("step", self.step)?, needed("offset", self.offset)?);
+        let (IntegerIn(bits), IntegerIn(bit)) = (needed("bits", self.bits)?, needed("bit", self.bit)?);
+        let (IntegerIn(step), IntegerIn(offset)) = (needed("step", self.step)?, needed("offset", self.offset)?);
         let inverted = needed("inverted", self.inverted)?;
         if bit >= bits {
             return Err(format!("there is no bit {bit} of {bits} (0 is the first)"));
@@ -87,8 +87,8 @@ impl RawEntry {
 
 impl<'de> Deserialize<'de> for PatternEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntryVisitor;
-        impl<'de> Visitor<'de> for EntryVisitor {
+        struct PatternVisitor;
+        impl<'de> Visitor<'de> for PatternVisitor {
             type Value = PatternEntry;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -101,7 +101,7 @@ impl<'de> Deserialize<'de> for PatternEntry {
                 Ok(PatternEntry { file: raw.file, pattern })
             }
         }
-        deserializer.deserialize_map(EntryVisitor)
+        deserializer.deserialize_map(PatternVisitor)
     }
 }
 
@@ -140,7 +140,7 @@ impl<'de> Deserialize<'de> for Patterns {
     }
 }
 
-/// One line of a list of patterns.
+/// Formats a line of a list of patterns.
 pub(super) fn entry_line(file: &str, pattern: &Pattern) -> String {
     let keys = match pattern {
         Pattern::White => "white".to_owned(),
@@ -153,12 +153,12 @@ pub(super) fn entry_line(file: &str, pattern: &Pattern) -> String {
     format!("  - {{file: {file}, kind: {keys}}}\n")
 }
 
-/// The first lines of both files.
+/// Formats the first line of both files.
 pub(super) fn projector_line([width, height]: [u32; 2]) -> String {
     format!("projector: {{width: {width}, height: {height}}}\n")
 }
 
-/// What keeps a list from being read again, if anything does.
+/// Checks that a list can be read again.
 pub(super) fn check_writable<'a>(
     projector_px: [u32; 2],
     patterns: impl ExactSizeIterator<Item = &'a Pattern>,
@@ -180,7 +180,7 @@ pub(super) fn check_writable<'a>(
         }
     };
     match patterns.enumerate().find(|(_, pattern)| !is_fine(pattern)) {
-        Some((index, pattern)) => Err(format!("pattern {index} is none: {pattern:?}")),
+        Some((index, pattern)) => Err(format!("pattern {index} is invalid: {pattern:?}")),
         None => Ok(()),
     }
 }

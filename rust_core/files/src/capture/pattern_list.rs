@@ -1,4 +1,4 @@
-//! A list of patterns to be shown, `patterns.yaml`, with their pictures beside it.
+//! `patterns.yaml`: patterns to be shown, with their pictures beside it.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,19 +8,23 @@ use rcs_calibration::patterns::Pattern;
 use rcs_scene::{Encoding, Picture};
 use serde::Deserialize;
 
+use super::error::CaptureError;
 use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns, ProjectorSize};
-use super::{parse_yaml, read_yaml, CaptureError, PATTERNS_FILE};
+use super::yaml_file::{parse_yaml, read_yaml};
 use crate::atomic_file::write_atomically;
 use crate::picture_file;
 
-/// What a projector is to show.
+/// The list of patterns to be shown.
+pub const PATTERNS_FILE: &str = "patterns.yaml";
+
+/// Patterns for a projector to show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PatternList {
-    /// Width and height of the projector's picture, pixels.
+    /// Width and height of the projector's image, pixels.
     pub projector_size_px: [u32; 2],
-    /// Each pattern with the file of its picture.
+    /// Patterns with the files of their pictures.
     pub patterns: Vec<(PathBuf, Pattern)>,
-    /// Keys that have no meaning, such as a misspelt one; each is a phrase that names the file.
+    /// Unknown keys, such as misspelt ones, as phrases that name the file.
     pub warnings: Vec<String>,
 }
 
@@ -30,7 +34,7 @@ struct RawList {
     patterns: Patterns,
 }
 
-/// Reads a list of patterns. The pictures are not opened: the patterns say what they show.
+/// Reads a list of patterns without opening the pictures.
 ///
 /// # Errors
 /// [`CaptureError`] with the file, key and line.
@@ -38,7 +42,7 @@ pub fn read_patterns(path: &Path) -> Result<PatternList, CaptureError> {
     Ok(PatternList::from_raw(path, read_yaml(path)?))
 }
 
-/// Reads the text of a list of patterns; `path` only names it in errors, and its folder is that of the pictures.
+/// Parses the text of a list of patterns; `path` is for errors, and its folder contains the pictures.
 ///
 /// # Errors
 /// As [`read_patterns`].
@@ -55,11 +59,11 @@ impl PatternList {
     }
 }
 
-/// Writes the pictures `p000.png` and so on of these patterns, and last their list, [`PATTERNS_FILE`]. The folder is
-/// made if it does not exist; its parent must.
+/// Writes the pictures `p000.png` and so on of these patterns, and then their list, [`PATTERNS_FILE`]. The folder is
+/// created if its parent exists.
 ///
 /// # Errors
-/// [`CaptureError`]: a pattern that is none, or a file that cannot be written.
+/// An invalid pattern, or a file that cannot be written.
 pub fn write_patterns(folder: &Path, size_px: [u32; 2], patterns: &[Pattern]) -> Result<(), CaptureError> {
     check_writable(size_px, patterns.iter())
         .map_err(|reason| CaptureError::Unwritable { path: folder.to_owned(), reason })?;
@@ -77,7 +81,7 @@ pub fn write_patterns(folder: &Path, size_px: [u32; 2], patterns: &[Pattern]) ->
     write_text(&folder.join(PATTERNS_FILE), &text)
 }
 
-/// Removes a link, so that a file of its name is written into the folder and not to where the link leads.
+/// Removes a link, so that a file of its name is written into the folder and not to the link's target.
 pub(super) fn remove_link(path: &Path) -> Result<(), CaptureError> {
     let removed = match std::fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_symlink() => std::fs::remove_file(path),
@@ -92,7 +96,7 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), CaptureError> {
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(io_error), io_error)
 }
 
-/// Makes a folder unless it is there.
+/// Creates a folder unless it exists.
 pub(super) fn make_folder(folder: &Path) -> Result<(), CaptureError> {
     match std::fs::create_dir(folder) {
         Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => {

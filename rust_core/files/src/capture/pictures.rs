@@ -1,5 +1,5 @@
-//! Reading the pictures of a capture: their sizes are known from the CameraInfo before anything is decoded, so that a
-//! small file cannot claim a large picture.
+//! Reading the pictures of a capture. Their size is known from the CameraInfo before anything is decoded, so that a
+//! small file cannot announce a large picture.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -8,12 +8,13 @@ use std::path::Path;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, Limits};
 
-use super::{check_is_file, CaptureError};
+use super::error::CaptureError;
+use super::yaml_file::check_is_file;
 
-/// What a decoder may need beside the pixels, bytes.
+/// Memory of a decoder besides the pixels, bytes.
 const DECODER_BYTES: u64 = 64 << 20;
 
-/// Brightness of each pixel of an 8-bit picture. Colours count as luma of BT.601, rounded; opacity does not count.
+/// Brightness of each pixel of an 8-bit picture: the luma of BT.601, rounded, without opacity.
 pub(super) fn read_grey(path: &Path, size_px: [u32; 2]) -> Result<Vec<u8>, CaptureError> {
     let (color, bytes) = read_png(path, size_px, |color| match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => None,
@@ -34,7 +35,7 @@ fn luma(red: u8, green: u8, blue: u8) -> u8 {
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u8
 }
 
-/// Depth of each pixel of a 16-bit grey picture, metres; 0 where there is none.
+/// Depth of each pixel of a 16-bit grey picture, metres; 0 for none.
 pub(super) fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result<Vec<f32>, CaptureError> {
     let (_, bytes) = read_png(path, size_px, |color| match color {
         ColorType::L16 => None,
@@ -45,8 +46,7 @@ pub(super) fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result
     Ok(values.map(|value| (f64::from(value) * scale_m) as f32).collect())
 }
 
-/// The pixels of a picture of this size. `wanted` says what is needed instead of the pixels that it has, if they are
-/// not right.
+/// Pixels of a picture of this size. `wanted` names the format needed instead of an unsupported one.
 fn read_png(
     path: &Path,
     camera_px: [u32; 2],

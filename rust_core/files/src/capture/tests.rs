@@ -1,10 +1,11 @@
 //! Tests of capture folders: what was written is read back, and what is wrong is reported with file and line.
 
 use std::fs;
+use std::path::Path;
 
 use proptest::prelude::*;
-use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Stripes};
-use rcs_calibration::Distortion;
+use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern, Stripes};
+use rcs_calibration::{Distortion, Lens};
 use rcs_scene::{Encoding, Picture};
 use tempfile::{tempdir, TempDir};
 
@@ -268,7 +269,7 @@ fn what_is_wrong_in_the_list_is_said_with_its_line() {
         text.replacen("patterns:\n", &format!("patterns:\n{}", (0..1001).map(entry).collect::<String>()), 1)
     };
     assert!(error_after(many).contains("more than 1000 patterns"));
-    assert!(error_after(|text| text + &"# long\n".repeat(700_000)).contains("longer than"));
+    assert!(error_after(|text| text + &"# long\n".repeat(700_000)).contains("larger than 4 MB"));
 }
 
 #[test]
@@ -291,12 +292,12 @@ fn what_is_wrong_with_a_picture_is_said_with_its_file() {
     assert!(with("camera_info.yaml", &|_| ()).starts_with("camera_info.yaml: No such file"));
     assert_eq!(with("c003.png", &|path| fs::create_dir(path).unwrap()), "c003.png: not a file");
     let garbage = |path: &Path| fs::write(path, "GIF89a").unwrap();
-    assert!(with("c003.png", &garbage).starts_with("c003.png: not a PNG picture that can be read: "));
+    assert!(with("c003.png", &garbage).starts_with("c003.png: invalid PNG: "));
     let cut = |path: &Path| {
         let whole = fs::read(path.with_file_name("c000.png")).unwrap();
         fs::write(path, &whole[..whole.len() - 30]).unwrap();
     };
-    assert!(with("c003.png", &cut).starts_with("c003.png: not a PNG picture that can be read: "));
+    assert!(with("c003.png", &cut).starts_with("c003.png: invalid PNG: "));
     let bad =
         |path: &Path| fs::write(path, "width: 6\nheight: 4\nK: [0, 0, 0, 0, 0, 0, 0, 0, 0]\nP: [1, 0, 0]\n").unwrap();
     assert!(with("camera_info.yaml", &bad).contains("line 4"), "{}", with("camera_info.yaml", &bad));

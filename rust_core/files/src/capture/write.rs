@@ -1,6 +1,6 @@
-//! Writing a capture folder: pictures first, and last `capture.yaml`, which names them. So whenever a writer is
-//! interrupted, the folder is without a `capture.yaml`, or the one that is there is whole and valid: a folder that
-//! holds a capture already gets its new pictures under names of their own, and loses the old ones afterwards.
+//! Writing a capture folder: pictures first, and last `capture.yaml`, which names them, so that an interrupted writer
+//! leaves no `capture.yaml` or a valid one. New pictures of a folder with a capture get other names than the old ones,
+//! which are removed afterwards.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -8,26 +8,27 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use rcs_scene::{Encoding, Picture};
 
+use super::error::CaptureError;
 use super::file_name::FileName;
+use super::folder::{Capture, RawCapture, CAPTURE_FILE, DEPTH_SCALE_M};
+use super::limits::check_amount;
 use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns};
 use super::pattern_list::{make_folder, remove_link, write_text};
-use super::{check_amount, read_yaml, Capture, CaptureError, RawCapture, CAPTURE_FILE, DEPTH_SCALE_M};
+use super::yaml_file::read_yaml;
 use crate::picture_file;
 use crate::projector::ProjectorFile;
 
 impl Capture {
-    /// Writes the folder, replacing a capture that is there. The folder is made if it does not exist; its parent must.
-    /// What [`read`](Self::read) gives is the same, with depths rounded to [`DEPTH_SCALE_M`] and those beyond 16 bits
-    /// gone, and without [`warnings`](Self::warnings).
+    /// Writes the folder or replaces its capture. The folder is created if its parent exists. Depths are rounded to
+    /// [`DEPTH_SCALE_M`], and those beyond 16 bits and [`warnings`](Self::warnings) are not written.
     ///
     /// # Errors
-    /// [`CaptureError`]: what could not be read again, such as pictures of another size than the camera's, and files
-    /// that cannot be written.
+    /// A capture that could not be read again, or a file that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), CaptureError> {
         self.check(folder)?;
         make_folder(folder)?;
         let old_files = files_of_capture(folder);
-        let names = Names::new(&old_files);
+        let names = FileNames::new(&old_files);
         let [width_px, height_px] = self.camera.size_px;
         let camera_info = names.camera_info();
         let pictures = (0..self.pictures.len()).map(|index| names.picture(index));
@@ -63,13 +64,13 @@ impl Capture {
         }
         write_text(&folder.join(CAPTURE_FILE), &text)?;
         for file in old_files.iter().filter(|file| is_ours(file)) {
-            // A file that stays is in nobody's way.
+            // A file that stays does no harm.
             let _ = std::fs::remove_file(file.in_folder(folder));
         }
         Ok(())
     }
 
-    /// An error for what could not be read again.
+    /// Checks that the capture can be read again.
     fn check(&self, folder: &Path) -> Result<(), CaptureError> {
         let unwritable = |reason| CaptureError::Unwritable { path: folder.to_owned(), reason };
         check_writable(self.projector_size_px, self.pictures.iter().map(|picture| &picture.pattern))
@@ -93,7 +94,7 @@ impl Capture {
     }
 }
 
-/// The value of a depth in the file; 0 for none and for what 16 bits cannot hold.
+/// Value of a depth in the file; 0 for none and for one beyond 16 bits.
 fn depth_value(depth_m: f32) -> u16 {
     let value = (f64::from(depth_m) / DEPTH_SCALE_M).round();
     if (1.0..=f64::from(u16::MAX)).contains(&value) {
@@ -103,7 +104,7 @@ fn depth_value(depth_m: f32) -> u16 {
     }
 }
 
-/// The files that the folder's capture names; none if there is no capture that can be read.
+/// Files of the folder's capture, if it can be read.
 fn files_of_capture(folder: &Path) -> Vec<FileName> {
     let Ok((RawCapture { patterns: Patterns(entries), camera_info, depth, .. }, _)) =
         read_yaml(&folder.join(CAPTURE_FILE))
@@ -113,14 +114,14 @@ fn files_of_capture(folder: &Path) -> Vec<FileName> {
     entries.into_iter().map(|entry| entry.file).chain([camera_info]).chain(depth).collect()
 }
 
-/// The names of a capture's files.
-struct Names {
-    /// What distinguishes them from those of the capture that they replace.
+/// Names of a capture's files.
+struct FileNames {
+    /// Distinguishes them from those of the replaced capture.
     suffix: String,
 }
 
-impl Names {
-    /// Names of which none is an old file's.
+impl FileNames {
+    /// Names that no old file has.
     fn new(old_files: &[FileName]) -> Self {
         let is_free = |names: &Self| old_files.iter().all(|file| !names.has(file));
         let suffixes = std::iter::once(String::new()).chain((2..).map(|version: u64| format!("_{version}")));
@@ -141,7 +142,7 @@ impl Names {
         format!("depth{}.png", self.suffix)
     }
 
-    /// Whether a file could be one of these.
+    /// `true` if a file could have one of these names.
     fn has(&self, file: &FileName) -> bool {
         let name = file.as_str().rsplit('/').next().unwrap_or_default();
         let index = name.strip_prefix('c').and_then(|rest| rest.strip_suffix(&format!("{}.png", self.suffix)));
@@ -149,7 +150,7 @@ impl Names {
     }
 }
 
-/// Whether a file has a name that [`Names`] gives: others stay when a capture is replaced.
+/// `true` if a file has a name of [`FileNames`]; others stay when a capture is replaced.
 fn is_ours(file: &FileName) -> bool {
     let Some((stem, ending)) = file.as_str().rsplit_once('.') else { return false };
     let stem = match stem.rsplit_once('_') {

@@ -5,8 +5,8 @@ use std::str::FromStr;
 use super::{BodyReader, PcdError, PcdType};
 
 impl BodyReader<'_> {
-    /// One line for each point, one word for each element. Empty lines are skipped without counting as points; lines
-    /// with another number of words are skipped. Returns the points and how many were skipped.
+    /// Parses a line for each point and a word for each element. Lines with another number of words are skipped.
+    /// Returns the points and the number of skipped lines, empty ones not counted.
     pub(super) fn ascii(&self, body: &[u8]) -> Result<(Vec<u8>, u32), PcdError> {
         let points = self.header.points();
         let mut data = Vec::with_capacity(self.header.total_bytes().min(body.len().saturating_mul(8)));
@@ -49,7 +49,7 @@ impl BodyReader<'_> {
         Ok((data, skipped))
     }
 
-    /// Appends the point of a line, if it has the right number of values.
+    /// Appends the point of a line with the right number of values.
     fn ascii_point(&self, text: &str, data: &mut Vec<u8>) -> Result<RowLength, String> {
         let start = data.len();
         let mut words = text.split_ascii_whitespace();
@@ -72,7 +72,7 @@ impl BodyReader<'_> {
         Ok(RowLength::Right)
     }
 
-    /// Keeps the place of a point in an organised cloud, whose neighbours stay what they are.
+    /// Appends an invalid point, which keeps the place in an organised cloud.
     fn skip_point(&self, data: &mut Vec<u8>) {
         if self.header.height == 1 {
             return;
@@ -89,15 +89,14 @@ impl BodyReader<'_> {
     }
 }
 
-/// Whether a row of text has a value for each element of the fields.
+/// Result of parsing a row of text.
 enum RowLength {
     Right,
-    /// The number of values that it has instead.
+    /// Number of values in a row of another length.
     Wrong(usize),
 }
 
-/// Appends the bytes of a value written as text. An integer may be written with a point or an exponent; what is behind
-/// the point is dropped, as in PCL.
+/// Appends the bytes of a value. An integer's decimals are dropped, as in PCL.
 fn push_value(kind: PcdType, word: &str, data: &mut Vec<u8>) -> Option<()> {
     fn float<T: FromStr, const N: usize>(word: &str, bytes: fn(T) -> [u8; N], data: &mut Vec<u8>) -> Option<()> {
         data.extend_from_slice(&bytes(word.parse().ok()?));

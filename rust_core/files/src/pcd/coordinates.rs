@@ -1,51 +1,43 @@
-//! Coordinates as rviz and most nodes take them: float32.
+//! Conversion of coordinates to float32, which rviz and most nodes need.
 
-use super::{to_u32, CloudField, PcdCloud, PointDatatype};
+use rcs_messages::element_size;
+use rcs_messages::sensor_msgs::PointField;
 
-impl PointDatatype {
-    /// Bytes of one element.
-    fn size_bytes(self) -> usize {
-        match self {
-            Self::Int8 | Self::Uint8 => 1,
-            Self::Int16 | Self::Uint16 => 2,
-            Self::Int32 | Self::Uint32 | Self::Float32 => 4,
-            Self::Float64 => 8,
-        }
-    }
+use super::{to_u32, PcdCloud};
 
-    /// An element's value, little-endian; NaN where the bytes are not as many as it has.
-    fn value(self, bytes: &[u8]) -> f64 {
-        match (self, bytes) {
-            (Self::Int8, &[a]) => f64::from(i8::from_le_bytes([a])),
-            (Self::Uint8, &[a]) => f64::from(a),
-            (Self::Int16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
-            (Self::Uint16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
-            (Self::Int32, &[a, b, c, d]) => f64::from(i32::from_le_bytes([a, b, c, d])),
-            (Self::Uint32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
-            (Self::Float32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
-            (Self::Float64, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
-            _ => f64::NAN,
-        }
+/// Value of an element, little-endian; NaN for another number of bytes.
+fn value(datatype: u8, bytes: &[u8]) -> f64 {
+    match (datatype, bytes) {
+        (PointField::INT8, &[a]) => f64::from(i8::from_le_bytes([a])),
+        (PointField::UINT8, &[a]) => f64::from(a),
+        (PointField::INT16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
+        (PointField::UINT16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
+        (PointField::INT32, &[a, b, c, d]) => f64::from(i32::from_le_bytes([a, b, c, d])),
+        (PointField::UINT32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+        (PointField::FLOAT32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+        (PointField::FLOAT64, &[a, b, c, d, e, f, g, h]) => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+        _ => f64::NAN,
     }
 }
 
 impl PcdCloud {
-    /// Makes float32 of x, y and z where the file has doubles or integers. Returns the largest change by rounding, in
-    /// the file's unit; `None` where all are float32 already.
+    /// Converts x, y and z to float32. Returns the largest rounding error in the file's unit; `None` if all are
+    /// float32.
     ///
     /// ```
-    /// use rcs_files::pcd::{PcdCloud, PointDatatype};
+    /// use rcs_files::pcd::PcdCloud;
+    /// use rcs_messages::sensor_msgs::PointField;
     ///
     /// let file = b"FIELDS x ring\nSIZE 8 1\nTYPE F U\nWIDTH 1\nHEIGHT 1\nDATA ascii\n0.5 7\n";
     /// let mut cloud = PcdCloud::parse(std::path::Path::new("one.pcd"), file)?;
     /// assert_eq!(cloud.coordinates_to_f32(), Some(0.0));
-    /// assert_eq!(cloud.fields[0].datatype, PointDatatype::Float32);
+    /// assert_eq!(cloud.fields[0].datatype, PointField::FLOAT32);
     /// assert_eq!(cloud.data, [0, 0, 0, 0x3f, 7]);
     /// # Ok::<(), rcs_files::pcd::PcdError>(())
     /// ```
     pub fn coordinates_to_f32(&mut self) -> Option<f64> {
-        let is_converted = |field: &CloudField| {
-            ["x", "y", "z"].contains(&field.name.as_str()) && field.datatype != PointDatatype::Float32
+        let is_converted = |field: &PointField| {
+            ["x", "y", "z"].contains(&field.name.as_str()) && field.datatype != PointField::FLOAT32
         };
         if !self.fields.iter().any(is_converted) {
             return None;
@@ -55,14 +47,14 @@ impl PcdCloud {
         let mut data = Vec::with_capacity(self.data.len());
         for point in self.data.chunks_exact(old_step) {
             for field in &self.fields {
-                let (start, size) = (field.offset_bytes as usize, field.datatype.size_bytes());
+                let (start, size) = (field.offset as usize, element_size(field.datatype));
                 let bytes = point.get(start..start + size * field.count as usize).unwrap_or_default();
                 if !is_converted(field) {
                     data.extend_from_slice(bytes);
                     continue;
                 }
                 for element in bytes.chunks_exact(size) {
-                    let exact = field.datatype.value(element);
+                    let exact = value(field.datatype, element);
                     let rounded = exact as f32;
                     self.is_dense &= rounded.is_finite();
                     largest_change = largest_change.max((f64::from(rounded) - exact).abs());
@@ -71,15 +63,15 @@ impl PcdCloud {
             }
         }
         self.data = data;
-        let mut offset_bytes = 0;
+        let mut offset = 0;
         for field in &mut self.fields {
             if is_converted(field) {
-                field.datatype = PointDatatype::Float32;
+                field.datatype = PointField::FLOAT32;
             }
-            field.offset_bytes = to_u32(offset_bytes);
-            offset_bytes += field.datatype.size_bytes() * field.count as usize;
+            field.offset = to_u32(offset);
+            offset += element_size(field.datatype) * field.count as usize;
         }
-        self.point_step_bytes = to_u32(offset_bytes);
+        self.point_step_bytes = to_u32(offset);
         Some(largest_change)
     }
 }
@@ -102,10 +94,9 @@ mod tests {
         );
         let change = cloud.coordinates_to_f32().unwrap();
         assert!((change - (f64::from(4.1_f32) - 4.1).abs()).abs() < 1e-12, "{change}");
-        let fields: Vec<_> =
-            cloud.fields.iter().map(|f| (f.name.as_str(), f.datatype, f.offset_bytes, f.count)).collect();
-        let float = PointDatatype::Float32;
-        let rest = [("stamp", PointDatatype::Float64, 12, 1), ("id", PointDatatype::Uint16, 20, 2)];
+        let fields: Vec<_> = cloud.fields.iter().map(|f| (f.name.as_str(), f.datatype, f.offset, f.count)).collect();
+        let float = PointField::FLOAT32;
+        let rest = [("stamp", PointField::FLOAT64, 12, 1), ("id", PointField::UINT16, 20, 2)];
         assert_eq!(fields, [[("x", float, 0, 1), ("y", float, 4, 1), ("z", float, 8, 1)].as_slice(), &rest].concat());
         let point = |xyz: [f32; 3], stamp: f64, id: [u16; 2]| {
             [xyz.map(f32::to_le_bytes).concat(), stamp.to_le_bytes().to_vec(), id.map(u16::to_le_bytes).concat()]

@@ -17,16 +17,17 @@
 //! DATA binary           ascii, binary or binary_compressed
 //! ```
 //!
-//! `VIEWPOINT` is read and not used: a PointCloud2 has no place for it, and PCL's points are already in the frame of
-//! the cloud.
+//! `VIEWPOINT` is not used: a PointCloud2 cannot hold it, and PCL's points are already in the frame of the cloud.
 
 use std::fmt;
 
+use rcs_messages::sensor_msgs::PointField;
+
 use crate::text::without_byte_order_mark;
 
-/// How one element of a field is stored.
+/// Type of a field's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PcdType {
+pub(super) enum PcdType {
     /// Signed, 1 byte.
     I8,
     /// Unsigned, 1 byte.
@@ -50,8 +51,8 @@ pub enum PcdType {
 }
 
 impl PcdType {
-    /// The type that a `TYPE` letter and a `SIZE` stand for.
-    pub fn of(letter: &str, size_bytes: usize) -> Option<Self> {
+    /// Type by a `TYPE` letter and a `SIZE`.
+    pub(super) fn of(letter: &str, size_bytes: usize) -> Option<Self> {
         Some(match (letter.to_ascii_uppercase().as_str(), size_bytes) {
             ("I", 1) => Self::I8,
             ("U", 1) => Self::U8,
@@ -67,8 +68,22 @@ impl PcdType {
         })
     }
 
-    /// Bytes of one element.
-    pub fn size_bytes(self) -> usize {
+    /// Datatype of a PointField, which has no integers of 8 bytes.
+    pub(super) fn datatype(self) -> u8 {
+        match self {
+            Self::I8 => PointField::INT8,
+            Self::U8 => PointField::UINT8,
+            Self::I16 => PointField::INT16,
+            Self::U16 => PointField::UINT16,
+            Self::I32 => PointField::INT32,
+            Self::U32 => PointField::UINT32,
+            Self::F32 => PointField::FLOAT32,
+            Self::F64 | Self::I64 | Self::U64 => PointField::FLOAT64,
+        }
+    }
+
+    /// Bytes of an element.
+    pub(super) fn size_bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -78,16 +93,16 @@ impl PcdType {
     }
 }
 
-/// One field of the points.
+/// A field of the points.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PcdField {
-    /// Name; `_` is PCL's name for padding.
+    /// Name, `_` for padding.
     pub name: String,
     /// Type of each element.
     pub kind: PcdType,
     /// Elements in each point, at least 1.
     pub count: usize,
-    /// Place in the point, bytes.
+    /// Offset in the point, bytes.
     pub offset_bytes: usize,
 }
 
@@ -98,18 +113,18 @@ impl PcdField {
     }
 }
 
-/// How the points are stored.
+/// Encoding of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PcdEncoding {
-    /// One line of text for each point.
+    /// A line of text for each point.
     Ascii,
-    /// The points' bytes one after another, little-endian.
+    /// Bytes of the points, little-endian.
     Binary,
-    /// All values of the first field, then all of the second, ..., compressed with LZF.
+    /// Values of the first field, then of the second, and so on, compressed with LZF.
     BinaryCompressed,
 }
 
-/// A whole header.
+/// A header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PcdHeader {
     /// Fields in the order of the file, without gaps.
@@ -118,22 +133,22 @@ pub(super) struct PcdHeader {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// How the points are stored.
+    /// Encoding of the points.
     pub encoding: PcdEncoding,
-    /// Where the points begin in the file, bytes.
+    /// Offset of the points in the file, bytes.
     pub data_offset_bytes: usize,
-    /// The line on which the points begin, counted from 1.
+    /// First line of the points, from 1.
     pub data_line: usize,
-    /// Bytes of one point.
+    /// Bytes of a point.
     pub point_step_bytes: usize,
 }
 
-/// Why a header cannot be read.
+/// A header is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeaderError {
-    /// The line, counted from 1; `None` when a line is missing.
+    /// Line, from 1; `None` for a missing line.
     pub line: Option<usize>,
-    /// What is wrong with it.
+    /// Reason.
     pub reason: String,
 }
 
@@ -146,10 +161,10 @@ impl fmt::Display for HeaderError {
     }
 }
 
-/// The most bytes that a `sensor_msgs/PointCloud2` can hold: its data's length is a `uint32`.
+/// Most bytes of a `sensor_msgs/PointCloud2`, whose length is a `uint32`.
 const MOST_BYTES: u64 = u32::MAX as u64;
 
-/// The entries of the file, each with its line.
+/// Entries of the file with their lines.
 #[derive(Default)]
 struct Entries {
     names: Option<(usize, Vec<String>)>,
@@ -162,10 +177,10 @@ struct Entries {
 }
 
 impl PcdHeader {
-    /// Reads the header at the beginning of a file.
+    /// Parses the header at the beginning of a file.
     ///
     /// # Errors
-    /// [`HeaderError`] with the line that is wrong or the entry that is missing.
+    /// [`HeaderError`] with the invalid line or the missing entry.
     pub(super) fn parse(file: &[u8]) -> Result<Self, HeaderError> {
         let mut entries = Entries::default();
         let mut offset = file.len() - without_byte_order_mark(file).len();
@@ -221,12 +236,12 @@ impl PcdHeader {
         Err(missing("there is no DATA line"))
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn points(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// Bytes of all points together; at most 4 GiB.
+    /// Bytes of all points, at most 4 GiB.
     pub(super) fn total_bytes(&self) -> usize {
         self.points() * self.point_step_bytes
     }
@@ -254,7 +269,7 @@ impl Entries {
         Ok(PcdHeader { fields, width, height, encoding, data_offset_bytes, data_line, point_step_bytes })
     }
 
-    /// Width and height, from whichever of WIDTH, HEIGHT and POINTS there are.
+    /// Width and height by WIDTH, HEIGHT and POINTS, of which some may be missing.
     fn size(&self) -> Result<(u32, u32), HeaderError> {
         let points = self.points;
         let height = self.height.map_or(1, |(_, height)| height);
@@ -306,7 +321,7 @@ impl Entries {
         Ok(fields)
     }
 
-    /// A field's type. As in PCL a field without TYPE and SIZE has floats of 4 bytes.
+    /// Type of a field: floats of 4 bytes without TYPE and SIZE, as in PCL.
     fn kind(&self, index: usize, name: &str) -> Result<PcdType, HeaderError> {
         let value = |entry: &'_ Option<(usize, Vec<String>)>, default: &str| {
             let given = entry.as_ref().and_then(|(_, values)| values.get(index));
@@ -320,7 +335,7 @@ impl Entries {
         })
     }
 
-    /// How many elements a field has.
+    /// Number of a field's elements.
     fn count(&self, index: usize, name: &str) -> Result<usize, HeaderError> {
         let Some((line, counts)) = &self.counts else { return Ok(1) };
         let text = counts.get(index).map(String::as_str).unwrap_or_default();
@@ -335,7 +350,7 @@ fn missing(reason: impl Into<String>) -> HeaderError {
     HeaderError { line: None, reason: reason.into() }
 }
 
-/// A word for a message, cut to a readable length.
+/// A word of a message, cut to a readable length.
 fn shorten(word: &str) -> String {
     word.chars().take(40).collect()
 }

@@ -1,23 +1,23 @@
-//! LZF decompression, as PCD's `binary_compressed` data need it.
+//! LZF decompression of PCD's `binary_compressed` data.
 //!
 //! The format (Marc Lehmann's LibLZF) is a sequence of runs. A control byte `c` below 32 starts `c + 1` literal bytes.
 //! Otherwise its upper three bits are a length (7: the next byte is added to it) and its lower five bits with one more
 //! byte are a distance: `length + 2` bytes are repeated from `distance + 1` bytes before the end of what was
 //! written; they may overlap what they write.
 
-/// Why data are not what they claim to be.
+/// Compressed data are damaged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum LzfError {
     /// The data end in the middle of a run.
     #[error("the compressed data end in the middle of a run at byte {at}")]
     Truncated {
-        /// Place in the compressed data, bytes.
+        /// Offset in the compressed data, bytes.
         at: usize,
     },
     /// A repetition starts before the first byte written.
     #[error("the compressed data repeat what was never written at byte {at}")]
     BadDistance {
-        /// Place in the compressed data, bytes.
+        /// Offset in the compressed data, bytes.
         at: usize,
     },
     /// The data are longer or shorter than announced.
@@ -25,18 +25,18 @@ pub(crate) enum LzfError {
     WrongLength {
         /// Bytes announced.
         expected_bytes: usize,
-        /// Bytes written when that was noticed.
+        /// Bytes written at the error.
         got_bytes: usize,
     },
 }
 
-/// The most bytes that three compressed bytes can become.
+/// Most bytes of three compressed bytes.
 const LONGEST_RUN: usize = 7 + 255 + 2;
 
-/// Decompresses `input`, which must become exactly `expected_bytes` bytes.
+/// Decompresses `input` to exactly `expected_bytes` bytes. Memory is allocated only for what the input can hold.
 ///
 /// # Errors
-/// [`LzfError`] for damaged data; memory is only taken for what the input can hold.
+/// [`LzfError`].
 pub(crate) fn decompress(input: &[u8], expected_bytes: usize) -> Result<Vec<u8>, LzfError> {
     let possible = input.len().saturating_mul(LONGEST_RUN) / 3 + LONGEST_RUN;
     let mut out: Vec<u8> = Vec::with_capacity(expected_bytes.min(possible));

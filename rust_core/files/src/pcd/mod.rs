@@ -1,16 +1,13 @@
-//! Point clouds from PCD files, as a PointCloud2 takes them.
+//! PCD files in the layout of a PointCloud2.
 //!
-//! [`PcdCloud::read`] reads all three encodings (`ascii`, `binary`, `binary_compressed`) with any fields, types, counts
-//! and sizes into points that lie one after another, little-endian, in rows. A packed colour (`rgb`, `rgba`) is a field
-//! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to
-//! 2^53), and PCL's padding fields (`_`) become bytes that no field names.
+//! All three encodings (`ascii`, `binary`, `binary_compressed`) are read, with any fields, types, counts and sizes. A
+//! PointCloud2 has no integers of 8 bytes, which become `FLOAT64` (exact up to 2^53), and no fields for padding (`_`).
 //!
-//! As in PCL, numbers with a point are allowed in fields of integers, and a row of text with too few or too many
-//! numbers is skipped with a warning. PCL leaves a point of zeros in its place; here an organised cloud has NaN there,
-//! and any other cloud becomes shorter.
+//! As in PCL, decimals are allowed in fields of integers, and a row of text with another number of values is skipped
+//! with a warning. PCL leaves a point of zeros in its place; here an organised cloud has NaN there, and any other cloud
+//! becomes shorter.
 //!
-//! The crates that read PCD files decode each point into a list of typed values. Here the bytes are needed, errors name
-//! line or offset, and a damaged header allocates no memory that the file does not fill.
+//! Crates that read PCD files decode each point into a list of typed values, which would have to be encoded again.
 
 mod ascii;
 mod coordinates;
@@ -19,64 +16,16 @@ mod lzf;
 
 use std::path::{Path, PathBuf};
 
+use rcs_messages::sensor_msgs::PointField;
+
 use crate::limited_read::read_limited;
 pub use header::HeaderError;
 use header::{PcdEncoding, PcdField, PcdHeader, PcdType};
 
-/// The largest file that is read: more than a message holds.
+/// Largest file that is read: more than a message holds.
 const MOST_FILE_BYTES: u64 = 8 << 30;
 
-/// `datatype` of a `sensor_msgs/PointField`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub enum PointDatatype {
-    /// `INT8`.
-    Int8 = 1,
-    /// `UINT8`.
-    Uint8 = 2,
-    /// `INT16`.
-    Int16 = 3,
-    /// `UINT16`.
-    Uint16 = 4,
-    /// `INT32`.
-    Int32 = 5,
-    /// `UINT32`.
-    Uint32 = 6,
-    /// `FLOAT32`.
-    Float32 = 7,
-    /// `FLOAT64`.
-    Float64 = 8,
-}
-
-impl From<PcdType> for PointDatatype {
-    fn from(kind: PcdType) -> Self {
-        match kind {
-            PcdType::I8 => Self::Int8,
-            PcdType::U8 => Self::Uint8,
-            PcdType::I16 => Self::Int16,
-            PcdType::U16 => Self::Uint16,
-            PcdType::I32 => Self::Int32,
-            PcdType::U32 => Self::Uint32,
-            PcdType::F32 => Self::Float32,
-            PcdType::F64 | PcdType::I64 | PcdType::U64 => Self::Float64,
-        }
-    }
-}
-
-/// One field of the points, as a `sensor_msgs/PointField` describes it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CloudField {
-    /// Name.
-    pub name: String,
-    /// Place in the point, bytes.
-    pub offset_bytes: u32,
-    /// Type of each element.
-    pub datatype: PointDatatype,
-    /// Elements in each point.
-    pub count: u32,
-}
-
-/// A point cloud: `height` rows of `width` points of `point_step_bytes` bytes, little-endian, no padding between them.
+/// A point cloud: `height` rows of `width` points of `point_step_bytes`, little-endian, without padding between them.
 ///
 /// ```
 /// use rcs_files::pcd::PcdCloud;
@@ -94,17 +43,17 @@ pub struct PcdCloud {
     pub width: u32,
     /// Rows; 1 for a cloud without order.
     pub height: u32,
-    /// The fields, without padding.
-    pub fields: Vec<CloudField>,
-    /// Bytes of one point.
+    /// Fields without padding.
+    pub fields: Vec<PointField>,
+    /// Bytes of a point.
     pub point_step_bytes: u32,
-    /// Whether no point has NaN or infinity in x, y or z.
+    /// `true` if x, y and z of all points are finite.
     pub is_dense: bool,
-    /// The points.
+    /// Points.
     pub data: Vec<u8>,
 }
 
-/// Why a PCD file cannot be used.
+/// A PCD file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum PcdError {
     /// The file cannot be read.
@@ -115,32 +64,32 @@ pub enum PcdError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The header is wrong.
+    /// The header is invalid.
     #[error("{}: {error}", path.display())]
     Header {
         /// The file.
         path: PathBuf,
-        /// The line and what is wrong with it.
+        /// Line and reason.
         error: HeaderError,
     },
-    /// A line of an ascii file is wrong.
+    /// A line of an ascii file is invalid.
     #[error("{}: line {line}: {reason}", path.display())]
     Line {
         /// The file.
         path: PathBuf,
-        /// The line, counted from 1.
+        /// Line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
-    /// The points of a binary file are wrong.
+    /// The points of a binary file are invalid.
     #[error("{}: at byte {offset}: {reason}", path.display())]
     Data {
         /// The file.
         path: PathBuf,
-        /// Place in the file, bytes.
+        /// Offset in the file, bytes.
         offset: usize,
-        /// What is wrong there.
+        /// Reason.
         reason: String,
     },
 }
@@ -156,7 +105,7 @@ impl PcdCloud {
         Self::parse(path, &bytes)
     }
 
-    /// Reads the contents of a file; `path` only names it in errors.
+    /// Parses the contents of a file; `path` is for errors.
     ///
     /// # Errors
     /// [`PcdError`] with the file and the line or offset.
@@ -186,19 +135,18 @@ fn to_u32(value: usize) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)
 }
 
-fn cloud_fields(header: &PcdHeader) -> Vec<CloudField> {
+fn cloud_fields(header: &PcdHeader) -> Vec<PointField> {
     let named = header.fields.iter().filter(|field| field.name != "_");
-    named
-        .map(|field| CloudField {
-            name: field.name.clone(),
-            offset_bytes: to_u32(field.offset_bytes),
-            datatype: field.kind.into(),
-            count: to_u32(field.count),
-        })
-        .collect()
+    let message = |field: &PcdField| PointField {
+        name: field.name.clone(),
+        offset: to_u32(field.offset_bytes),
+        datatype: field.kind.datatype(),
+        count: to_u32(field.count),
+    };
+    named.map(message).collect()
 }
 
-/// Calls `change` with each element of a field, in all points.
+/// Calls `change` with each element of a field.
 fn for_each_element(header: &PcdHeader, field: &PcdField, data: &mut [u8], mut change: impl FnMut(&mut [u8])) {
     for point in data.chunks_exact_mut(header.point_step_bytes.max(1)) {
         let bytes = point.get_mut(field.offset_bytes..field.offset_bytes + field.size_bytes());
@@ -208,7 +156,7 @@ fn for_each_element(header: &PcdHeader, field: &PcdField, data: &mut [u8], mut c
     }
 }
 
-/// Makes floats of the integers for which a PointCloud2 has no type.
+/// Converts integers of 8 bytes, for which a PointCloud2 has no type, to floats.
 fn integers_to_floats(header: &PcdHeader, data: &mut [u8]) {
     for field in &header.fields {
         if !matches!(field.kind, PcdType::I64 | PcdType::U64) {
@@ -242,7 +190,7 @@ fn is_dense(header: &PcdHeader, data: &[u8]) -> bool {
         .all(|point| coordinates.iter().all(|field| is_finite(point, field)))
 }
 
-/// Reads what follows the header into points one after another.
+/// Reads the points after the header.
 struct BodyReader<'a> {
     path: &'a Path,
     header: &'a PcdHeader,
@@ -253,7 +201,7 @@ impl BodyReader<'_> {
         PcdError::Data { path: self.path.to_owned(), offset: self.header.data_offset_bytes + offset_in_body, reason }
     }
 
-    /// Bytes after the last point are ignored, as PCL ignores them (it pads its files to whole pages).
+    /// Bytes after the last point are ignored, because PCL pads its files to whole pages.
     fn binary(&self, body: &[u8]) -> Result<Vec<u8>, PcdError> {
         let needed = self.header.total_bytes();
         let points = body.get(..needed).ok_or_else(|| {
@@ -288,7 +236,7 @@ impl BodyReader<'_> {
         Ok(self.points_from_fields(&by_field))
     }
 
-    /// Turns "all x, all y, all z" into "x y z, x y z".
+    /// Interleaves the fields: "all x, all y, all z" becomes "x y z, x y z".
     fn points_from_fields(&self, by_field: &[u8]) -> Vec<u8> {
         let step = self.header.point_step_bytes;
         let mut data = vec![0; by_field.len()];
@@ -386,8 +334,7 @@ mod tests {
         let names: Vec<&str> = cloud.fields.iter().map(|field| field.name.as_str()).collect();
         assert_eq!(names, ["x", "y", "z", "rgb", "label"]);
         let label = cloud.fields.last().unwrap();
-        assert_eq!(label.datatype, PointDatatype::Float64);
-        assert_eq!((label.offset_bytes, label.count), (19, 2));
+        assert_eq!((label.datatype, label.offset, label.count), (PointField::FLOAT64, 19, 2));
         let second: [u8; 8] = cloud.data[35 + 27..].try_into().unwrap();
         assert_eq!(f64::from_le_bytes(second), 4294967296.0);
     }

@@ -1,20 +1,19 @@
-//! Numbers of the file, checked while they are read: ranges, finiteness, how many. The checks are made in serde's
-//! visitors, because an error has a line only if a visitor returns it.
+//! Numbers that are checked in serde's visitors, because only their errors have a line.
 
 use std::fmt;
 
 use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
 use serde::Deserialize;
 
-/// A whole number from `MIN` to `MAX`.
+/// An integer from `MIN` to `MAX`.
 #[derive(Clone, Copy)]
-pub(crate) struct Whole<const MIN: u32, const MAX: u32>(pub(crate) u32);
+pub(crate) struct IntegerIn<const MIN: u32, const MAX: u32>(pub(crate) u32);
 
-impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
+impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for IntegerIn<MIN, MAX> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct WholeVisitor<const MIN: u32, const MAX: u32>;
-        impl<const MIN: u32, const MAX: u32> Visitor<'_> for WholeVisitor<MIN, MAX> {
-            type Value = Whole<MIN, MAX>;
+        struct IntegerVisitor<const MIN: u32, const MAX: u32>;
+        impl<const MIN: u32, const MAX: u32> Visitor<'_> for IntegerVisitor<MIN, MAX> {
+            type Value = IntegerIn<MIN, MAX>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 if MIN == MAX {
@@ -26,17 +25,17 @@ impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
 
             fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Self::Value, E> {
                 match u32::try_from(number) {
-                    Ok(fitting) if (MIN..=MAX).contains(&fitting) => Ok(Whole(fitting)),
+                    Ok(fitting) if (MIN..=MAX).contains(&fitting) => Ok(IntegerIn(fitting)),
                     _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(number), &self)),
                 }
             }
         }
-        deserializer.deserialize_u32(WholeVisitor)
+        deserializer.deserialize_u32(IntegerVisitor)
     }
 }
 
-/// A width or height, in pixels.
-pub(crate) type Size = Whole<1, { u32::MAX }>;
+/// A width or height, pixels.
+pub(crate) type Size = IntegerIn<1, { u32::MAX }>;
 
 /// Finite numbers.
 pub(crate) struct Numbers(pub(crate) Vec<f64>);

@@ -1,10 +1,10 @@
-//! Names of distortion models in files, which differ between tools and their versions.
+//! Names of distortion models, which differ between tools and their versions.
 
 use rcs_calibration::DistortionModel;
 
 use crate::yaml_text::one_line;
 
-/// The message's name of the model that a file names, as its tool calls it.
+/// The message's name of a tool's distortion model.
 ///
 /// `camera_model` is the key of Melodic's camera_calibration, `fisheye_model` (0 or 1) that of OpenCV's sample.
 pub(super) fn distortion_model(
@@ -13,7 +13,7 @@ pub(super) fn distortion_model(
     fisheye_model: Option<u64>,
 ) -> Result<String, (&'static str, String)> {
     use DistortionModel::{Equidistant, PlumbBob, RationalPolynomial};
-    // OpenCV's alias for it is no name in a message.
+    // OpenCV's alias is not a name in a message.
     let named = named.map(|name| if name == "fisheye" { Equidistant.name().to_owned() } else { name });
     let of_camera = match camera_model {
         None if fisheye_model == Some(1) => Some(Equidistant),

@@ -1,4 +1,4 @@
-//! The file's static frames: keys and values, or one line as static_transform_publisher's arguments.
+//! Static frames of a projector's file: keys and values, or static_transform_publisher's arguments.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -12,26 +12,26 @@ use serde::Deserialize;
 
 use super::checked_numbers::Matrix;
 
-/// How far a quaternion's norm may be from one; what is closer is normalised.
+/// Largest error of a quaternion's norm; smaller ones are normalised.
 const NORM_TOLERANCE: f64 = 0.01;
-/// What is closer than this is so already but for rounding, and is kept: a file that was written is read as it was.
+/// Rounding error of a norm, which is not normalised, so that a written file is read back exactly.
 const NORM_ROUNDING: f64 = 1e-14;
 
-/// A frame that does not move in its parent.
+/// A frame that is fixed in its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticFrame {
-    /// The frame that the numbers are given in.
+    /// Parent frame.
     pub parent: String,
-    /// The frame that is placed.
+    /// Child frame.
     pub child: String,
-    /// The child's origin in the parent, metres.
+    /// Origin of the child in the parent, metres.
     pub translation_m: [f64; 3],
-    /// The child's orientation in the parent.
+    /// Orientation of the child in the parent.
     pub rotation: UnitQuaternion<f64>,
 }
 
 impl StaticFrame {
-    /// The message for `/tf_static`.
+    /// Message for `/tf_static`.
     pub fn to_message(&self, stamp: Time) -> TransformStamped {
         let [x, y, z] = self.translation_m;
         let rotation = self.rotation;
@@ -51,8 +51,8 @@ pub(super) struct FrameEntry(pub(super) StaticFrame);
 
 impl<'de> Deserialize<'de> for FrameEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntryVisitor;
-        impl<'de> Visitor<'de> for EntryVisitor {
+        struct FrameVisitor;
+        impl<'de> Visitor<'de> for FrameVisitor {
             type Value = FrameEntry;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -71,7 +71,7 @@ impl<'de> Deserialize<'de> for FrameEntry {
                 raw.frame().map(FrameEntry).map_err(A::Error::custom)
             }
         }
-        deserializer.deserialize_any(EntryVisitor)
+        deserializer.deserialize_any(FrameVisitor)
     }
 }
 
@@ -129,7 +129,7 @@ fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String
     Ok(UnitQuaternion::new_normalize(quaternion))
 }
 
-/// static_transform_publisher's numbers: x y z yaw pitch roll, or x y z qx qy qz qw.
+/// Parses static_transform_publisher's numbers: x y z yaw pitch roll, or x y z qx qy qz qw.
 fn placement(numbers: &[f64]) -> Result<([f64; 3], UnitQuaternion<f64>), String> {
     match *numbers {
         [x, y, z, yaw, pitch, roll] => Ok(([x, y, z], UnitQuaternion::from_euler_angles(roll, pitch, yaw))),
@@ -140,7 +140,7 @@ fn placement(numbers: &[f64]) -> Result<([f64; 3], UnitQuaternion<f64>), String>
     }
 }
 
-/// static_transform_publisher's arguments: the numbers, parent, child and, unused, a period in milliseconds.
+/// Parses static_transform_publisher's arguments: numbers, parent, child and an unused period in milliseconds.
 fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
     let numbers: Vec<f64> = words.iter().map_while(|word| finite(word)).collect();
@@ -154,7 +154,7 @@ fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
     }
 }
 
-/// A frame whose names are as tf2 takes them.
+/// A frame with names in tf2's form.
 pub(super) fn named_frame(
     parent: &str,
     child: &str,
@@ -171,7 +171,7 @@ pub(super) fn named_frame(
     Ok(StaticFrame { parent: parent.to_owned(), child: child.to_owned(), translation_m, rotation })
 }
 
-/// An error for a frame that has two parents.
+/// Checks that no frame has two parents.
 pub(super) fn check_placed_once(frames: &[StaticFrame]) -> Result<(), String> {
     let mut children = HashSet::new();
     let name = |frame: &StaticFrame| without_slash(&frame.child).to_owned();
@@ -181,7 +181,7 @@ pub(super) fn check_placed_once(frames: &[StaticFrame]) -> Result<(), String> {
     }
 }
 
-/// tf2 knows no leading slash.
+/// The name without a leading slash, which tf2 does not allow.
 fn without_slash(name: &str) -> &str {
     name.strip_prefix('/').unwrap_or(name)
 }

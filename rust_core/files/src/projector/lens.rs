@@ -1,7 +1,7 @@
-//! Between a CameraInfo and the lens that calibration solves for and decoding uses.
+//! Conversion between a CameraInfo and the lens of calibration.
 //!
-//! The lens is that of the raw picture: K and D. P and R belong to the rectified one; a file written here has none to
-//! tell, so its P is K and its R the identity.
+//! The lens is that of the raw image: K and D. P and R belong to the rectified one, so in a file written here P is K
+//! and R the identity.
 
 use nalgebra::{Isometry3, UnitQuaternion};
 use rcs_calibration::Lens;
@@ -9,9 +9,11 @@ use rcs_camera::{CameraInfoFields, LensProblem};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 
-use super::{p_from_k, ProjectorFile, StaticFrame};
+use super::file::ProjectorFile;
+use super::frames::StaticFrame;
+use super::raw_file::p_from_k;
 
-/// The fields of a CameraInfo that say how it projects.
+/// The fields of a CameraInfo that define its projection.
 pub fn fields_of(info: &CameraInfo) -> CameraInfoFields<'_> {
     let roi = &info.roi;
     CameraInfoFields {
@@ -27,28 +29,28 @@ pub fn fields_of(info: &CameraInfo) -> CameraInfoFields<'_> {
     }
 }
 
-/// The lens that K and D of a CameraInfo describe.
+/// The lens by K and D of a CameraInfo.
 ///
 /// # Errors
-/// Those of [`rcs_camera::lens_of`].
+/// As [`rcs_camera::lens_of`].
 pub fn lens_of(info: &CameraInfo) -> Result<Lens, LensProblem> {
     rcs_camera::lens_of(&fields_of(info))
 }
 
 impl ProjectorFile {
-    /// The optical frame that a calibrated projector's file places.
+    /// Optical frame of a calibrated projector.
     pub const FRAME_ID: &str = "proj_view";
 
-    /// The lens that K and D describe.
+    /// The lens by K and D.
     ///
     /// # Errors
-    /// Those of [`lens_of`].
+    /// As [`lens_of`].
     pub fn lens(&self) -> Result<Lens, LensProblem> {
         lens_of(&self.camera_info)
     }
 
-    /// The lens of a camera that pictures are decoded with, which must not be mirrored: a scan's pictures that are tell
-    /// of a mirror on the way.
+    /// The lens of a scanning camera, which must not be mirrored: mirrored pictures of a scan mean a mirror in the
+    /// light's path.
     ///
     /// # Errors
     /// As [`lens_of`], and focal lengths that are not positive.
@@ -61,7 +63,7 @@ impl ProjectorFile {
         Err(LensProblem { key: "K", reason: format!("the focal lengths (fx {fx}, fy {fy}) are not positive") })
     }
 
-    /// The file of a lens whose optical frame is `frame_id`: P is K, R the identity.
+    /// File of a lens with the optical frame `frame_id`: P is K, R the identity.
     pub fn from_lens(lens: &Lens, frame_id: &str) -> Self {
         let Lens { size_px: [width, height], focal_px, skew_px, center_px, distortion } = *lens;
         let k = [focal_px.x, skew_px.x, center_px.x, skew_px.y, focal_px.y, center_px.y, 0.0, 0.0, 1.0];
@@ -79,7 +81,7 @@ impl ProjectorFile {
         Self { camera_info, camera_info_topic: None, frames: Vec::new(), ignored_keys: Vec::new() }
     }
 
-    /// The file of a calibrated projector: its lens, and where its optical frame [`Self::FRAME_ID`] is in `parent`.
+    /// File of a calibrated projector: its lens, and the pose of its optical frame [`Self::FRAME_ID`] in `parent`.
     pub fn calibrated(lens: &Lens, parent: &str, parent_from_projector: &Isometry3<f64>) -> Self {
         let pose = StaticFrame {
             parent: parent.to_owned(),

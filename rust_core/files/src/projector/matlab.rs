@@ -1,8 +1,8 @@
-//! The variables of a MATLAB script that only sets numbers, as calibration toolboxes write them: `fc = [ 1 2 ];`.
+//! Variables of a MATLAB script of a calibration toolbox: `fc = [ 1 2 ];`.
 
 use serde_yaml_ng::{Mapping, Value};
 
-/// The variables that are set to a number, or to numbers in brackets, by their names.
+/// Variables that are set to a number, or to numbers in brackets.
 pub(super) fn variables(text: &str) -> Mapping {
     let code: Vec<&str> = text.lines().map(|line| line.split('%').next().unwrap_or_default()).collect();
     let code = code.join("\n");

@@ -1,22 +1,22 @@
-//! OpenCV's XML (`cv::FileStorage`) as the values that its YAML would be.
+//! OpenCV's XML (`cv::FileStorage`) as the values of its YAML.
 //!
-//! A matrix is an element with `rows`, `cols`, `dt` and `data`; lists of numbers stand between spaces, lists of other
-//! values in elements `_`, texts in quotes.
+//! A matrix is an element with `rows`, `cols`, `dt` and `data`; numbers of a list are separated by spaces, other values
+//! are in elements `_`, texts in quotes.
 
 use roxmltree::{Document, Node};
 use serde_yaml_ng::{Mapping, Value};
 
 use crate::yaml_text::one_line;
 
-/// The name of the root element.
+/// Name of the root element.
 const ROOT: &str = "opencv_storage";
-/// Deeper than any calibration's values.
+/// Deepest nesting of values.
 const DEEPEST: usize = 8;
 
-/// The values of a file by their names.
+/// Values of a file by name.
 ///
 /// # Errors
-/// The fault of the file, or the other kind of XML that it is.
+/// Not XML, or another kind of XML.
 pub(super) fn values(text: &str) -> Result<Mapping, String> {
     let document = Document::parse(text)
         .map_err(|error| format!("it is not XML as OpenCV writes it: {}", one_line(&error.to_string())))?;

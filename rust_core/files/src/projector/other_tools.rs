@@ -1,4 +1,4 @@
-//! Projector files of other calibrators, as what the project's own files hold.
+//! Projector files of other calibrators, converted to this project's keys.
 //!
 //! | tool | the projector's matrix, distortion | its size |
 //! |---|---|---|
@@ -10,23 +10,23 @@
 //! | OpenCV up to 2.4 (YAML, XML) | `Camera_Matrix`, `Distortion_Coefficients` | `image_Width`, `image_Height` |
 //! | Bouguet's toolbox (`Calib_Results.m`) | `fc`, `cc`, `alpha_c`, `kc` | `nx`, `ny` |
 //!
-//! Their poses are not taken: they are relative to the tool's own camera. `width`, `height`, `frame_id`,
-//! `camera_info_topic` and `frames` are this project's in these files, too; what a tool does not write can be added.
+//! Poses are not read: they are relative to the tool's own camera. `width`, `height`, `frame_id`, `camera_info_topic`
+//! and `frames` may be added to these files.
 
 use serde_yaml_ng::{Mapping, Value};
 
 use super::{matlab, opencv_xml};
 
-/// A key, and what is wrong with it.
-type Wrong = (&'static str, String);
+/// An invalid key and the reason.
+type KeyError = (&'static str, String);
 
-/// Keys of this project that these files may have, too.
+/// Keys of this project that these files may have.
 const OWN: [&str; 5] = ["width", "height", "frame_id", "camera_info_topic", "frames"];
 
-/// Keys of this project's two forms, which no other tool's count beside.
+/// Keys of this project's two forms, which exclude other tools' keys.
 const OWN_MATRICES: [&str; 4] = ["K", "P", "camera_matrix", "projection_matrix"];
 
-/// How a tool calls what describes the projector.
+/// Keys of a tool for the projector.
 struct Tool {
     name: &'static str,
     matrix: &'static str,
@@ -53,11 +53,11 @@ const TOOLS: [Tool; 5] = [
     },
 ];
 
-/// The values of a file that is no YAML of this project, by this project's keys; `None` for one that is.
+/// Values of another tool's file by this project's keys; `None` for a file of this project.
 ///
 /// # Errors
 /// The missing key, or the tool that seems to have written the file.
-pub(super) fn values(text: &str) -> Result<Option<Value>, Wrong> {
+pub(super) fn values(text: &str) -> Result<Option<Value>, KeyError> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let of_file = |reason| ("the file", reason);
     if text.starts_with('<') {
@@ -76,7 +76,7 @@ pub(super) fn values(text: &str) -> Result<Option<Value>, Wrong> {
 }
 
 /// The values by this project's keys, unless they are already.
-fn by_own_keys(values: &Mapping) -> Result<Option<Mapping>, Wrong> {
+fn by_own_keys(values: &Mapping) -> Result<Option<Mapping>, KeyError> {
     if OWN_MATRICES.iter().any(|key| values.contains_key(key)) {
         return Ok(None);
     }
@@ -90,7 +90,7 @@ fn by_own_keys(values: &Mapping) -> Result<Option<Mapping>, Wrong> {
 }
 
 /// The values of a file with a tool's keys.
-fn adopted(values: &Mapping) -> Result<Option<Mapping>, Wrong> {
+fn adopted(values: &Mapping) -> Result<Option<Mapping>, KeyError> {
     let Some(tool) = TOOLS.iter().find(|tool| values.contains_key(tool.matrix)) else { return Ok(None) };
     let k = numbers_of(values, tool.matrix).ok_or_else(|| (tool.matrix, "it is no matrix of numbers".to_owned()))?;
     let d = match values.get(tool.distortion) {
@@ -111,7 +111,7 @@ fn adopted(values: &Mapping) -> Result<Option<Mapping>, Wrong> {
 }
 
 /// The values of a MATLAB script with the projector as the right one of two, or as the only one.
-fn of_matlab(variables: &Mapping) -> Result<Option<Mapping>, Wrong> {
+fn of_matlab(variables: &Mapping) -> Result<Option<Mapping>, KeyError> {
     let numbers = |name: &str| numbers_of(variables, name);
     let pair = |name: &str| numbers(name).and_then(|numbers| <[f64; 2]>::try_from(numbers).ok());
     let one = |name: &str| numbers(name).and_then(|numbers| numbers.first().copied());
@@ -140,7 +140,7 @@ fn own_form(
     k: Vec<f64>,
     d: Vec<f64>,
     size: Option<(Value, Value)>,
-) -> Result<Mapping, Wrong> {
+) -> Result<Mapping, KeyError> {
     let mut values = Mapping::new();
     if let Some((width, height)) = size {
         values.insert("width".into(), whole(&width));
@@ -174,13 +174,13 @@ fn whole_of(values: &Mapping, key: &str) -> Option<Value> {
     values.get(key).map(whole)
 }
 
-/// The numbers of a matrix of OpenCV, or of a list of numbers or lists.
+/// Numbers of an OpenCV matrix, or of a list of numbers or lists.
 fn numbers_of(values: &Mapping, key: &str) -> Option<Vec<f64>> {
     let mut numbers = Vec::new();
     add_numbers(values.get(key)?, 0, &mut numbers).then_some(numbers)
 }
 
-/// Whether all of a value are numbers.
+/// Collects the numbers of a value; `false` if anything else is in it.
 fn add_numbers(value: &Value, depth: usize, numbers: &mut Vec<f64>) -> bool {
     match value {
         Value::Number(number) => number.as_f64().map(|number| numbers.push(number)).is_some(),
@@ -193,7 +193,7 @@ fn add_numbers(value: &Value, depth: usize, numbers: &mut Vec<f64>) -> bool {
     }
 }
 
-/// A file of text in a form that is not read.
+/// Name of an unsupported text format.
 fn foreign_text(text: &str) -> Option<&'static str> {
     if text.starts_with("# oST ") || text.starts_with("[image]") {
         return Some(
@@ -204,7 +204,7 @@ fn foreign_text(text: &str) -> Option<&'static str> {
     None
 }
 
-/// A mapping in a form that is not read.
+/// Name of an unsupported format by its keys.
 fn foreign_keys(values: &Mapping) -> Option<&'static str> {
     let has = |key: &str| values.contains_key(key);
     if has("cam0") {
@@ -409,7 +409,8 @@ mod tests {
             assert!(error.starts_with("calibration: the file: ") && error.contains(expected), "{error}");
         }
         let folder = tempfile::tempdir().unwrap();
-        for (bytes, expected) in [(&b"MATLAB 5.0 MAT-file\xff"[..], "a MAT-file of MATLAB"), (b"\xff\xfe", "no text")] {
+        for (bytes, expected) in [(&b"MATLAB 5.0 MAT-file\xff"[..], "a MAT-file of MATLAB"), (b"\xff\xfe", "not text")]
+        {
             let path = folder.path().join("calibration.mat");
             std::fs::write(&path, bytes).unwrap();
             let error = ProjectorFile::read(&path).unwrap_err().to_string();

@@ -1,8 +1,6 @@
-//! Writing a projector's file, in the project's own form: a CameraInfo's keys, `frame_id`, `camera_info_topic`, and
-//! `frames` with quaternions.
+//! Writing a projector's file: a CameraInfo's keys, `frame_id`, `camera_info_topic`, and `frames` with quaternions.
 //!
-//! Numbers have as many digits as it takes to read the same `f64` back, in a form that YAML 1.1 readers take for
-//! numbers, too (to PyYAML, `1e-7` is a string). Strings are quoted.
+//! Numbers are read back exactly, also by YAML 1.1 readers (to PyYAML, `1e-7` is a string). Strings are quoted.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -10,19 +8,18 @@ use std::path::Path;
 
 use rcs_calibration::{Distortion, DistortionProblem};
 
-use super::frames::{check_placed_once, named_frame};
-use super::{check_focal_lengths, ProjectorFile, ProjectorFileError, StaticFrame};
+use super::file::{ProjectorFile, ProjectorFileError};
+use super::frames::{check_placed_once, named_frame, StaticFrame};
+use super::raw_file::check_focal_lengths;
 use crate::atomic_file::write_atomically;
 use crate::yaml_text::{number, quoted};
 
-/// The key that is wrong, and why.
-type Wrong = (&'static str, String);
+/// An invalid key and the reason.
+type KeyError = (&'static str, String);
 
 impl ProjectorFile {
-    /// Writes the file, replacing one that is there. It appears whole or not at all. The folder must exist.
-    ///
-    /// What [`read`](Self::read) gives is the same as `self`, except that [`ignored_keys`](Self::ignored_keys) are not
-    /// written, and neither are sequence number and stamp.
+    /// Writes or replaces the file, which appears whole or not at all, in an existing folder. Not written are
+    /// [`ignored_keys`](Self::ignored_keys), sequence number and stamp.
     ///
     /// # Errors
     /// [`ProjectorFileError`] with the file and, where there is one, the key: for values that could not be read again,
@@ -41,7 +38,7 @@ impl ProjectorFile {
         )
     }
 
-    /// The text of the file; `path` only names it in errors.
+    /// Text of the file; `path` is for errors.
     ///
     /// # Errors
     /// [`ProjectorFileError::Key`] for numbers that are not finite, a size or a focal length of zero, a distortion
@@ -54,7 +51,7 @@ impl ProjectorFile {
         })
     }
 
-    fn yaml(&self) -> Result<String, Wrong> {
+    fn yaml(&self) -> Result<String, KeyError> {
         let info = &self.camera_info;
         for (key, size) in [("width", info.width), ("height", info.height)] {
             if size == 0 {
@@ -109,7 +106,7 @@ impl ProjectorFile {
 }
 
 /// One entry of `frames`.
-fn frame_entry(frame: &StaticFrame) -> Result<String, Wrong> {
+fn frame_entry(frame: &StaticFrame) -> Result<String, KeyError> {
     let frame = named_frame(&frame.parent, &frame.child, frame.translation_m, frame.rotation)
         .map_err(|reason| ("frames", reason))?;
     let rotation = frame.rotation;
@@ -123,7 +120,7 @@ fn frame_entry(frame: &StaticFrame) -> Result<String, Wrong> {
 }
 
 /// A list of finite numbers.
-fn numbers(key: &'static str, values: &[f64]) -> Result<String, Wrong> {
+fn numbers(key: &'static str, values: &[f64]) -> Result<String, KeyError> {
     let checked = |value: &f64| {
         if value.is_finite() {
             Ok(number(*value))
@@ -131,7 +128,7 @@ fn numbers(key: &'static str, values: &[f64]) -> Result<String, Wrong> {
             Err((key, format!("{value} is not a finite number")))
         }
     };
-    let numbers: Result<Vec<String>, Wrong> = values.iter().map(checked).collect();
+    let numbers: Result<Vec<String>, KeyError> = values.iter().map(checked).collect();
     Ok(format!("[{}]", numbers?.join(", ")))
 }
 

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use clap::Parser;
 use rcs_files::pcd::{PcdCloud, PcdError};
-use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
 use rcs_ros::RosNode;
 
@@ -99,17 +98,11 @@ pub fn read(path: &Path, frame: &str) -> Result<PointCloud2, PcdError> {
 }
 
 fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
-    let fields = cloud.fields.into_iter().map(|field| PointField {
-        name: field.name,
-        offset: field.offset_bytes,
-        datatype: field.datatype as u8,
-        count: field.count,
-    });
     let mut message = PointCloud2::default().with_data(cloud.data);
     message.header.frame_id = frame.to_owned();
     message.height = cloud.height;
     message.width = cloud.width;
-    message.fields = fields.collect();
+    message.fields = cloud.fields;
     message.point_step = cloud.point_step_bytes;
     // The reader rejects a cloud with more bytes than fit into a u32.
     message.row_step = cloud.point_step_bytes.saturating_mul(cloud.width);
@@ -119,6 +112,8 @@ fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
 
 #[cfg(test)]
 mod tests {
+    use rcs_messages::sensor_msgs::PointField;
+
     use super::*;
 
     #[test]
