@@ -1,4 +1,4 @@
-//! A listening socket whose connections have a thread each, up to a number of them.
+//! A listening socket with a thread for each connection, up to a limit.
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -12,21 +12,21 @@ use rustix::event::{poll, PollFd, PollFlags};
 
 use crate::socket::IDLE_TIMEOUT;
 
-/// How long accepting pauses after an error: no descriptor is left, say, and others may be closed soon.
+/// Pause after an error of `accept`, such as one without a free descriptor.
 const ERROR_PAUSE: Duration = Duration::from_millis(20);
 
-/// How long the accepting thread may take to end. It does nothing else, so that this is never reached.
+/// Time for the accepting thread to end, which is never reached.
 const END_PATIENCE: Duration = Duration::from_secs(2);
 
-/// How often it is logged that connections cannot be served.
+/// Shortest time between two warnings.
 const WARNING_PERIOD: Duration = Duration::from_secs(60);
 
-/// What the connections of a socket may take.
+/// Limits of a socket's connections.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
-    /// Connections beyond these are closed at once.
+    /// Number of connections; further ones are closed.
     pub(crate) connections: usize,
-    /// The stack of each connection's thread.
+    /// Stack of each connection's thread.
     pub(crate) stack_bytes: usize,
 }
 
@@ -39,18 +39,17 @@ pub(crate) struct Acceptor {
 }
 
 impl Acceptor {
-    /// Calls `serve` with each connection, on a thread of its own. `name` is that of the accepting thread, those of the
-    /// connections begin with it.
+    /// Calls `serve` with each connection, on a thread of its own. Names of the threads begin with `name`.
     ///
     /// # Errors
-    /// The system's, where there is no thread left.
+    /// No thread can be started.
     pub(crate) fn start(
         name: &str,
         listener: TcpListener,
         limits: Limits,
         serve: impl Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        // Who wanted to connect may have gone again, and accepting must not wait for the next one then.
+        // A caller may have left before `accept`, which must not wait for the next one then.
         listener.set_nonblocking(true)?;
         let (address, listener) = (listener.local_addr()?, Arc::new(listener));
         let is_ended = Arc::new(AtomicBool::new(false));
@@ -61,15 +60,15 @@ impl Acceptor {
         Ok(Self { address, listener, is_ended, thread: Some(thread) })
     }
 
-    /// Where it listens.
+    /// Local address.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Accepts no more connections; those there are go on.
+    /// Accepts no more connections; present ones continue.
     pub(crate) fn end(&mut self) {
         self.is_ended.store(true, Ordering::Release);
-        // The thread that waits for a connection goes on. Fails only where the socket has ended.
+        // Wakes the thread. Fails only if the socket has ended.
         let _ = rustix::net::shutdown(&*self.listener, rustix::net::Shutdown::Both);
         if let Some(thread) = self.thread.take() {
             // A panic there was reported by its own thread.
@@ -86,7 +85,7 @@ impl Drop for Acceptor {
     }
 }
 
-/// Counts a connection for as long as it lives.
+/// Counts a connection while it lives.
 struct Counted(Arc<AtomicUsize>);
 
 impl Drop for Counted {
@@ -95,12 +94,12 @@ impl Drop for Counted {
     }
 }
 
-/// When it was logged last that connections cannot be served.
+/// Throttle of the warnings.
 #[derive(Default)]
 struct Warned(Option<Instant>);
 
 impl Warned {
-    /// Whether to log that now.
+    /// `true` if a warning is to be logged now.
     fn is_due(&mut self, now: Instant) -> bool {
         let is_due = self.0.is_none_or(|last| now.duration_since(last) >= WARNING_PERIOD);
         if is_due {
@@ -125,7 +124,7 @@ where
         }
         let stream = match accepted {
             Ok((stream, _)) => stream,
-            // Nobody has come, or has gone again.
+            // The caller has left.
             Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => continue,
             Err(error) => {
                 if warned.is_due(Instant::now()) {

@@ -4,13 +4,13 @@ use rcs_messages::Time;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// How often a sleeper looks at the time.
+/// Polling period of sleepers.
 const POLL_PERIOD: Duration = Duration::from_millis(10);
 
 /// A clock that is read from any thread.
 #[derive(Debug)]
 pub struct RosClock {
-    /// Nanoseconds of the simulation; negative if the computer's clock counts.
+    /// Simulated time, nanoseconds; negative without simulation.
     simulated_nanos: AtomicI64,
 }
 
@@ -22,12 +22,12 @@ impl RosClock {
         Self { simulated_nanos: AtomicI64::new(if simulated { 0 } else { REAL }) }
     }
 
-    /// Whether the time is a simulation's.
+    /// `true` if the time is simulated.
     pub fn is_simulated(&self) -> bool {
         self.simulated_nanos.load(Ordering::Acquire) != REAL
     }
 
-    /// The present time.
+    /// Present time.
     pub fn now(&self) -> Time {
         match self.simulated_nanos.load(Ordering::Acquire) {
             REAL => Time::from_nanos(real_nanos()),
@@ -35,14 +35,14 @@ impl RosClock {
         }
     }
 
-    /// Sets the simulation's time. If it jumped back, the time before and after.
+    /// Sets the simulated time. Returns the times before and after a jump back.
     pub fn set(&self, time: Time) -> Option<(Time, Time)> {
         let before = self.simulated_nanos.swap(time.nanos(), Ordering::AcqRel);
         (time.nanos() < before).then(|| (Time::from_nanos(before), time))
     }
 }
 
-/// For rosrust's traits of messages.
+/// Clock for filling in the stamps of messages.
 impl rosrust::Clock for RosClock {
     fn now(&self) -> Time {
         Self::now(self)

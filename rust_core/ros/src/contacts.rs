@@ -1,29 +1,28 @@
-//! Publishers' nodes that do not answer: each is reported once, however many of its topics the node subscribes to.
+//! Publishers' nodes that do not answer, each reported once for all of its topics.
 //!
-//! A node that was killed stays on the master's list, under an address where nobody listens any more. Each of its
-//! topics has a thread that tries again and again, see [`crate::tcpros`]; what they find is gathered here by the
-//! address of the node.
+//! A node that was killed stays on the master's list. Each of its topics has a thread that retries to connect; the
+//! failures are collected here by the address of the node.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use rcs_scene::lock;
 
-/// A publisher's node that the master names and that does not answer.
+/// A publisher's node that does not answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreachable {
-    /// Its name, or its address while the name is not known.
+    /// Name, or address while the name is unknown.
     pub node: String,
-    /// What happens when it is asked.
+    /// Error of the last call.
     pub reason: String,
 }
 
-/// The nodes that do not answer, by their addresses.
+/// Nodes that do not answer, by address.
 #[derive(Default)]
 pub(crate) struct Contacts(Mutex<BTreeMap<String, Unreachable>>);
 
 impl Contacts {
-    /// Notes that the node at an address does not answer; true if that is news.
+    /// Notes a failure; `true` if it is the first of this node.
     pub(crate) fn fail(&self, uri: &str, reason: &str) -> bool {
         let mut nodes = lock(&self.0);
         let is_new = !nodes.contains_key(uri);
@@ -33,14 +32,14 @@ impl Contacts {
         is_new
     }
 
-    /// Notes the name of a node that does not answer.
+    /// Notes the name of a failed node.
     pub(crate) fn set_name(&self, uri: &str, name: &str) {
         if let Some(node) = lock(&self.0).get_mut(uri) {
             name.clone_into(&mut node.node);
         }
     }
 
-    /// Notes that the node at an address has answered.
+    /// Notes an answer.
     pub(crate) fn succeed(&self, uri: &str) {
         lock(&self.0).remove(uri);
     }
@@ -50,14 +49,14 @@ impl Contacts {
         lock(&self.0).retain(|uri, _| is_named(uri));
     }
 
-    /// Those of some addresses whose nodes do not answer.
+    /// The failed nodes among some addresses.
     pub(crate) fn among(&self, uris: &[String]) -> Vec<Unreachable> {
         let nodes = lock(&self.0);
         uris.iter().filter_map(|uri| nodes.get(uri).cloned()).collect()
     }
 }
 
-/// Topics as a sentence names them: the first ones, and how many more there are.
+/// Formats the first topics and the number of the others.
 pub(crate) fn list_of(topics: &[String]) -> String {
     const MOST: usize = 3;
     let named: Vec<String> = topics.iter().take(MOST).map(|topic| format!("[{topic}]")).collect();

@@ -1,6 +1,6 @@
 //! Errors of the node.
 
-/// Why the node could not do something.
+/// Errors of the node.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NodeError {
     /// Waiting for the master was cancelled.
@@ -9,17 +9,17 @@ pub enum NodeError {
     /// There is no master.
     #[error("no ROS master at {uri}: {reason}")]
     NoMaster {
-        /// Where it should be.
+        /// Address of the master.
         uri: String,
-        /// What is there instead.
+        /// Error of the call.
         reason: String,
     },
-    /// A port or a thread cannot be had.
+    /// No port or thread is available.
     #[error("cannot start {what}: {reason}")]
     Start {
-        /// What was to be started.
+        /// The part that cannot be started.
         what: &'static str,
-        /// The system's reason.
+        /// The system's error.
         reason: String,
     },
     /// The address of the master cannot be parsed.
@@ -35,17 +35,17 @@ pub enum NodeError {
         name: String,
         /// Its value as given.
         value: String,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// The node subscribes to the topic with another type already.
     #[error("{topic} is subscribed to as {subscribed}, not {wanted}")]
     TypeMismatch {
-        /// The topic's whole name.
+        /// Whole name of the topic.
         topic: String,
-        /// Its type so far.
+        /// Type of the subscription.
         subscribed: &'static str,
-        /// The other type.
+        /// Type that was wanted.
         wanted: &'static str,
     },
 }

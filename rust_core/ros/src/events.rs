@@ -1,5 +1,4 @@
-//! The queues between the threads that receive and those that act on it, and what is in them: [`NodeEvent`]s change
-//! the scene, [`ServiceCall`]s are to be answered at once.
+//! Queues of received events: [`NodeEvent`]s change the scene, [`ServiceCall`]s are to be answered at once.
 
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -11,74 +10,74 @@ use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Something that happened on the network.
+/// An event on the network.
 #[derive(Debug)]
 pub enum NodeEvent {
     /// A message of a subscribed topic.
     Message {
-        /// The topic's whole name, after remapping.
+        /// Whole name of the topic, after remapping.
         topic: Arc<str>,
         /// The message.
         message: AnyMessage,
-        /// Name of the node that sent it.
+        /// Name of the sending node.
         publisher: Arc<str>,
-        /// When its bytes were there, before it was decoded.
+        /// Time of reception, before decoding.
         received: Instant,
     },
     /// Transforms of `/tf` or `/tf_static`.
     Transforms {
-        /// The transforms, as sent.
+        /// Transforms as sent.
         message: Arc<TFMessage>,
-        /// Whether they hold for all times.
+        /// `true` if they hold for all times.
         is_static: bool,
-        /// Name of the node that sent them.
+        /// Name of the sending node.
         authority: Arc<str>,
-        /// When their bytes were there, before they were decoded.
+        /// Time of reception, before decoding.
         received: Instant,
     },
-    /// The simulation's time went back.
+    /// The simulated time jumped back.
     TimeJumpedBack {
-        /// The latest time before.
+        /// Time before the jump.
         from: Time,
-        /// The time now.
+        /// Time after the jump.
         to: Time,
     },
-    /// A parameter that is followed, see [`RosNode::follow_parameters`](crate::RosNode::follow_parameters).
+    /// A followed parameter was read.
     Parameter {
-        /// Its name, as given.
+        /// Name as given.
         name: Arc<str>,
-        /// Its value; none while it is not set.
+        /// Value; `None` while it is not set.
         text: Option<Arc<str>>,
     },
-    /// A publisher of a subscribed topic is not registered any more.
+    /// A publisher of a subscribed topic has unregistered.
     PublisherLeft {
-        /// The topic's whole name, after remapping.
+        /// Whole name of the topic, after remapping.
         topic: Arc<str>,
     },
 }
 
-/// A call of one of the node's services, to be answered.
+/// A call of one of the node's services.
 #[derive(Debug)]
 pub enum ServiceCall {
-    /// Somebody called a trigger service.
+    /// Call of a trigger service.
     Trigger {
-        /// The service's whole name.
+        /// Whole name of the service.
         service: Arc<str>,
-        /// To be answered.
+        /// Sends the answer.
         reply: TriggerReply,
     },
-    /// Somebody sets parameters of a [`ReconfigureServer`](crate::ReconfigureServer).
+    /// Call that sets parameters of a dynamic_reconfigure server.
     Reconfigure {
-        /// The server's whole name.
+        /// Whole name of the server.
         server: Arc<str>,
-        /// The parameters to be set; some or all.
+        /// Parameters to be set, some or all.
         request: Config,
-        /// To be answered with the values that hold then.
+        /// Answers with the values that apply then.
         reply: Reply<Config>,
     },
 }
 
-/// Answers a service call. If it is dropped unused, the caller gets an error.
+/// Answers a service call; dropped unused, it causes an error.
 #[derive(Debug)]
 pub struct Reply<T>(SyncSender<T>);
 
@@ -105,7 +104,7 @@ impl TriggerReply {
     }
 }
 
-/// Events in the order of their arrival.
+/// Queue of events in the order of arrival.
 #[derive(Debug)]
 pub struct EventQueue<E = NodeEvent> {
     state: Mutex<State<E>>,
@@ -126,10 +125,10 @@ impl<E> Default for EventQueue<E> {
     }
 }
 
-/// No source has more events than that in a queue.
+/// Largest number of queued events of a source.
 const MOST_QUEUED: usize = 10_000;
 
-/// Puts one source's events into a queue, which holds at most so many of them at a time.
+/// Queues the events of a source, up to a number of them.
 #[derive(Debug)]
 pub struct EventSender<E = NodeEvent> {
     queue: Arc<EventQueue<E>>,
@@ -144,12 +143,12 @@ impl<E> Clone for EventSender<E> {
 }
 
 impl<E> EventSender<E> {
-    /// Adds an event and wakes the queue's reader. If `queue_size` events of this sender are queued already, the oldest
-    /// of them is dropped. Never waits.
+    /// Adds an event and wakes the reader. The sender's oldest event is dropped if its queue size is reached. Never
+    /// waits.
     pub fn push(&self, event: E) {
         let mut state = lock(&self.queue.state);
         let queue_size = self.queue_size.load(Ordering::Relaxed);
-        // Counting is only worth it once the queue could be full of them.
+        // Events are counted only when the queue could be full of them.
         if state.queued.len() >= queue_size {
             let mine = || state.queued.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
             let (count, oldest) = (mine().count(), mine().next().map(|(index, _)| index));
@@ -162,18 +161,18 @@ impl<E> EventSender<E> {
         self.queue.changed.notify_all();
     }
 
-    /// How many of its events may be queued from now on (0: 10,000, which is the most). Clones share this.
+    /// Sets the queue size (0: 10,000, the largest), which clones share.
     pub fn set_queue_size(&self, queue_size: usize) {
         self.queue_size.store(bounded(queue_size), Ordering::Relaxed);
     }
 
-    /// Drops those of its events that are queued.
+    /// Drops its queued events.
     pub(crate) fn drop_queued(&self) {
         lock(&self.queue.state).queued.retain(|(id, _)| *id != self.id);
     }
 }
 
-/// A queue size within the bounds; 0 stands for the largest.
+/// A queue size within the bounds; 0 means the largest.
 fn bounded(queue_size: usize) -> usize {
     if queue_size == 0 {
         MOST_QUEUED
@@ -183,13 +182,13 @@ fn bounded(queue_size: usize) -> usize {
 }
 
 impl<E> EventQueue<E> {
-    /// A new source of events, of which at most `queue_size` are queued (0: 10,000, which is the most).
+    /// A new source, of whose events at most `queue_size` are queued (0: 10,000, the largest).
     pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender<E> {
         let id = self.next_id.fetch_add(1, Ordering::Relaxed);
         EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(bounded(queue_size).into()) }
     }
 
-    /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all queued events.
+    /// Waits for events, a [`wake`](Self::wake) or `timeout`, and takes all queued events.
     pub fn wait(&self, timeout: Duration) -> Vec<E> {
         let idle = |state: &mut State<E>| state.queued.is_empty() && !state.woken;
         let waited = self.changed.wait_timeout_while(lock(&self.state), timeout, idle);
@@ -203,7 +202,7 @@ impl<E> EventQueue<E> {
         lock(&self.state).queued.drain(..).map(|(_, event)| event).collect()
     }
 
-    /// Makes the present or the next [`wait`](Self::wait) return at once.
+    /// Ends the present or the next [`wait`](Self::wait).
     pub fn wake(&self) {
         lock(&self.state).woken = true;
         self.changed.notify_all();

@@ -1,8 +1,5 @@
-//! The readers of foreign bytes by themselves, without a connection: for the fuzz targets in `tests/fuzz_harness`, and
-//! no part of the interface.
-//!
-//! Each returns what it understood in the form in which this crate would send it, so that the targets can check that
-//! it is read again as the same.
+//! The parsers of foreign bytes without a connection, for the fuzz targets in `tests/fuzz_harness`. Each encodes again
+//! what it has parsed, so that the targets can check that this is parsed as the same.
 
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
@@ -50,25 +47,25 @@ fn soon() -> Instant {
     Instant::now() + Duration::from_secs(60)
 }
 
-/// Reads a connection header with the length before it, as each end of a connection sends it.
+/// Parses a connection header with the length before it.
 pub fn tcpros_header(bytes: &[u8]) -> Option<Vec<u8>> {
     let header = Header::read(&mut Pieces { bytes, piece_bytes: usize::MAX }, soon()).ok()?;
     Some(header.to_bytes())
 }
 
-/// Reads the HTTP message of a call (else of an answer) that comes in pieces; gives its body.
+/// Reads the HTTP message of a call (else of an answer) in pieces and returns its body.
 pub fn http_body(bytes: &[u8], piece_bytes: usize, is_call: bool) -> Option<Vec<u8>> {
     let side = if is_call { Side::Request } else { Side::Response };
     http::read_body(&mut Pieces { bytes, piece_bytes: piece_bytes.max(1) }, side, soon()).ok()
 }
 
-/// Reads an XML-RPC call.
+/// Parses an XML-RPC call.
 pub fn xmlrpc_call(text: &str) -> Option<String> {
     let (method, params) = value::parse_call(text).ok()?;
     Some(value::request(&method, &params))
 }
 
-/// Reads the answer of an XML-RPC call.
+/// Parses the answer of an XML-RPC call.
 pub fn xmlrpc_answer(text: &str) -> Option<String> {
     Some(value::response(&value::parse_response(text).ok()?))
 }

@@ -1,71 +1,71 @@
-//! The ROS master's API as a node uses it, and what the master knows of the other nodes.
+//! The ROS master's API.
 
 use std::collections::{BTreeSet, HashMap};
 use std::time::Duration;
 
 use crate::xmlrpc::{call, client, value, CallError, Value};
 
-/// A master that takes longer is treated as one that does not answer.
+/// Timeout of calls.
 const CALL_TIMEOUT: Duration = Duration::from_millis(1500);
-/// A robot's description takes longer.
+/// Timeout of a parameter, which may be a robot description.
 const PARAM_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Calls the master in this node's name.
+/// Client of the master in this node's name.
 #[derive(Clone, Debug)]
 pub(crate) struct Master {
-    /// Such as `http://localhost:11311/`.
+    /// Address, such as `http://localhost:11311/`.
     pub(crate) uri: String,
-    /// This node's whole name.
+    /// Whole name of this node.
     pub(crate) node_name: String,
-    /// The address of this node's own API.
+    /// Address of this node's own API.
     pub(crate) node_uri: String,
 }
 
-/// What other nodes publish, by the topics' whole names.
+/// Publications of other nodes, by the topics' whole names.
 pub type Publications = HashMap<String, Publication>;
 
-/// Who publishes a topic.
+/// The publishers of a topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Publication {
-    /// The nodes' names; at least one.
+    /// Names of the nodes, at least one.
     pub nodes: Vec<String>,
-    /// The type as the master has it: that of the node which registered last.
+    /// Type by the master: that of the node that registered last.
     pub ros_type: String,
 }
 
 impl Publication {
-    /// Whether its messages can be those of a type.
+    /// `true` if its messages may be of a type.
     pub fn has_type(&self, ros_type: &str) -> bool {
         self.ros_type == ros_type || self.ros_type == "*"
     }
 }
 
-/// What the master has on its list.
+/// The master's list.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SystemState {
-    /// What other nodes publish.
+    /// Publications of other nodes.
     pub(crate) publications: Publications,
-    /// The whole names of what this node publishes, subscribes to and serves.
+    /// Whole names of this node's publications, subscriptions and services.
     pub(crate) own_publications: BTreeSet<String>,
     pub(crate) own_subscriptions: BTreeSet<String>,
     pub(crate) own_services: BTreeSet<String>,
 }
 
 impl Master {
-    /// Calls a method with the node's name and these parameters.
+    /// Calls a method with the node's name and these parameters, within 1.5 s.
     ///
     /// # Errors
-    /// [`CallError`]; a call takes a second and a half at most.
+    /// [`CallError`].
     pub(crate) fn call(&self, method: &str, params: &[&str]) -> Result<Value, CallError> {
         let own = std::iter::once(self.node_name.as_str());
         let params: Vec<Value> = own.chain(params.iter().copied()).map(Value::from).collect();
         call(&self.uri, method, &params, CALL_TIMEOUT)
     }
 
-    /// Makes several calls as one. What each of them returns is ignored.
+    /// Makes several calls as one and ignores what they return.
     ///
     /// # Errors
-    /// [`CallError`], as [`call`](Self::call); a master that takes one call at a time answers with a fault.
+    /// [`CallError`]; a fault from a master that takes one call at a time.
     pub(crate) fn call_together(&self, calls: &[(&str, [&str; 2])]) -> Result<(), CallError> {
         let own = self.node_name.as_str();
         let calls = calls.iter().map(|(method, params)| {
@@ -81,15 +81,15 @@ impl Master {
     /// Sets a parameter by its whole name.
     ///
     /// # Errors
-    /// [`CallError`], as [`call`](Self::call).
+    /// [`CallError`].
     pub(crate) fn set_param(&self, name: &str, value: Value) -> Result<(), CallError> {
         call(&self.uri, "setParam", &[self.node_name.as_str().into(), name.into(), value], CALL_TIMEOUT).map(drop)
     }
 
-    /// A parameter's value by its whole name; none if it is not set.
+    /// A parameter's value by its whole name; `None` if it is not set.
     ///
     /// # Errors
-    /// [`CallError`] if the master does not answer within seconds: a robot's description is long.
+    /// [`CallError`] if the master does not answer within 10 s.
     pub(crate) fn param(&self, name: &str) -> Result<Option<Value>, CallError> {
         match call(&self.uri, "getParam", &[self.node_name.as_str().into(), name.into()], PARAM_TIMEOUT) {
             Ok(value) => Ok(Some(value)),
@@ -98,7 +98,7 @@ impl Master {
         }
     }
 
-    /// What the master has on its list.
+    /// The master's list.
     ///
     /// # Errors
     /// [`CallError`].
@@ -139,15 +139,15 @@ impl Master {
     }
 }
 
-/// Whether a ROS master answers at an address.
+/// Checks that a ROS master answers at an address.
 ///
 /// # Errors
-/// Why not.
+/// [`CallError`].
 pub(crate) fn ping(uri: &str) -> Result<(), CallError> {
     call(uri, "getPid", &["/rviz_camera_stream".into()], CALL_TIMEOUT).map(drop)
 }
 
-/// The strings of an array.
+/// Strings of an array.
 pub(crate) fn strings(value: &Value) -> Vec<String> {
     value.as_array().unwrap_or_default().iter().filter_map(Value::as_str).map(str::to_owned).collect()
 }

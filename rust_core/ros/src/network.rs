@@ -1,4 +1,4 @@
-//! The node's place in the network: its ports, its API, its registrations.
+//! The node's ports, API and registrations.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, ToSocketAddrs};
@@ -15,27 +15,27 @@ use crate::registrar::{Entry, Registrar};
 use crate::tcpros::{Description, Listener, Observer, Publication, Service};
 use crate::xmlrpc::Server;
 
-/// How long the master may be silent when the node ends, and how long unregistering may take in all.
+/// Time for a silent master when the node ends, and for unregistering in all.
 const MASTER_PATIENCE: Duration = Duration::from_millis(800);
 const UNREGISTER_LIMIT: Duration = Duration::from_millis(1400);
 
-/// Everything that listens and everything that is registered. Dropped, it closes all connections.
+/// The node's listeners and registrations; dropping it closes all connections.
 pub(crate) struct Network {
     listener: Arc<Listener>,
-    /// The host under which others reach this node.
+    /// Host by which others reach this node.
     host: String,
     registrar: Arc<Registrar>,
     is_asked_to_end: Arc<AtomicBool>,
-    /// One publisher at a time comes or goes.
+    /// Held while a publisher is added or removed.
     publishing: Mutex<()>,
     _api: Server,
 }
 
-/// The address to listen at, for the host name that others are given.
+/// The address to listen at, for the host that others are given.
 ///
-/// With an address in ROS_IP or ROS_HOSTNAME, or a name of one that other machines reach, the node listens there and
-/// nowhere else; for `localhost`, at this machine only. Names often lead to a loopback address on the machine itself,
-/// or to an address that it does not have (a router's, a container's host's): then it listens at all addresses.
+/// With an address in ROS_IP or ROS_HOSTNAME, or the name of one that other machines reach, the node listens there
+/// only; for `localhost`, at this machine only. It listens at all addresses for a name that leads to a loopback
+/// address, or to one that the machine does not have (a router's, a container host's).
 fn listening_address(host: &str, is_chosen: bool) -> IpAddr {
     let every = IpAddr::from(Ipv4Addr::UNSPECIFIED);
     if !is_chosen {
@@ -56,10 +56,10 @@ fn listening_address(host: &str, is_chosen: bool) -> IpAddr {
 }
 
 impl Network {
-    /// Opens the node's ports and starts its threads; nothing is registered yet.
+    /// Opens the node's ports and starts its threads, without registrations.
     ///
     /// # Errors
-    /// The system's, where a port or a thread cannot be had.
+    /// No port or thread is available.
     pub(crate) fn start(
         node_name: &str,
         on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
@@ -92,17 +92,17 @@ impl Network {
         Ok(Arc::new(Self { listener, host, registrar, is_asked_to_end, publishing: Mutex::default(), _api: api }))
     }
 
-    /// The node's registrations.
+    /// Registrations of the node.
     pub(crate) fn registrar(&self) -> &Arc<Registrar> {
         &self.registrar
     }
 
-    /// Whether the master or a tool has asked the node to end.
+    /// `true` if the master or a tool has asked the node to end.
     pub(crate) fn is_asked_to_end(&self) -> bool {
         self.is_asked_to_end.load(Ordering::Acquire)
     }
 
-    /// Publishes a topic, together with those who publish it already. Returns the observer's number, too.
+    /// Publishes a topic, sharing a present publication of its type. Returns the observer's id, too.
     pub(crate) fn publish(&self, description: Description, observer: &Observer) -> (Arc<Publication>, u64) {
         let publishing = lock(&self.publishing);
         let shared = self.listener.publication(&description.topic);
@@ -122,7 +122,7 @@ impl Network {
         (publication, id)
     }
 
-    /// Takes a publisher away, and the topic with the last of them.
+    /// Removes a publisher, and the topic with the last one.
     pub(crate) fn unpublish(&self, publication: &Arc<Publication>, observer: u64) {
         let _publishing = lock(&self.publishing);
         if publication.forget(observer) {
@@ -134,12 +134,12 @@ impl Network {
         }
     }
 
-    /// The whole names of the topics that the node publishes.
+    /// Whole names of the published topics.
     pub(crate) fn topics(&self) -> Vec<String> {
         self.listener.publications().iter().map(|publication| publication.description().topic.clone()).collect()
     }
 
-    /// Whether a topic has subscribers and no message waits for any of them.
+    /// `true` if a topic has subscribers and no message is queued for any of them.
     pub(crate) fn has_sent_all(&self, topic: &str) -> bool {
         let subscribers = self.listener.publication(topic).map(|publication| publication.subscribers());
         subscribers.is_some_and(|all| !all.is_empty() && all.iter().all(|subscriber| subscriber.is_idle()))
@@ -148,12 +148,12 @@ impl Network {
     /// Offers a service until [`stop_serving`](Self::stop_serving).
     pub(crate) fn serve(&self, service: Arc<Service>) {
         let entry = self.service_entry(&service);
-        // Served before anybody can know of it.
+        // Served before it is registered.
         self.listener.add_service(service);
         self.registrar.add(entry);
     }
 
-    /// Offers a service no more.
+    /// Withdraws a service.
     pub(crate) fn stop_serving(&self, name: &str) {
         if let Some(service) = self.listener.remove_service(name) {
             self.registrar.remove(&self.service_entry(&service));
@@ -165,12 +165,12 @@ impl Network {
         Entry::Service { service: service.name.clone(), api, number: service.number }
     }
 
-    /// Whether [`end`](Self::end) was called.
+    /// `true` once [`end`](Self::end) was called.
     pub(crate) fn is_ended(&self) -> bool {
         self.registrar.is_ended()
     }
 
-    /// Unregisters everything, for as long as the master answers, and closes all connections.
+    /// Unregisters everything and closes all connections.
     pub(crate) fn end(&self) {
         self.registrar.end(MASTER_PATIENCE, UNREGISTER_LIMIT);
         for publication in self.listener.publications() {
@@ -184,7 +184,7 @@ fn publisher_entry(Description { topic, ros_type, number, .. }: &Description) ->
     Entry::Publisher { topic: topic.clone(), ros_type: ros_type.clone(), number: *number }
 }
 
-/// A host as it stands in an address: that of IP version 6 in brackets.
+/// A host as part of an address, with brackets for IPv6.
 fn bracketed(host: &str) -> String {
     if host.contains(':') {
         format!("[{host}]")
@@ -205,7 +205,7 @@ mod tests {
         assert_eq!(listening_address("127.0.0.1", true), local);
         assert_eq!(listening_address("127.0.0.2", true), IpAddr::from([127, 0, 0, 2]));
         assert_eq!(listening_address("localhost", true), local);
-        // Of a network for examples, and a name that leads nowhere.
+        // An address of a documentation network, and an unknown name.
         assert_eq!(listening_address("192.0.2.1", true), every);
         assert_eq!(listening_address("no-such-host.invalid", true), every);
     }

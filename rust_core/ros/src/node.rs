@@ -24,17 +24,17 @@ use std::time::Duration;
 
 /// Queue size of `/tf`. Robots send some hundred messages a second.
 const TF_QUEUE_SIZE: usize = 1000;
-/// How many calls of a service may wait for an answer; the oldest get an error.
+/// Calls of a service that may wait for an answer; the oldest get an error.
 pub(crate) const MOST_QUEUED_CALLS: usize = 64;
-/// How long a caller of a service waits for the scene's thread.
+/// Time that a caller of a service waits for the scene's thread.
 pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
-/// How long the node may take to end before the process ends without that. The master's part has limits of its own.
+/// Time for the node to end. Unregistering has limits of its own.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Parameters by their names, those in a namespace as a struct.
+/// Parameters by name; a namespace is a struct.
 pub type Parameters = BTreeMap<String, Value>;
 
-/// The process's node, which turns what it receives into [`NodeEvent`]s.
+/// The process's node, which receives [`NodeEvent`]s.
 ///
 /// A process has one node at a time.
 ///
@@ -59,13 +59,13 @@ pub type Parameters = BTreeMap<String, Value>;
 pub struct RosNode {
     pub(crate) shared: Arc<Shared>,
     pub(crate) param_writer: ParamWriter,
-    /// The node's private parameters, as they were when it started.
+    /// Private parameters when the node started.
     private: Parameters,
     /// Subscriptions that last as long as the node.
     own_subscriptions: Mutex<Vec<TopicSubscription>>,
 }
 
-/// What the node's threads share.
+/// The node's state that its threads share.
 pub(crate) struct Shared {
     pub(crate) names: Names,
     pub(crate) network: Arc<Network>,
@@ -73,31 +73,30 @@ pub(crate) struct Shared {
     pub(crate) calls: Arc<EventQueue<ServiceCall>>,
     clock: Arc<RosClock>,
     topics: Arc<Topics>,
-    /// The parameters that are polled, and whether it was reported that they are not set.
+    /// Polled parameters, each with `true` if it was reported as not set.
     pub(crate) followed_parameters: Mutex<BTreeMap<String, bool>>,
 }
 
-/// The process's node, as a line of the log names it.
+/// Name and time of the process's node, for a line of the log.
 #[derive(Clone, Debug)]
 pub struct NodeTime {
-    /// The node's whole name.
+    /// Whole name of the node.
     pub name: String,
-    /// Its present time.
+    /// Present time.
     pub stamp: Time,
-    /// Whether that is a simulation's.
+    /// `true` if the time is simulated.
     pub is_simulated: bool,
 }
 
-/// The process's node, where there is one.
+/// The process's node, if there is one.
 static NODE: Mutex<Weak<Shared>> = Mutex::new(Weak::new());
 
-/// Whether the process's node was asked from outside to end, as [`RosNode::is_asked_to_end`]; false while there is
-/// none.
+/// [`RosNode::is_asked_to_end`] of the process's node; `false` without one.
 pub fn is_asked_to_end() -> bool {
     lock(&NODE).upgrade().is_some_and(|shared| shared.network.is_asked_to_end())
 }
 
-/// Name and time of the process's node; none while there is none.
+/// Name and time of the process's node, if there is one.
 pub fn node_time() -> Option<NodeTime> {
     let shared = lock(&NODE).upgrade()?;
     let (stamp, is_simulated) = (shared.clock.now(), shared.clock.is_simulated());
@@ -105,11 +104,11 @@ pub fn node_time() -> Option<NodeTime> {
 }
 
 impl RosNode {
-    /// Waits for a master, however long that takes, and starts the node.
+    /// Waits for a master without limit and starts the node.
     ///
-    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second,
-    /// and ends the waiting when it returns true. That there is no master yet is logged once. With the parameter
-    /// `/use_sim_time` set, the node's time is that of `/clock`. Signals are left to the caller.
+    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second and
+    /// ends the wait when it returns `true`. A missing master is logged once. Under `/use_sim_time` the node's time is
+    /// that of `/clock`.
     ///
     /// # Errors
     /// [`NodeError::Cancelled`], or why the node cannot start.
@@ -163,50 +162,55 @@ impl RosNode {
         Ok(node)
     }
 
-    /// Its place in the network.
+    /// Ports and registrations.
     pub(crate) fn network(&self) -> &Arc<Network> {
         &self.shared.network
     }
 
-    /// Its clock.
+    /// Clock of the node.
     pub(crate) fn clock(&self) -> &Arc<RosClock> {
         &self.shared.clock
     }
 
-    /// The node's whole name.
+    /// Whole name of the node.
     pub fn name(&self) -> &str {
         self.shared.names.node()
     }
 
-    /// The queue of what was received.
+    /// Queue of received events.
     pub fn events(&self) -> &Arc<EventQueue> {
         &self.shared.events
     }
 
-    /// The queue of the calls of its services.
+    /// Queue of service calls.
     pub fn calls(&self) -> &Arc<EventQueue<ServiceCall>> {
         &self.shared.calls
     }
 
-    /// The present time: that of `/clock` under `/use_sim_time`, else the computer's.
+    /// Present time: that of `/clock` under `/use_sim_time`, else the computer's.
     pub fn now(&self) -> Time {
         self.shared.clock.now()
     }
 
-    /// Whether the present time is that of `/clock`.
+    /// `true` if the time is that of `/clock`.
     pub fn is_simulated(&self) -> bool {
         self.shared.clock.is_simulated()
     }
 
-    /// The whole name of a topic, service or parameter, after remapping: `x` is in the node's namespace, `~x` below its
+    /// Whole name of a topic, service or parameter after remapping: `x` is in the node's namespace, `~x` below its
     /// name.
+    ///
+    /// # Errors
+    /// [`NodeError::Name`].
     pub fn resolve(&self, name: &str) -> Result<String, NodeError> {
         self.shared.names.resolve(name)
     }
 
-    /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time
-    /// (0: 10,000, which is the most). Messages of this node itself are ignored. If a message cannot be decoded, a
-    /// warning names the topic and the publisher.
+    /// Subscribes to a topic, whose messages are queued as [`NodeEvent::Message`], at most `queue_size` of them (0:
+    /// 10,000, the largest). This node's own messages are ignored. Messages that cannot be decoded are logged.
+    ///
+    /// # Errors
+    /// [`NodeError::Name`] or [`NodeError::TypeMismatch`].
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
         let queued = sender.clone();
@@ -240,8 +244,8 @@ impl RosNode {
         Ok(())
     }
 
-    /// Offers a service of type `std_srvs/Trigger` until [`stop_serving`](Self::stop_serving) or the node's end; each
-    /// call is a [`ServiceCall::Trigger`] to be answered. Returns the service's whole name.
+    /// Offers a service of type `std_srvs/Trigger`, whose calls are [`ServiceCall::Trigger`]s, until
+    /// [`stop_serving`](Self::stop_serving) or the node's end. Returns the service's whole name.
     pub fn serve_trigger(&self, name: &str) -> Result<Arc<str>, NodeError> {
         let service: Arc<str> = self.resolve(name)?.into();
         let (sender, name_of_handler) = (self.shared.calls.sender(MOST_QUEUED_CALLS), Arc::clone(&service));
@@ -269,23 +273,22 @@ impl RosNode {
         self.network().serve(Service::new(service, T::msg_type(), T::md5sum(), Box::new(answer)));
     }
 
-    /// Ends the service of this whole name, if there is one.
+    /// Withdraws a service by its whole name.
     pub fn stop_serving(&self, service: &str) {
         self.network().stop_serving(service);
     }
 
-    /// What other nodes published when the master was last asked, which is every two seconds; `None` before the first
-    /// time.
+    /// Other nodes' publications, which are read every two seconds; `None` before the first time.
     pub fn publications(&self) -> Option<Arc<Publications>> {
         self.network().registrar().publications()
     }
 
-    /// Asks the master what other nodes publish. `None` if it does not answer within seconds.
+    /// Reads other nodes' publications from the master. `None` if it does not answer within seconds.
     pub fn query_publications(&self) -> Option<Arc<Publications>> {
         self.network().registrar().query_publications()
     }
 
-    /// The publishers of a topic, by its whole name, that the node subscribes to and whose nodes do not answer.
+    /// Publishers of a subscribed topic, by its whole name, whose nodes do not answer.
     pub fn unreachable_publishers(&self, topic: &str) -> Vec<Unreachable> {
         self.network().registrar().unreachable(topic)
     }
@@ -304,13 +307,13 @@ impl RosNode {
         Ok(struct_of(self.network().registrar().master().param(&whole_name).ok().flatten()))
     }
 
-    /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
+    /// `true` if the node was asked to end: by `rosnode kill`, or because another node took its name.
     pub fn is_asked_to_end(&self) -> bool {
         self.network().is_asked_to_end()
     }
 
-    /// Unregisters everything and closes all connections, within a second if the master does not answer. The node
-    /// cannot be used after that; a second call does nothing.
+    /// Unregisters everything and closes all connections, within a second if the master does not answer. A second call
+    /// does nothing.
     pub fn shutdown(&self) {
         if self.network().is_ended() {
             return;
@@ -363,14 +366,14 @@ impl RosNode {
 }
 
 impl Drop for RosNode {
-    /// A node that fails is unregistered as well as one that is asked to end.
+    /// Also unregisters a node that fails.
     fn drop(&mut self) {
         self.shutdown();
     }
 }
 
-/// Starts the node on a thread of its own, because the master may stop answering at any time. `start` is told when the
-/// caller has given up.
+/// Starts the node on a thread of its own, because the master may stop answering at any time. The argument of `start`
+/// returns `true` when the caller has given up.
 fn unless_cancelled(
     cancelled: &dyn Fn() -> bool,
     start: impl FnOnce(&dyn Fn() -> bool) -> Result<RosNode, NodeError> + Send + 'static,

@@ -12,24 +12,24 @@ use crate::registrar::Registrar;
 use crate::tcpros::Listener;
 use crate::xmlrpc::{parse_call, Server, Value};
 
-/// What the API answers from.
+/// State that the API answers from.
 pub(crate) struct NodeState {
-    /// The host under which others reach this node.
+    /// Host by which others reach this node.
     pub(crate) host: String,
-    /// The node's port for topics.
+    /// The node's TCPROS port.
     pub(crate) listener: Arc<Listener>,
-    /// Its registrations.
+    /// Registrations of the node.
     pub(crate) registrar: Arc<Registrar>,
-    /// Set when the node was asked to end.
+    /// Set when the node is asked to end.
     pub(crate) is_asked_to_end: Arc<AtomicBool>,
 }
 
 /// Serves the API until it is dropped.
 ///
-/// `state` is set as soon as there is something to tell: the address is needed before.
+/// `state` is set later, because it needs the address.
 ///
 /// # Errors
-/// The system's, where the address cannot be had.
+/// The address cannot be used.
 pub(crate) fn serve(address: SocketAddr, state: Arc<Mutex<Option<Arc<NodeState>>>>) -> io::Result<Server> {
     Server::start("ros-api", address, move |text| {
         let state = lock(&state).clone();
@@ -49,7 +49,7 @@ fn refuse(reason: &str) -> Value {
     Value::Array(vec![Value::Int(-1), reason.into(), Value::Int(0)])
 }
 
-/// Counters have 32 bits in the API, and start again where they are full.
+/// A counter as the API's 32 bits, which wrap.
 fn count(count: u64) -> Value {
     Value::Int((count & 0x7fff_ffff) as i32)
 }
@@ -107,8 +107,8 @@ impl NodeState {
 
     /// The connections: id, other end, direction, transport, topic, whether it stands, a description.
     ///
-    /// A topic that the node both publishes and subscribes to is listed as connected with itself, as by roscpp. roswtf
-    /// expects such a connection, for the master names the node on both sides.
+    /// A topic that the node both publishes and subscribes to is listed as connected with itself, as by roscpp, because
+    /// roswtf expects such a connection.
     fn bus_info(&self) -> Value {
         const TCP: &str = "TCPROS";
         const OWN: &str = "INTRAPROCESS";
@@ -160,7 +160,7 @@ impl NodeState {
             let connections = subscription.links().into_iter().enumerate().map(|(id, link)| {
                 let bytes = link.received_bytes.load(Ordering::Relaxed);
                 let connected = Value::Bool(link.connected().is_some());
-                // How many messages were dropped on the way is not known.
+                // The number of dropped messages is unknown.
                 Value::Array(vec![Value::Int(id as i32), count(bytes), Value::Int(-1), connected])
             });
             let connections = Value::Array(connections.collect());

@@ -1,7 +1,6 @@
-//! Writes parameters to the parameter server on a thread of its own, because the master may be slow to answer.
+//! Writing parameters on a thread of its own, because the master may be slow.
 //!
-//! Of each parameter only the newest value waits, so that a master that hangs costs no memory and is not told later
-//! what has long been replaced.
+//! Only the newest value of each parameter waits, so that a master that hangs costs no memory.
 
 use crate::network::Network;
 use crate::xmlrpc::Value;
@@ -11,14 +10,14 @@ use std::sync::{Arc, Mutex};
 
 use rcs_scene::lock;
 
-/// A whole name and a value.
+/// Whole name and value.
 type Param = (String, Value);
 
-/// Has a thread while something is to be written.
+/// Writer with a thread while values are waiting.
 #[derive(Default)]
 pub(crate) struct ParamWriter(Arc<Mutex<Waiting>>);
 
-/// The parameters that are not written yet.
+/// Parameters that are not written yet.
 #[derive(Default)]
 struct Waiting {
     params: VecDeque<Param>,
@@ -33,7 +32,7 @@ impl Waiting {
         }
     }
 
-    /// The next parameter to be written; without one the thread ends.
+    /// The next parameter; without one the thread ends.
     fn next(&mut self) -> Option<Param> {
         let next = self.params.pop_front();
         self.has_thread = next.is_some();
@@ -42,7 +41,7 @@ impl Waiting {
 }
 
 impl ParamWriter {
-    /// Sets a parameter soon, unless it is set to another value before that. A failure is logged.
+    /// Sets a parameter soon, unless it is set to another value before. Failures are logged.
     pub(crate) fn set(&self, network: &Arc<Network>, name: String, value: Value) {
         let network = Arc::downgrade(network);
         self.set_with(name, value, move |name, value| {
@@ -53,7 +52,7 @@ impl ParamWriter {
         });
     }
 
-    /// `write` is called on the thread, for this parameter and those that are set meanwhile.
+    /// Calls `write` on the thread, for this parameter and those set meanwhile.
     fn set_with(&self, name: String, value: Value, write: impl Fn(&str, Value) + Send + 'static) {
         let mut waiting = lock(&self.0);
         waiting.put(name, value);
@@ -63,7 +62,7 @@ impl ParamWriter {
         let shared = Arc::clone(&self.0);
         let writing = move || loop {
             let Some((name, value)) = lock(&shared).next() else { return };
-            // A panic costs this value alone: the thread goes on with the others.
+            // A panic affects this value only.
             if catch_unwind(AssertUnwindSafe(|| write(&name, value))).is_err() {
                 log::error!("parameter {name} cannot be set: writing it panicked");
             }

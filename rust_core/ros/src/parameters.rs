@@ -1,8 +1,8 @@
-//! Parameters that the scene needs, a robot's description most of all, fetched in the background.
+//! Parameters that are fetched in the background, such as robot descriptions.
 //!
-//! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace
-//! first and then in the namespaces around it; a name that is remapped to an absolute one there alone. A parameter that
-//! is not set yet is polled once a second, as rviz does. One that is not a string counts as an empty one, as in rviz.
+//! A name is looked up as by `ros::NodeHandle::getParam` and `searchParam`: in the node's namespace and then in those
+//! around it, and one that is remapped to an absolute name only there. As in rviz, a parameter that is not set is
+//! polled once a second, and one that is not a string counts as empty.
 
 use crate::events::NodeEvent;
 use crate::names::remapping_of;
@@ -15,8 +15,8 @@ use std::time::Duration;
 const POLL_PERIOD: Duration = Duration::from_secs(1);
 
 impl RosNode {
-    /// Polls string parameters until each was found. Each is a [`NodeEvent::Parameter`] with its value once it is set,
-    /// and before that one without, if it is not set at first.
+    /// Polls string parameters until each is set. Each causes a [`NodeEvent::Parameter`] with its value, and one
+    /// without before, if it is not set at first.
     pub fn follow_parameters(&self, names: Vec<String>) {
         if names.is_empty() {
             return;
@@ -39,9 +39,8 @@ impl RosNode {
 }
 
 impl RosNode {
-    /// Asks for parameters by their whole names, and hands their values over as text, in the same order, once the
-    /// master has answered; `None` for one that is not set, or is neither a string, a boolean nor a number. A master
-    /// that is silent is asked again.
+    /// Reads parameters by their whole names and passes their values as texts to `done`, in the same order; `None` for
+    /// one that is not set or has no text. A silent master is asked again.
     pub fn fetch_texts(&self, names: Vec<String>, done: impl FnOnce(Vec<Option<String>>) + Send + 'static) {
         let network = Arc::downgrade(self.network());
         let fetching = move || loop {
@@ -61,13 +60,13 @@ impl RosNode {
     }
 }
 
-/// Polls until all parameters that are followed were found. The master is asked without a lock.
+/// Polls until all followed parameters were found. The master is called without a lock.
 fn poll(shared: &Weak<Shared>) {
     loop {
         let Some(names) = shared.upgrade().map(|shared| lock(&shared.followed_parameters).clone()) else { return };
         for (name, is_reported) in names {
             let Some(shared) = shared.upgrade() else { return };
-            // A master that is silent says nothing about a parameter.
+            // A silent master is no answer.
             let Ok(text) = find(&shared, &name) else { continue };
             let mut followed = lock(&shared.followed_parameters);
             if text.is_some() {
@@ -89,10 +88,10 @@ fn poll(shared: &Weak<Shared>) {
     }
 }
 
-/// The value of a parameter in the nearest namespace that has it.
+/// The value of a parameter in the nearest namespace.
 ///
 /// # Errors
-/// [`CallError`] if the master does not answer.
+/// The master does not answer.
 fn find(shared: &Shared, name: &str) -> Result<Option<Arc<str>>, CallError> {
     let (Ok(own), master) = (shared.names.resolve(name), shared.network.registrar().master()) else { return Ok(None) };
     let (namespace, _) = master.node_name.rsplit_once('/').unwrap_or_default();
@@ -104,8 +103,8 @@ fn find(shared: &Shared, name: &str) -> Result<Option<Arc<str>>, CallError> {
     Ok(None)
 }
 
-/// The whole names that a name may stand for, in the order in which they are looked up. `own` is the name as it was
-/// resolved in the node's namespace, `remapping` what the command line puts in its place.
+/// The whole names to look up, in order. `own` is the name resolved in the node's namespace, `remapping` its remapping
+/// on the command line.
 fn candidates(own: String, namespace: &str, name: &str, remapping: Option<&str>) -> Vec<String> {
     let is_absolute = |name: &str| name.starts_with(['/', '~']);
     let searched = match remapping {

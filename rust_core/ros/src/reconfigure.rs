@@ -1,9 +1,8 @@
-//! A dynamic_reconfigure server, as rqt_reconfigure and dynparam expect it.
+//! A dynamic_reconfigure server for rqt_reconfigure and dynparam.
 //!
-//! In a namespace of its own it has the latched topics `parameter_descriptions` and `parameter_updates`, the service
-//! `set_parameters`, and its values as parameters. Meaning and bounds of the values are up to its owner: a call is
-//! a [`ServiceCall::Reconfigure`], which the owner answers with the values that hold then, and a change is published
-//! with [`ReconfigureServer::set_config`].
+//! In its namespace are the latched topics `parameter_descriptions` and `parameter_updates`, the service
+//! `set_parameters`, and its values as parameters. A call is a [`ServiceCall::Reconfigure`], which the owner answers with
+//! the values that apply then; [`ReconfigureServer::set_config`] publishes a change.
 
 use crate::error::NodeError;
 use crate::events::{Reply, ServiceCall};
@@ -15,7 +14,7 @@ use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Descriptions and values change seldom.
+/// Queue size of both topics.
 const QUEUE_SIZE: usize = 10;
 
 /// Serves until it is dropped.
@@ -74,7 +73,7 @@ impl Drop for ServiceGuard {
     }
 }
 
-/// The values of a message, by name.
+/// Values of a message by name.
 fn values(config: &Config) -> impl Iterator<Item = (&String, Value)> {
     let bools = config.bools.iter().map(|param| (&param.name, Value::Bool(param.value)));
     let ints = config.ints.iter().map(|param| (&param.name, Value::Int(param.value)));
@@ -84,12 +83,12 @@ fn values(config: &Config) -> impl Iterator<Item = (&String, Value)> {
 }
 
 impl ReconfigureServer {
-    /// The whole name of its namespace.
+    /// Whole name of the namespace.
     pub fn name(&self) -> &Arc<str> {
         &self.name
     }
 
-    /// Publishes which parameters there are, if that changed.
+    /// Publishes the parameters' descriptions, if they changed.
     pub fn set_description(&mut self, description: ConfigDescription) {
         if description != self.described {
             if let Err(error) = self.descriptions.send(description.clone()) {
@@ -99,7 +98,7 @@ impl ReconfigureServer {
         }
     }
 
-    /// Publishes the values; those that changed are written to the parameter server, too.
+    /// Publishes the values, and writes those that changed to the parameter server.
     pub fn set_config(&mut self, ros: &RosNode, config: Config) {
         for (name, value) in values(&config) {
             if self.on_parameter_server.get(name) != Some(&value) {

@@ -1,105 +1,55 @@
-//! What the node has registered with the master, and the thread that keeps it so.
+//! The node's registrations with the master, and the thread that maintains them.
 //!
-//! Publishing, subscribing and serving only note what is wanted, so that whoever asks for it never waits for the
-//! master. One thread brings the master's list in line: it registers what is missing and unregisters what is wanted no
-//! more, at once where the master answers, and again every second where it does not.
+//! Publishing, subscribing and serving only note what is wanted, so that no caller waits for the master. One thread
+//! registers and unregisters, at once if the master answers, and again every second if it does not.
 //!
-//! The master may forget the node, and the node may miss what the master tells. Once a second it asks for this node's
-//! own address: a master that does not know it was restarted, whatever its process id, and is told everything again.
-//! Every other second it asks for the whole list, and registers again what is not on it.
+//! Once a second the thread looks up this node's own address: a master that does not know it was restarted and is told
+//! everything again. Every other second it reads the whole list and registers again what is not on it.
 
 mod batches;
 mod comparison;
 mod entry;
+mod state;
 
 pub(crate) use entry::Entry;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, Weak};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use self::comparison::Compared;
+use self::state::{RegistrarState, RegistrarStep, SubscribedTopic, MOST_PUBLISHERS};
 use crate::contacts::{list_of, Contacts, Unreachable};
 use crate::graph::{strings, Master, Publications, SystemState};
 use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
 use rcs_scene::{lock, wait_timeout};
 
-/// How often the master is asked whether it still knows the node, and how often one that is silent is tried.
+/// How often the node is looked up at the master, and how often a silent master is tried.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
-/// How often the master is asked who publishes what.
+/// How often the master's list is read.
 const GRAPH_PERIOD: Duration = Duration::from_secs(2);
 
-/// With so many publishers of a topic the node is connected: a message of a stranger may name any number.
-const MOST_PUBLISHERS: usize = 256;
-
-/// Called when a publisher of a subscribed topic has left, with the topic.
+/// Called with a subscribed topic that a publisher has left.
 type OnPublisherLeft = Box<dyn Fn(&str) + Send + Sync>;
 
 /// The node's registrations.
 pub(crate) struct Registrar {
     master: Master,
-    state: Mutex<State>,
+    state: Mutex<RegistrarState>,
     changed: Condvar,
-    /// One list of publishers is handed on at a time.
+    /// Held while a list of publishers is applied, so that none overtakes another.
     updating: Mutex<()>,
     publications: Mutex<Option<Arc<Publications>>>,
     contacts: Contacts,
     on_publisher_left: OnPublisherLeft,
-    /// Set when the node is to end because another has its name.
+    /// Set when another node has taken the name.
     is_asked_to_end: Arc<AtomicBool>,
 }
 
-#[derive(Default)]
-struct State {
-    wanted: BTreeSet<Entry>,
-    registered: BTreeSet<Entry>,
-    /// What the master does not want; not tried again.
-    refused: BTreeSet<Entry>,
-    subscriptions: BTreeMap<String, (u64, Weak<Subscription>)>,
-    /// The publishers of each subscribed topic, by the addresses of their nodes.
-    publishers: BTreeMap<String, Vec<String>>,
-    /// Those that the master named when the topic was registered.
-    registered_publishers: BTreeMap<String, Vec<String>>,
-    /// The publishers that a master named which was then restarted, until the new one names others.
-    named_before_restart: BTreeMap<String, Vec<String>>,
-    /// What has led to registering a topic again.
-    compared: BTreeMap<String, Compared>,
-    /// Topics with more publishers than [`MOST_PUBLISHERS`].
-    crowded: BTreeSet<String>,
-    /// The master does not take several calls at once.
-    has_no_batches: bool,
-    /// How often the master has named the publishers of some topic.
-    updates: u64,
-    /// When the master answered last.
-    answered: Option<Instant>,
-    is_ended: bool,
-    /// [`Registrar::run`] has returned.
-    is_done: bool,
-}
-
-/// What is to be done next.
-enum Step {
-    Unregister(Entry),
-    Register(Entry),
-}
-
-impl State {
-    /// Unregistering goes first: a topic may be wanted with another type, and what took the place of another of its
-    /// name is to be registered after that was unregistered.
-    fn next_step(&self) -> Option<Step> {
-        if let Some(surplus) = self.registered.difference(&self.wanted).next() {
-            return Some(Step::Unregister(surplus.clone()));
-        }
-        let mut missing = self.wanted.difference(&self.registered).filter(|entry| !self.refused.contains(entry));
-        missing.next().map(|entry| Step::Register(entry.clone()))
-    }
-}
-
 impl Registrar {
-    /// Nothing is registered yet. [`run`](Self::run) is to be called on a thread of its own.
+    /// Without registrations. [`run`](Self::run) is to be called on a thread of its own.
     pub(crate) fn new(
         master: Master,
         is_asked_to_end: Arc<AtomicBool>,
@@ -117,7 +67,6 @@ impl Registrar {
         })
     }
 
-    /// The master.
     pub(crate) fn master(&self) -> &Master {
         &self.master
     }
@@ -138,23 +87,19 @@ impl Registrar {
         state.wanted.remove(entry);
         state.refused.remove(entry);
         if let Entry::Subscriber { topic, number, .. } = entry {
-            if state.subscriptions.get(topic).is_some_and(|(current, _)| current == number) {
-                state.subscriptions.remove(topic);
-                state.publishers.remove(topic);
-                state.registered_publishers.remove(topic);
-                state.compared.remove(topic);
-                state.crowded.remove(topic);
+            if state.topics.get(topic).is_some_and(|current| current.number == *number) {
+                state.topics.remove(topic);
             }
         }
         drop(state);
         self.changed.notify_all();
     }
 
-    /// Registers a subscription, which is told its publishers for as long as it lives.
+    /// Registers a subscription and tells it its publishers for as long as it lives.
     pub(crate) fn subscribe(&self, subscription: &Arc<Subscription>) {
         let wanted = subscription.wanted();
-        let topic = wanted.topic.to_string();
-        lock(&self.state).subscriptions.insert(topic, (wanted.number, Arc::downgrade(subscription)));
+        let topic = SubscribedTopic::new(wanted.number, subscription);
+        lock(&self.state).topics.insert(wanted.topic.to_string(), topic);
         self.add(subscriber_entry(subscription));
     }
 
@@ -163,32 +108,34 @@ impl Registrar {
         self.remove(&subscriber_entry(subscription));
     }
 
-    /// The master's word on who publishes a topic: the addresses of their nodes.
+    /// Takes the master's list of a topic's publishers, as addresses of their nodes.
     pub(crate) fn set_publishers(&self, topic: &str, uris: Vec<String>) {
         let _updating = lock(&self.updating);
         let mut state = lock(&self.state);
         state.updates += 1;
-        state.compared.remove(topic);
-        state.named_before_restart.remove(topic);
+        if let Some(topic) = state.topics.get_mut(topic) {
+            topic.compared = None;
+            topic.named_before_restart.clear();
+        }
         drop(state);
-        self.hand_on(topic, uris);
+        self.apply_publishers(topic, uris);
     }
 
-    /// Passes a list of publishers on to the subscription. To be called with `updating` locked.
-    fn hand_on(&self, topic: &str, uris: Vec<String>) {
+    /// Passes a list of publishers to the subscription. To be called with `updating` locked.
+    fn apply_publishers(&self, topic: &str, uris: Vec<String>) {
         let named = uris.len();
         let uris = self.bounded(topic, uris);
         let (subscription, has_left) = {
             let mut state = lock(&self.state);
-            let known = state.subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
-            let Some(subscription) = known else { return };
-            if named <= MOST_PUBLISHERS {
-                state.crowded.remove(topic);
-            } else if state.crowded.insert(topic.to_owned()) {
+            let Some(known) = state.topics.get_mut(topic) else { return };
+            let Some(subscription) = known.subscription.upgrade() else { return };
+            if named > MOST_PUBLISHERS && !known.has_too_many {
                 log::warn!("{topic}: {named} publishers are named, connecting with {MOST_PUBLISHERS} at most");
             }
-            let before = state.publishers.insert(topic.to_owned(), uris.clone()).unwrap_or_default();
-            self.contacts.retain(|uri| state.publishers.values().flatten().any(|named| named == uri));
+            known.has_too_many = named > MOST_PUBLISHERS;
+            let before = std::mem::replace(&mut known.publishers, uris.clone());
+            self.contacts
+                .retain(|uri| state.topics.values().flat_map(|topic| &topic.publishers).any(|named| named == uri));
             (subscription, before.iter().any(|uri| !uris.contains(uri)))
         };
         subscription.set_publishers(&uris);
@@ -197,8 +144,8 @@ impl Registrar {
         }
     }
 
-    /// A publisher's node does not answer: logged once for each node, in roscpp's words and with its name. Waits for
-    /// the master, to be called on the publisher's own thread.
+    /// Notes that a publisher's node does not answer, and logs it once for each node, in roscpp's words. Waits for the
+    /// master, so it is to be called on the publisher's own thread.
     pub(crate) fn contact_failed(&self, topic: &str, uri: &str, reason: &str) {
         if !self.contacts.fail(uri, reason) {
             return;
@@ -214,26 +161,27 @@ impl Registrar {
             }
             None => format!("[{uri}]"),
         };
-        let named = lock(&self.state).publishers.clone();
-        let topics = named.into_iter().filter(|(_, uris)| uris.iter().any(|known| known == uri));
-        let topics: Vec<String> = topics.map(|(topic, _)| topic).collect();
+        let state = lock(&self.state);
+        let named = state.topics.iter().filter(|(_, topic)| topic.publishers.iter().any(|known| known == uri));
+        let topics: Vec<String> = named.map(|(topic, _)| topic.clone()).collect();
+        drop(state);
         if !topics.is_empty() {
             log::warn!("Failed to contact publisher {node} for {}: {reason}", list_of(&topics));
         }
     }
 
-    /// A publisher's node has answered.
+    /// Notes that a publisher's node has answered.
     pub(crate) fn contacted(&self, uri: &str) {
         self.contacts.succeed(uri);
     }
 
-    /// The publishers of a topic whose nodes do not answer.
+    /// Publishers of a topic whose nodes do not answer.
     pub(crate) fn unreachable(&self, topic: &str) -> Vec<Unreachable> {
-        let uris = lock(&self.state).publishers.get(topic).cloned().unwrap_or_default();
+        let uris = lock(&self.state).publishers(topic);
         self.contacts.among(&uris)
     }
 
-    /// The publishers of a list with which the node is to be connected. Connections that stand go first.
+    /// The publishers of a list to connect with, present connections first.
     fn bounded(&self, topic: &str, mut uris: Vec<String>) -> Vec<String> {
         let mut known = BTreeSet::new();
         // A node that publishes what it subscribes to does not listen to itself.
@@ -247,17 +195,17 @@ impl Registrar {
         uris
     }
 
-    /// The subscriptions there are.
+    /// All subscriptions.
     pub(crate) fn subscriptions(&self) -> Vec<Arc<Subscription>> {
-        lock(&self.state).subscriptions.values().filter_map(|(_, subscription)| subscription.upgrade()).collect()
+        lock(&self.state).topics.values().filter_map(|topic| topic.subscription.upgrade()).collect()
     }
 
-    /// What other nodes published when the master was last asked.
+    /// Other nodes' publications on the master's last list.
     pub(crate) fn publications(&self) -> Option<Arc<Publications>> {
         lock(&self.publications).clone()
     }
 
-    /// Asks the master what other nodes publish.
+    /// Reads other nodes' publications from the master.
     pub(crate) fn query_publications(&self) -> Option<Arc<Publications>> {
         self.query().map(|_| self.publications())?
     }
@@ -269,19 +217,19 @@ impl Registrar {
                 Some(state)
             }
             Err(error) => {
-                log::debug!("the ROS master's state is not known: {error}");
+                log::debug!("cannot read the ROS master's list: {error}");
                 None
             }
         }
     }
 
-    /// Whether [`end`](Self::end) was called.
+    /// `true` once [`end`](Self::end) was called.
     pub(crate) fn is_ended(&self) -> bool {
         lock(&self.state).is_ended
     }
 
-    /// Unregisters everything, for as long as the master answers, and ends [`run`](Self::run), for which it waits:
-    /// until the master has been silent for `patience`, and no longer than `limit` in all.
+    /// Unregisters everything and waits for the end of [`run`](Self::run), until the master has been silent for
+    /// `patience` or `limit` is over.
     pub(crate) fn end(&self, patience: Duration, limit: Duration) {
         let begin = Instant::now();
         let mut state = lock(&self.state);
@@ -299,23 +247,22 @@ impl Registrar {
         }
     }
 
-    /// Keeps the master's list in line until [`end`](Self::end). After a panic, which is logged where panics are, it
-    /// goes on.
+    /// Maintains the registrations until [`end`](Self::end), also after a panic, which the panic hook logs.
     pub(crate) fn run(&self) {
-        while catch_unwind(AssertUnwindSafe(|| self.keep_in_line())).is_err() && !self.is_ended() {
+        while catch_unwind(AssertUnwindSafe(|| self.maintain())).is_err() && !self.is_ended() {
             self.wait(Instant::now() + CHECK_PERIOD, true);
         }
         lock(&self.state).is_done = true;
         self.changed.notify_all();
     }
 
-    fn keep_in_line(&self) {
+    fn maintain(&self) {
         let (mut next_check, mut next_graph) = (Instant::now() + CHECK_PERIOD, Instant::now());
         let mut is_silent = false;
         loop {
             let now = Instant::now();
             let mut answers = true;
-            // First, because one that was restarted is to be told everything, not only what is new.
+            // First, because a master that was restarted is to be told everything, not only what is new.
             if is_silent || now >= next_check {
                 self.subscriptions().iter().for_each(|subscription| subscription.connect_missing());
                 answers = self.check_known();
@@ -345,7 +292,7 @@ impl Registrar {
         }
     }
 
-    /// Waits for something to do, unless the master is silent, or until a time; true at the end.
+    /// Waits until a time, or for a step if the master is not silent. Returns `true` at the end.
     fn wait(&self, until: Instant, is_silent: bool) -> bool {
         let mut state = lock(&self.state);
         loop {
@@ -360,22 +307,22 @@ impl Registrar {
         }
     }
 
-    /// Registers what is missing and unregisters what is wanted no more.
+    /// Registers and unregisters until the master's list is as wanted. Refusals are logged and not tried again.
     ///
     /// # Errors
-    /// That of the first call that the master did not answer. What it refuses is logged and not tried again.
+    /// The first call that the master does not answer.
     fn synchronise(&self) -> Result<(), CallError> {
         loop {
             self.unregister_together()?;
             let Some(step) = lock(&self.state).next_step() else { return Ok(()) };
             let result = match &step {
-                Step::Unregister(entry) => self.unregister(entry),
-                Step::Register(entry) => self.register(entry),
+                RegistrarStep::Unregister(entry) => self.unregister(entry),
+                RegistrarStep::Register(entry) => self.register(entry),
             };
             let is_refused = match result {
                 Ok(()) => false,
                 Err(error) if error.is_answer() => {
-                    let (Step::Unregister(entry) | Step::Register(entry)) = &step;
+                    let (RegistrarStep::Unregister(entry) | RegistrarStep::Register(entry)) = &step;
                     log::error!("the ROS master refused {entry:?}: {error}");
                     true
                 }
@@ -384,9 +331,9 @@ impl Registrar {
             let mut state = lock(&self.state);
             state.answered = Some(Instant::now());
             match step {
-                Step::Unregister(entry) => state.registered.retain(|other| !other.shares_place(&entry)),
-                Step::Register(entry) if is_refused => drop(state.refused.insert(entry)),
-                Step::Register(entry) => drop(state.registered.insert(entry)),
+                RegistrarStep::Unregister(entry) => state.registered.retain(|other| !other.shares_place(&entry)),
+                RegistrarStep::Register(entry) if is_refused => drop(state.refused.insert(entry)),
+                RegistrarStep::Register(entry) => drop(state.registered.insert(entry)),
             }
             drop(state);
             self.changed.notify_all();
@@ -399,38 +346,44 @@ impl Registrar {
             Entry::Publisher { topic, ros_type, .. } => {
                 self.master.call("registerPublisher", &[topic, ros_type, own]).map(drop)
             }
-            Entry::Subscriber { topic, ros_type, .. } => {
-                let (named, _updating) = loop {
-                    let before = lock(&self.state).updates;
-                    let answer = self.master.call("registerSubscriber", &[topic, ros_type, own])?;
-                    let updating = lock(&self.updating);
-                    if lock(&self.state).updates == before {
-                        break (strings(&answer), updating);
-                    }
-                    // The master has named publishers since it answered, perhaps of this topic: asked again.
-                };
-                // A master that was restarted knows nobody yet; connections that stand or are being made are kept.
-                let before = lock(&self.state).named_before_restart.get(topic).cloned().unwrap_or_default();
-                let is_kept = |link: &Arc<Link>| {
-                    link.connected().is_some() || (link.is_promising() && before.contains(&link.uri))
-                };
-                let kept = self.links(topic).into_iter().filter(is_kept);
-                let mut publishers = named.clone();
-                publishers.extend(kept.map(|link| link.uri.clone()));
-                publishers.sort();
-                publishers.dedup();
-                self.hand_on(topic, publishers);
-                lock(&self.state).registered_publishers.insert(topic.clone(), self.bounded(topic, named));
-                Ok(())
-            }
+            Entry::Subscriber { topic, ros_type, .. } => self.register_subscriber(topic, ros_type),
             Entry::Service { service, api, .. } => self.master.call("registerService", &[service, api, own]).map(drop),
         }
     }
 
-    /// The connections with publishers of a topic that there are or should be.
+    fn register_subscriber(&self, topic: &str, ros_type: &str) -> Result<(), CallError> {
+        let (named, _updating) = loop {
+            let before = lock(&self.state).updates;
+            let answer = self.master.call("registerSubscriber", &[topic, ros_type, &self.master.node_uri])?;
+            let updating = lock(&self.updating);
+            if lock(&self.state).updates == before {
+                break (strings(&answer), updating);
+            }
+            // The master has named publishers since it answered, perhaps of this topic: asked again.
+        };
+        // A master that was restarted knows nobody yet; connections that stand or are being made are kept.
+        let state = lock(&self.state);
+        let before = state.topics.get(topic).map(|topic| topic.named_before_restart.clone()).unwrap_or_default();
+        drop(state);
+        let is_kept =
+            |link: &Arc<Link>| link.connected().is_some() || (link.is_promising() && before.contains(&link.uri));
+        let kept = self.links(topic).into_iter().filter(is_kept);
+        let mut publishers = named.clone();
+        publishers.extend(kept.map(|link| link.uri.clone()));
+        publishers.sort();
+        publishers.dedup();
+        self.apply_publishers(topic, publishers);
+        let named = self.bounded(topic, named);
+        if let Some(topic) = lock(&self.state).topics.get_mut(topic) {
+            topic.registered_publishers = Some(named);
+        }
+        Ok(())
+    }
+
+    /// Connections with publishers of a topic, made or attempted.
     fn links(&self, topic: &str) -> Vec<Arc<Link>> {
-        let known = lock(&self.state).subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
-        known.map(|subscription| subscription.links()).unwrap_or_default()
+        let subscription = lock(&self.state).subscription(topic);
+        subscription.map(|subscription| subscription.links()).unwrap_or_default()
     }
 
     fn unregister(&self, entry: &Entry) -> Result<(), CallError> {
@@ -438,7 +391,7 @@ impl Registrar {
         self.master.call(method, &params).map(drop)
     }
 
-    /// The call that takes a registration back, with its parameters behind the node's name.
+    /// The call that unregisters an entry, with its parameters after the node's name.
     fn unregistration<'a>(&'a self, entry: &'a Entry) -> (&'static str, [&'a str; 2]) {
         let own = self.master.node_uri.as_str();
         match entry {
@@ -448,7 +401,7 @@ impl Registrar {
         }
     }
 
-    /// Asks the master whether it knows the node; one that does not was restarted. False if it does not answer.
+    /// Looks the node up at the master; one that does not know it was restarted. Returns `false` if it does not answer.
     fn check_known(&self) -> bool {
         let answer = self.master.call("lookupNode", &[&self.master.node_name]);
         let mut state = lock(&self.state);
@@ -463,7 +416,9 @@ impl Registrar {
             Err(error) if error.is_answer() => {
                 if !state.registered.is_empty() {
                     log::warn!("the ROS master was restarted, registering again");
-                    state.named_before_restart = state.publishers.clone();
+                    for topic in state.topics.values_mut() {
+                        topic.named_before_restart.clone_from(&topic.publishers);
+                    }
                     state.registered.clear();
                     state.refused.clear();
                 }

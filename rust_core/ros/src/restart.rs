@@ -6,12 +6,12 @@ use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Replaces the running program by itself with these arguments (the program's name is not among them) and these
-/// variables added to the environment that it was started with. The process id, the open streams and the working folder
-/// stay the same. Returns only if that fails.
+/// Replaces the running program by itself with these arguments, without the program's name, and these variables added
+/// to its environment. The process id, the open streams and the working folder stay the same. Returns only if that
+/// fails.
 ///
-/// For arguments and variables that have to be others from the beginning: libraries read both by themselves, and a
-/// running program with threads must not change its environment.
+/// It is for arguments and variables that libraries read by themselves, because a program with threads must not change
+/// its environment.
 pub fn restart<V: AsRef<OsStr>>(arguments: impl IntoIterator<Item = OsString>, environment: &[(&str, V)]) -> io::Error {
     let program = match std::env::current_exe() {
         Ok(program) => program,
@@ -24,8 +24,8 @@ pub fn restart<V: AsRef<OsStr>>(arguments: impl IntoIterator<Item = OsString>, e
     command.args(arguments).envs(environment.iter().map(|(name, value)| (name, value))).exec()
 }
 
-/// The link to `program` in its folder that has the name by which it was `called`, else `program`: one file may hold
-/// several programs, and the process is listed under the name of what is executed.
+/// The link to `program` in its folder with the name by which it was `called`, else `program`: one file may contain
+/// several programs, and the process is listed under the name of the executed file.
 fn by_its_name(program: PathBuf, called: &Path) -> PathBuf {
     let link = called.file_name().map(|name| program.with_file_name(name));
     match link {

@@ -1,7 +1,7 @@
-//! The node's log on `/rosout`, for rqt_console and `rostopic echo`, and the services by which its level is changed.
+//! The node's log on `/rosout`, and the services that change its level.
 //!
-//! A line may be logged anywhere, under any lock, also by what publishes; so [`log_line`] only queues it, and a thread
-//! publishes. Lines from before the node has started are published when it has.
+//! A line may be logged under any lock, also while publishing, so [`log_line`] only queues it, and a thread publishes
+//! it once the node has started.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex};
@@ -18,39 +18,39 @@ use crate::error::NodeError;
 use crate::node::RosNode;
 
 const TOPIC: &str = "/rosout";
-/// Lines that wait for the thread; the oldest give way.
+/// Queued lines; the oldest are dropped.
 const MAX_LINES: usize = 200;
-/// Lines that wait for a slow subscriber.
+/// Queue size of a slow subscriber.
 const QUEUE_SIZE: usize = 200;
-/// How often the thread looks whether the node is still there.
+/// Period at which the thread checks for the node's end.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// How often a node that is about to end looks whether its last line was sent.
+/// Polling period of [`RosNode::flush_log`].
 const FLUSH_POLL: Duration = Duration::from_millis(10);
 const THREAD_NAME: &str = "ros-rosout";
 
 /// A line of the log.
 #[derive(Clone, Debug)]
 pub struct LogLine {
-    /// Its level.
+    /// Level.
     pub level: log::Level,
-    /// The text.
+    /// Text.
     pub text: String,
-    /// The Rust module that logged it.
+    /// Rust module that logged it.
     pub module: String,
-    /// The source file.
+    /// Source file.
     pub file: String,
-    /// The line there.
+    /// Line of the source file.
     pub line: u32,
-    /// The node's time, zero before it has started.
+    /// The node's time; zero before it has started.
     pub stamp: Time,
 }
 
 #[derive(Default)]
 struct Queue {
     lines: VecDeque<LogLine>,
-    /// A line was taken and is not published yet.
+    /// A line was dequeued and is not published yet.
     is_publishing: bool,
-    /// Nobody takes lines any more.
+    /// The thread has ended.
     is_ended: bool,
 }
 
@@ -59,7 +59,7 @@ static CHANGED: Condvar = Condvar::new();
 
 /// Publishes a line of the log on `/rosout` once the process's node runs. Never waits.
 pub fn log_line(line: LogLine) {
-    // What publishing itself logs would be published without end.
+    // Lines logged while publishing would cause endless further ones.
     if std::thread::current().name() == Some(THREAD_NAME) {
         return;
     }
@@ -75,7 +75,7 @@ pub fn log_line(line: LogLine) {
     CHANGED.notify_all();
 }
 
-/// The number of a level in `rosgraph_msgs/Log`.
+/// Number of a level in `rosgraph_msgs/Log`.
 fn number(level: log::Level) -> i8 {
     match level {
         log::Level::Error => Log::ERROR,
@@ -85,12 +85,12 @@ fn number(level: log::Level) -> i8 {
     }
 }
 
-/// What has levels that can be changed.
+/// Loggers whose levels can be changed.
 pub trait Loggers: Send + Sync {
-    /// Each logger with the level that it has: `debug`, `info`, `warn`, `error` or `fatal`.
+    /// Loggers with their levels: `debug`, `info`, `warn`, `error` or `fatal`.
     fn levels(&self) -> Vec<(String, String)>;
 
-    /// Gives a logger a level; false if there is no such logger or level.
+    /// Sets a logger's level; `false` if there is no such logger or level.
     fn set_level(&self, logger: &str, level: &str) -> bool;
 }
 
@@ -98,7 +98,7 @@ impl RosNode {
     /// Publishes the log on `/rosout` and offers `~get_loggers` and `~set_logger_level`, for as long as the node lives.
     ///
     /// # Errors
-    /// [`NodeError`], where a name cannot be resolved or there is no thread left.
+    /// [`NodeError::Name`] or [`NodeError::Start`].
     pub fn serve_log(&self, loggers: Arc<dyn Loggers>) -> Result<(), NodeError> {
         let publisher = self.latched_publisher(TOPIC, QUEUE_SIZE)?;
         let (node, name) = (Arc::downgrade(&self.shared), self.name().to_owned());
@@ -115,7 +115,7 @@ impl RosNode {
                     line: line.line,
                     topics: node.network.topics(),
                 };
-                // Fails for more than 4 GB, which no line has.
+                // Fails only for more than 4 GB.
                 let _ = publisher.send(message);
                 lock(&QUEUE).is_publishing = false;
             }
@@ -139,12 +139,12 @@ impl RosNode {
 }
 
 impl RosNode {
-    /// Waits until the log's last line was sent to a subscriber of `/rosout`, which connects a moment after the node
-    /// has started, but no longer than `limit`. For the error that ends a node, before [`shutdown`](Self::shutdown).
+    /// Waits until the last line was sent to a subscriber of `/rosout`, at most for `limit`. To be called before
+    /// [`shutdown`](Self::shutdown) of a node that ends with an error.
     pub fn flush_log(&self, limit: Duration) {
         let Ok(topic) = self.resolve(TOPIC) else { return };
         let until = Instant::now() + limit;
-        // Twice in a row: what is no longer queued may be under way to the socket.
+        // Twice in a row: a line that is no longer queued may not be written to the socket yet.
         let mut times_sent = 0;
         while times_sent < 2 && Instant::now() < until {
             std::thread::sleep(FLUSH_POLL);
@@ -157,7 +157,7 @@ impl RosNode {
     }
 }
 
-/// The oldest line that waits, as soon as there is one; none when `is_alive` says so and none waits any more.
+/// Waits for the oldest queued line; `None` when none is queued and `is_alive` is `false`.
 fn next_line(is_alive: impl Fn() -> bool) -> Option<LogLine> {
     let mut queue = lock(&QUEUE);
     loop {

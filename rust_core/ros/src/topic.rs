@@ -1,6 +1,6 @@
-//! One subscribed topic: one subscription for all listeners of the process.
+//! Subscribed topics: one subscription for all listeners of a topic.
 //!
-//! A listener that is added later gets the latched messages, as a new subscriber does from roscpp.
+//! A listener that is added later gets the latched messages, as a new subscriber from roscpp.
 
 use crate::error::NodeError;
 use crate::events::EventSender;
@@ -13,18 +13,18 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant};
 
-/// How often one topic's undecodable messages are logged.
+/// Shortest time between warnings of a topic's undecodable messages.
 const WARN_PERIOD: Duration = Duration::from_secs(5);
 
-/// Called with the topic's name and a message.
+/// Listener, called with the topic's name and a message.
 pub(crate) type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
 
-/// A message as listeners get it.
+/// A message for listeners.
 pub(crate) struct Received<'a> {
     pub(crate) message: &'a AnyMessage,
-    /// The publisher's name.
+    /// Name of the publisher.
     pub(crate) publisher: &'a Arc<str>,
-    /// When its bytes were there; for a latched message, when the listener was added.
+    /// Time of reception; for a latched message, when the listener was added.
     pub(crate) at: Instant,
 }
 
@@ -37,7 +37,7 @@ struct Topic {
     network: Arc<Network>,
 }
 
-/// What the threads that read from publishers need of a topic.
+/// State of a topic for the threads that read from publishers.
 struct Receiver {
     name: Arc<str>,
     kind: MessageKind,
@@ -49,12 +49,12 @@ struct Receiver {
 struct State {
     listeners: BTreeMap<u64, Arc<Listener>>,
     next_listener: u64,
-    /// The last message of each connection with a latching publisher, and its name; none before it has sent one.
+    /// Name of each connected latching publisher, and its last message.
     latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
-    /// How many publishers are connected.
+    /// Number of connected publishers.
     connections: usize,
     warned: Option<Instant>,
-    /// Messages that were dropped since then.
+    /// Messages dropped since the last warning.
     unlogged: u64,
 }
 
@@ -70,7 +70,7 @@ impl MessageVisitor for Describe {
 }
 
 impl Topic {
-    /// Subscribes to a topic by its whole name. Listeners are to be added before messages can be expected.
+    /// Subscribes to a topic by its whole name, without listeners.
     fn new(name: &str, kind: MessageKind, network: &Arc<Network>) -> Self {
         let name: Arc<str> = name.into();
         let registrar = Arc::clone(network.registrar());
@@ -109,7 +109,7 @@ impl Topic {
         id
     }
 
-    /// Removes a listener; true if none is left.
+    /// Removes a listener; `true` if none is left.
     fn remove_listener(&self, id: u64) -> bool {
         let mut state = lock(&self.receiver.state);
         state.listeners.remove(&id);
@@ -171,12 +171,12 @@ impl Handler for Receiver {
     }
 }
 
-/// Who is connected to a subscribed topic at present.
+/// Present publishers of a subscribed topic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Publishing {
     /// A publisher is connected.
     pub is_connected: bool,
-    /// A publisher that latches is connected, and has sent a message.
+    /// A connected publisher latches and has sent a message.
     pub is_latched: bool,
 }
 
@@ -198,7 +198,7 @@ impl Topics {
         sender: Option<EventSender>,
         listener: Listener,
     ) -> Result<TopicSubscription, NodeError> {
-        // Under the lock from beginning to end: the last listener of the topic may be leaving.
+        // Locked throughout, because the last listener of the topic may be removed meanwhile.
         let mut topics = lock(&self.0);
         let topic = match topics.get(&name) {
             Some(topic) => Arc::clone(topic),
@@ -219,7 +219,7 @@ impl Topics {
     }
 }
 
-/// Keeps a topic subscribed until it is dropped.
+/// Subscription of a topic until it is dropped.
 pub struct TopicSubscription {
     topic: Arc<Topic>,
     listener: u64,
@@ -228,18 +228,18 @@ pub struct TopicSubscription {
 }
 
 impl TopicSubscription {
-    /// The topic's whole name, after remapping: the one that its events carry.
+    /// Whole name of the topic, after remapping, as in its events.
     pub fn topic(&self) -> &Arc<str> {
         &self.topic.name
     }
 
-    /// Whether a publisher that it is connected with latches its messages.
+    /// `true` if a connected publisher latches its messages.
     pub fn is_latched(&self) -> bool {
         !lock(&self.topic.receiver.state).latched.is_empty()
     }
 
-    /// Has the topic not received until it is called with `false`, and drops its queued messages. The master still
-    /// names the node as a subscriber. A topic that has other listeners is always received.
+    /// Disconnects from publishers until it is called with `false`, and drops queued messages. The node stays
+    /// registered. A topic with other listeners is not paused.
     pub fn set_paused(&self, is_paused: bool) {
         let is_shared = lock(&self.topic.receiver.state).listeners.len() > 1;
         self.topic.subscription.set_paused(is_paused && !is_shared);
@@ -248,14 +248,14 @@ impl TopicSubscription {
         }
     }
 
-    /// Who is connected to it at present: one that was killed is not, whatever the master lists.
+    /// Connected publishers, unlike the master's list, which includes killed ones.
     pub fn publishing(&self) -> Publishing {
         let state = lock(&self.topic.receiver.state);
         let is_latched = state.latched.values().any(|(_, message)| message.is_some());
         Publishing { is_connected: state.connections > 0, is_latched }
     }
 
-    /// How many of its messages the event queue holds from now on (0: any number).
+    /// Sets the queue size of its messages (0: the largest).
     pub fn set_queue_size(&self, queue_size: usize) {
         if let Some(sender) = &self.sender {
             sender.set_queue_size(queue_size);
@@ -267,7 +267,7 @@ impl Drop for TopicSubscription {
     /// Drops its queued messages, and unsubscribes if there is no other listener.
     fn drop(&mut self) {
         let Some(topics) = self.topics.upgrade() else { return };
-        // Under the lock, or a listener that is added now would be left with a topic that is no longer subscribed to.
+        // Locked, or a listener that is added now would have a topic that is no longer subscribed to.
         let mut topics = lock(&topics.0);
         let unused = self.topic.remove_listener(self.listener);
         if let Some(sender) = &self.sender {

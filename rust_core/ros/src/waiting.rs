@@ -8,24 +8,23 @@ use crate::graph::ping;
 use crate::xmlrpc::client::host_and_port;
 use crate::xmlrpc::CallError;
 
-/// How often a master that is not there yet is tried.
+/// Period of calls to a missing master.
 const WAIT_PERIOD: Duration = Duration::from_millis(300);
-/// So many reasons why there is none are logged: one that sends garbage may give another each time.
+/// Logged reasons: a server that sends garbage may cause another each time.
 const MOST_REASONS: usize = 4;
 
 fn check_uri(uri: &str) -> Result<(), NodeError> {
     host_and_port(uri).map(drop).ok_or_else(|| NodeError::MasterUri(uri.to_owned()))
 }
 
-/// Fails unless a ROS master answers now.
+/// Checks that a ROS master answers now.
 pub(crate) fn check_master(uri: &str) -> Result<(), NodeError> {
     check_uri(uri)?;
     ping(uri).map_err(|error| NodeError::NoMaster { uri: uri.to_owned(), reason: error.to_string() })
 }
 
-/// Waits until a ROS master answers, or `cancelled` returns true. Each reason why there is none yet is logged once.
-///
-/// Calls it on a thread of its own, so that cancelling never waits for the network.
+/// Waits until a ROS master answers, or `cancelled` returns `true`. Each reason is logged once. The master is called on
+/// another thread, so that cancelling never waits for the network.
 pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
     check_uri(uri)?;
     let (found, is_found) = sync_channel(1);
@@ -61,7 +60,7 @@ pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result
     }
 }
 
-/// Asks until the master answers, or `cancelled` returns true. That it does not is logged once.
+/// Calls until the master answers, or `cancelled` returns `true`. A silent master is logged once.
 pub(crate) fn ask_until_answered<T>(
     uri: &str,
     cancelled: &dyn Fn() -> bool,

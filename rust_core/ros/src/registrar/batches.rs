@@ -1,24 +1,24 @@
-//! Many registrations taken back with one call.
+//! Unregistering in batches.
 //!
-//! rospy's master takes several calls in one (`system.multicall`, an extension of XML-RPC). So a node with hundreds of
-//! topics ends in time, and at a slow master, too. Another master may refuse that: then it gets one call after the
-//! other.
+//! rosmaster takes several calls in one (`system.multicall`, an extension of XML-RPC), so that a node with hundreds of
+//! topics ends in time. A master that refuses gets one call after the other.
 
 use std::time::Instant;
 
 use rcs_scene::lock;
 
-use super::{Entry, Registrar};
+use super::entry::Entry;
+use super::Registrar;
 use crate::xmlrpc::CallError;
 
-/// So many registrations at a time.
+/// Registrations in a batch.
 const BATCH: usize = 1000;
 
 impl Registrar {
-    /// Unregisters what is wanted no more, if that is more than one thing and the master takes several calls at once.
+    /// Unregisters what is no longer wanted, if there are several entries and the master takes several calls at once.
     ///
     /// # Errors
-    /// That of a master that does not answer.
+    /// The master does not answer.
     pub(super) fn unregister_together(&self) -> Result<(), CallError> {
         loop {
             let surplus: Vec<Entry> = {
@@ -57,7 +57,7 @@ mod tests {
     use std::sync::Arc;
     use std::time::Duration;
 
-    /// How many registrations are left after the end at a master that needs 0.3 s for each call.
+    /// Registrations left after the end at a master that needs 0.3 s for each call.
     fn left_at_a_slow_master(takes_batches: bool) -> usize {
         let (is_slow, registered) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(0)));
         let (slow, count) = (Arc::clone(&is_slow), Arc::clone(&registered));

@@ -1,11 +1,11 @@
-//! A registration: what the master is told.
+//! Registrations.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::graph::SystemState;
 
-/// A registration: what the master is told. Two of the same name and type differ by their number, so that one that
-/// takes the place of another is registered anew.
+/// A registration. Two of one name and type differ by their number, so that one that replaces another is registered
+/// anew.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Entry {
     /// The node publishes a topic of a type.
@@ -17,7 +17,7 @@ pub(crate) enum Entry {
 }
 
 impl Entry {
-    /// A number that no other entry of the process has.
+    /// A number that is unique in the process.
     pub(crate) fn next_number() -> u64 {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         NEXT.fetch_add(1, Ordering::Relaxed)
@@ -30,12 +30,12 @@ impl Entry {
         }
     }
 
-    /// Whether the master has one place for both: unregistering one of them unregisters the other.
+    /// `true` if the master has one entry for both, so that unregistering one unregisters the other.
     pub(super) fn shares_place(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other) && self.name() == other.name()
     }
 
-    /// Whether it is on the master's list.
+    /// `true` if it is on the master's list.
     pub(super) fn is_in(&self, state: &SystemState) -> bool {
         let names = match self {
             Self::Publisher { .. } => &state.own_publications,

@@ -1,4 +1,4 @@
-//! The fields that both ends of a connection send first: `name=value`, each behind its length, all behind theirs.
+//! The connection header: fields `name=value`, each after its length, all after theirs.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::socket::TimedRead;
 
-/// The longest header that is read. The definition of a message of many parts has some ten thousand bytes.
+/// Longest header. The definition of a message of many parts has some ten thousand bytes.
 const MAX_BYTES: usize = 1 << 20;
 
-/// The fields of a connection header.
+/// A connection header.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Header(BTreeMap<String, String>);
 
@@ -18,7 +18,7 @@ fn invalid(text: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, text)
 }
 
-/// Reads exactly so many bytes, at the latest by the deadline.
+/// Fills `bytes` by the deadline.
 pub(super) fn read_exact(stream: &mut impl TimedRead, bytes: &mut [u8], deadline: Instant) -> io::Result<()> {
     let mut filled = 0;
     while let Some(rest) = bytes.get_mut(filled..).filter(|rest| !rest.is_empty()) {
@@ -49,12 +49,12 @@ impl Header {
         self.0.get(name).map(String::as_str)
     }
 
-    /// Whether a switch is on: `latching=1`, `tcp_nodelay=1`.
+    /// `true` if a field is `1`, such as `latching` or `tcp_nodelay`.
     pub(crate) fn is_on(&self, name: &str) -> bool {
         self.get(name) == Some("1")
     }
 
-    /// The header as it is sent.
+    /// Encodes the header.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let mut fields = Vec::new();
         for (name, value) in &self.0 {
@@ -69,7 +69,7 @@ impl Header {
         bytes
     }
 
-    /// Reads the fields behind a header's length.
+    /// Parses the fields after a header's length.
     pub(crate) fn parse(mut bytes: &[u8]) -> io::Result<Self> {
         let mut fields = BTreeMap::new();
         while !bytes.is_empty() {
@@ -88,7 +88,7 @@ impl Header {
     /// Reads a header from a connection.
     ///
     /// # Errors
-    /// The connection's; `TimedOut` at the deadline, `InvalidData` for what is no header.
+    /// The connection's; `TimedOut` at the deadline, `InvalidData` for an invalid header.
     pub(crate) fn read(stream: &mut impl TimedRead, deadline: Instant) -> io::Result<Self> {
         let mut len = [0; 4];
         read_exact(stream, &mut len, deadline)?;
@@ -101,7 +101,7 @@ impl Header {
         Self::parse(&fields)
     }
 
-    /// Writes a header to a connection that may take `timeout` for it.
+    /// Writes a header within `timeout`.
     pub(crate) fn write(&self, stream: &mut TcpStream, timeout: Duration) -> io::Result<()> {
         stream.set_write_timeout(Some(timeout))?;
         stream.write_all(&self.to_bytes())

@@ -1,4 +1,4 @@
-//! The node's TCPROS port: it takes connections, reads what each is about, and hands it to the topic's publication.
+//! The node's TCPROS port: reads each connection's header and passes it to the topic's publication or the service.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -13,19 +13,19 @@ use super::publication::Publication;
 use super::service::Service;
 use crate::acceptor::{Acceptor, Limits};
 
-/// How long a subscriber may take to say what it wants.
+/// Timeout of a connection header.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
-/// Those of subscribers included.
+/// Limits of all connections.
 const LIMITS: Limits = Limits { connections: 512, stack_bytes: 256 * 1024 };
 
-/// What the port serves, by whole names.
+/// Publications and services of the port, by whole names.
 #[derive(Default)]
 struct Served {
     publications: Mutex<BTreeMap<String, Arc<Publication>>>,
     services: Mutex<BTreeMap<String, Arc<Service>>>,
 }
 
-/// The node's port for topics, until it is dropped.
+/// The node's TCPROS port, until it is dropped.
 pub(crate) struct Listener {
     acceptor: Acceptor,
     served: Arc<Served>,
@@ -35,7 +35,7 @@ impl Listener {
     /// Listens at an address (port 0: a free one).
     ///
     /// # Errors
-    /// The system's, where the address cannot be had or there is no thread left.
+    /// No address or thread is available.
     pub(crate) fn start(address: SocketAddr, node_name: &str) -> io::Result<Self> {
         let (served, node_name) = (Arc::<Served>::default(), node_name.to_owned());
         let known = Arc::clone(&served);
@@ -44,12 +44,12 @@ impl Listener {
         Ok(Self { acceptor, served })
     }
 
-    /// The port that `requestTopic` answers with.
+    /// Port for the answer to `requestTopic`.
     pub(crate) fn port(&self) -> u16 {
         self.acceptor.address().port()
     }
 
-    /// Serves a publication from now on, in place of one of the same topic.
+    /// Adds a publication, or replaces one of the same topic.
     pub(crate) fn add(&self, publication: Arc<Publication>) {
         let topic = publication.description().topic.clone();
         let replaced = lock(&self.served.publications).insert(topic, publication);
@@ -58,7 +58,7 @@ impl Listener {
         }
     }
 
-    /// Serves a topic no more, and ends the connections of its subscribers.
+    /// Removes a publication and ends its connections.
     pub(crate) fn remove(&self, topic: &str) {
         let removed = lock(&self.served.publications).remove(topic);
         if let Some(removed) = removed {
@@ -66,7 +66,7 @@ impl Listener {
         }
     }
 
-    /// Answers calls of a service from now on, in place of one of the same name.
+    /// Adds a service, or replaces one of the same name.
     pub(crate) fn add_service(&self, service: Arc<Service>) {
         let replaced = lock(&self.served.services).insert(service.name.clone(), service);
         if let Some(replaced) = replaced {
@@ -74,7 +74,7 @@ impl Listener {
         }
     }
 
-    /// Answers no more calls of a service, which is returned if there was one.
+    /// Removes a service and ends its connections.
     pub(crate) fn remove_service(&self, name: &str) -> Option<Arc<Service>> {
         let removed = lock(&self.served.services).remove(name)?;
         removed.close();
@@ -94,7 +94,7 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        // First, or another one might come.
+        // First, so that no connection is accepted meanwhile.
         self.acceptor.end();
         for publication in self.publications() {
             publication.close();
@@ -110,7 +110,7 @@ fn refuse(stream: &mut TcpStream, wanted: &Header, reason: &str) -> io::Result<(
     Header::new([("error", reason)]).write(stream, HANDSHAKE_TIMEOUT)
 }
 
-/// Shakes hands with a subscriber or a service's caller, and serves it until either side ends that.
+/// Serves a subscriber or a service's caller until either side ends the connection.
 fn serve(mut stream: TcpStream, served: &Served, node_name: &str) -> io::Result<()> {
     let wanted = Header::read(&mut stream, Instant::now() + HANDSHAKE_TIMEOUT)?;
     if let Some(name) = wanted.get("service") {
@@ -129,8 +129,7 @@ fn serve(mut stream: TcpStream, served: &Served, node_name: &str) -> io::Result<
         return refuse(&mut stream, &wanted, &reason);
     }
     publication.description().answer(node_name).write(&mut stream, HANDSHAKE_TIMEOUT)?;
-    // A picture is whole when its last bytes are there: these must not wait for more, also where the subscriber does
-    // not ask for it with tcp_nodelay=1.
+    // The last bytes of a message must not wait for more, also for subscribers without tcp_nodelay=1.
     stream.set_nodelay(true)?;
     publication.serve(stream, wanted.get("callerid").unwrap_or_default())
 }

@@ -1,9 +1,8 @@
-//! A topic that the node publishes: a queue and a thread for each subscriber.
+//! A published topic, with a queue and a thread for each subscriber.
 //!
-//! A message is encoded once and shared by all subscribers. Where a subscriber reads more slowly than messages come,
-//! the oldest in its queue gives way; the one that is being written is finished, however long that takes, because half
-//! a message cannot be taken back. A connection is closed only when the peer has closed it or does not answer any more
-//! (TCP's keep-alive), never for being slow.
+//! A message is encoded once and shared by all subscribers. A slow subscriber's oldest queued message is dropped; the
+//! one being written is finished, because half a message cannot be taken back. A connection is closed only when the
+//! peer has closed it or does not answer TCP's keep-alive, never for being slow.
 
 use std::collections::VecDeque;
 use std::io::{self, IoSlice, Read, Write};
@@ -21,30 +20,30 @@ use rcs_scene::lock;
 use super::header::Header;
 use crate::socket::{keep_alive, IDLE_TIMEOUT};
 
-/// What waits in the kernel for a subscriber that does not read is old when it goes on, so it is kept small.
+/// Send buffer, small because its content is old when a subscriber that was stopped reads on.
 const SEND_BUFFER_BYTES: usize = 512 * 1024;
 
-/// What a topic's messages are.
+/// Description of a published topic.
 #[derive(Clone, Debug)]
 pub(crate) struct Description {
-    /// The whole name.
+    /// Whole name.
     pub(crate) topic: String,
-    /// `package/Name`.
+    /// Type, `package/Name`.
     pub(crate) ros_type: String,
     /// Checksum of the definition.
     pub(crate) md5sum: String,
-    /// The whole text of the definition.
+    /// Text of the definition.
     pub(crate) definition: String,
-    /// Whether the last message is sent to later subscribers, too.
+    /// `true` if later subscribers get the last message.
     pub(crate) is_latching: bool,
-    /// How many messages may wait for a subscriber, at least 1; the oldest gives way.
+    /// Queue size of each subscriber, at least 1.
     pub(crate) queue_size: usize,
-    /// Which publication of the topic it is.
+    /// Number of the registration.
     pub(crate) number: u64,
 }
 
 impl Description {
-    /// Whether this is what a subscriber wants.
+    /// Checks that a subscriber wants this topic's type.
     pub(super) fn check(&self, wanted: &Header) -> Result<(), String> {
         if wanted.get("callerid").is_none() {
             return Err("the header has no callerid".to_owned());
@@ -61,7 +60,7 @@ impl Description {
         }
     }
 
-    /// What a subscriber is answered.
+    /// Header of the answer to a subscriber.
     pub(super) fn answer(&self, node_name: &str) -> Header {
         Header::new([
             ("callerid", node_name),
@@ -74,12 +73,12 @@ impl Description {
     }
 }
 
-/// A message as it is sent, shared by all subscribers.
+/// An encoded message, shared by all subscribers.
 #[derive(Clone)]
 pub(crate) struct Frame {
-    /// The message's length and its beginning.
+    /// Length and beginning of the message.
     head: Arc<[u8]>,
-    /// The rest of it: the pixels of a picture, which are nobody's copy.
+    /// Rest of the message, such as shared pixels.
     body: SharedBytes,
 }
 
@@ -87,7 +86,7 @@ impl Frame {
     /// A message in two parts, of which the second is shared and not copied.
     ///
     /// # Errors
-    /// `InvalidInput` for more bytes than a message can have.
+    /// `InvalidInput` for more than 4 GB.
     pub(crate) fn new(beginning: &[u8], body: SharedBytes) -> io::Result<Self> {
         let len = u32::try_from(beginning.len() + (*body).as_ref().len())
             .map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "a message of more than 4 GB"))?;
@@ -101,7 +100,7 @@ impl Frame {
         self.head.len() + (*self.body).as_ref().len()
     }
 
-    /// What is left of it behind the first `written` bytes.
+    /// The message after the first `written` bytes.
     fn rest(&self, written: usize) -> [IoSlice<'_>; 2] {
         let head = self.head.get(written..).unwrap_or_default();
         let body = (*self.body).as_ref().get(written.saturating_sub(self.head.len())..).unwrap_or_default();
@@ -109,7 +108,7 @@ impl Frame {
     }
 }
 
-/// What happens to a publication's subscribers.
+/// Change of a topic's subscribers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// A node subscribed.
@@ -118,42 +117,42 @@ pub enum Change {
     Left,
 }
 
-/// Gets what happened and the subscriber's name, on the subscriber's thread.
+/// Called with the change and the subscriber's name, on the subscriber's thread.
 pub(crate) type Observer = Arc<dyn Fn(Change, &str) + Send + Sync>;
 
-/// A topic that is published.
+/// A published topic.
 pub(crate) struct Publication {
     description: Description,
     subscribers: Mutex<Vec<Arc<Subscriber>>>,
     latched: Mutex<Option<Frame>>,
     is_closed: AtomicBool,
-    /// Each with the number by which it is taken away.
+    /// Observers with their ids.
     observers: Mutex<Vec<(u64, Observer)>>,
     next_observer: AtomicU64,
 }
 
 /// A connection with a subscriber.
 pub(crate) struct Subscriber {
-    /// The node's name.
+    /// Name of the node.
     pub(crate) name: String,
-    /// Its end of the connection.
+    /// Address of the peer.
     pub(crate) peer: SocketAddr,
-    /// Bytes and messages that were written.
+    /// Numbers of written bytes and messages.
     pub(crate) sent_bytes: AtomicU64,
     pub(crate) sent_messages: AtomicU64,
     queue: Mutex<VecDeque<Frame>>,
-    /// Readable when the queue has something new, or the connection is to end.
+    /// Readable when a message is queued or the connection is to end.
     wake: OwnedFd,
     stream: TcpStream,
 }
 
 impl Subscriber {
     fn wake(&self) {
-        // Fails only where it is set as high as it goes, which wakes as well.
+        // Fails only at the highest value, which wakes as well.
         let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
     }
 
-    /// Whether no message waits for it.
+    /// `true` if no message is queued.
     pub(crate) fn is_idle(&self) -> bool {
         lock(&self.queue).is_empty()
     }
@@ -183,25 +182,24 @@ impl Publication {
         })
     }
 
-    /// What it publishes.
+    /// Description of the topic.
     pub(crate) fn description(&self) -> &Description {
         &self.description
     }
 
-    /// Calls `observer` for each subscriber that comes and goes from now on. Returns the number by which it is taken
-    /// away.
+    /// Adds an observer of later changes. Returns its id.
     pub(crate) fn observe(&self, observer: &Observer) -> u64 {
         let id = self.next_observer.fetch_add(1, Ordering::Relaxed);
         lock(&self.observers).push((id, Arc::clone(observer)));
         id
     }
 
-    /// Calls an observer for the subscribers that are there. One that joins meanwhile may be reported twice.
+    /// Calls an observer for the present subscribers. One that joins meanwhile may be reported twice.
     pub(crate) fn report_present(&self, observer: &Observer) {
         self.subscribers().iter().for_each(|subscriber| observer(Change::Joined, &subscriber.name));
     }
 
-    /// Takes an observer away; true when none is left.
+    /// Removes an observer; `true` if none is left.
     pub(crate) fn forget(&self, id: u64) -> bool {
         let mut observers = lock(&self.observers);
         observers.retain(|(known, _)| *known != id);
@@ -209,12 +207,12 @@ impl Publication {
     }
 
     fn report(&self, change: Change, name: &str) {
-        // Called without the lock: an observer may publish.
+        // Without the lock, because an observer may publish.
         let observers: Vec<Observer> = lock(&self.observers).iter().map(|(_, observer)| Arc::clone(observer)).collect();
         observers.iter().for_each(|observer| observer(change, name));
     }
 
-    /// The present subscribers.
+    /// Present subscribers.
     pub(crate) fn subscribers(&self) -> Vec<Arc<Subscriber>> {
         lock(&self.subscribers).clone()
     }
@@ -222,7 +220,7 @@ impl Publication {
     /// Sends a message to all subscribers. Never waits.
     pub(crate) fn send(&self, frame: &Frame) {
         if self.description.is_latching {
-            // Under the lock, or a subscriber that joins now gets it twice or not at all.
+            // Locked, or a subscriber that joins now would get it twice or not at all.
             let mut latched = lock(&self.latched);
             *latched = Some(frame.clone());
             self.push_to_all(frame);
@@ -241,7 +239,7 @@ impl Publication {
     pub(crate) fn close(&self) {
         self.is_closed.store(true, Ordering::Release);
         for subscriber in self.subscribers() {
-            // Fails where it has ended already.
+            // Fails if it has ended.
             let _ = subscriber.stream.shutdown(Shutdown::Both);
             subscriber.wake();
         }
@@ -271,7 +269,7 @@ impl Publication {
         self.report(Change::Joined, name);
         let publication: Weak<Self> = Arc::downgrade(self);
         let result = write_messages(&subscriber, &self.is_closed);
-        // Only now: while it was served, the publication was known to live.
+        // Upgraded only now, so that the thread does not keep the publication alive.
         if let Some(publication) = publication.upgrade() {
             lock(&publication.subscribers).retain(|known| !Arc::ptr_eq(known, &subscriber));
             publication.report(Change::Left, name);
@@ -280,15 +278,14 @@ impl Publication {
     }
 }
 
-/// Why the thread of a connection wakes up.
+/// Events of a connection.
 struct Woken {
     is_writable: bool,
-    /// The peer sent something, or has closed.
+    /// The peer has sent something or closed.
     is_readable: bool,
 }
 
-/// Waits for something to send, for room to send it if `wants_room`, or for the connection's end; or for none of them,
-/// so that whoever waits looks from time to time by himself.
+/// Waits for a message, for room in the socket if `wants_room`, for the connection's end, or for [`IDLE_TIMEOUT`].
 fn wait(subscriber: &Subscriber, wants_room: bool) -> io::Result<Woken> {
     let interest = if wants_room { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
     let mut descriptors =
@@ -299,14 +296,14 @@ fn wait(subscriber: &Subscriber, wants_room: bool) -> io::Result<Woken> {
     }
     let [stream, wake] = descriptors.map(|descriptor| descriptor.revents());
     if wake.contains(PollFlags::IN) {
-        // Back to zero; it wakes again with the next message.
+        // Resets it until the next message.
         let _ = rustix::io::read(&subscriber.wake, &mut [0_u8; 8]);
     }
     let ended = PollFlags::RDHUP | PollFlags::HUP | PollFlags::ERR;
     Ok(Woken { is_writable: stream.contains(PollFlags::OUT), is_readable: stream.intersects(ended | PollFlags::IN) })
 }
 
-/// Reads what a subscriber sends, which means nothing, and finds out whether it has closed.
+/// Discards what a subscriber sends; an error if it has closed.
 fn drain(mut stream: &TcpStream) -> io::Result<()> {
     let mut bytes = [0; 1024];
     loop {
@@ -418,7 +415,7 @@ mod tests {
             stream
         }
 
-        /// Sends a message of so many bytes, all of the same value.
+        /// Sends a message of `len` equal bytes.
         fn send(&self, value: u8, len: usize) {
             self.publication.send(&Frame::new(&[value], Arc::new(vec![value; len - 1])).unwrap());
         }
@@ -469,7 +466,7 @@ mod tests {
         let idle = sockopt::tcp_keepidle(stream).unwrap();
         let (period, probes) = (sockopt::tcp_keepintvl(stream).unwrap(), sockopt::tcp_keepcnt(stream).unwrap());
         assert_eq!(idle + probes * period, Duration::from_secs(180), "{idle:?} {probes} {period:?}");
-        // Pictures are not given up any earlier than TCP does it, because a viewer that is stopped is not gone.
+        // No earlier timeout than TCP's, because a viewer may be stopped.
         assert_eq!(sockopt::tcp_user_timeout(stream).unwrap(), 0);
     }
 
@@ -482,7 +479,7 @@ mod tests {
             bench.send(value, LEN);
             assert_eq!(receive(&mut good)[0], value);
         }
-        // What the kernel had buffered comes first, and then what is new.
+        // First what the kernel had buffered, and then the newest.
         let values: Vec<u8> =
             std::iter::repeat_with(|| receive(&mut stopped)[0]).take_while(|value| *value != 39).collect();
         assert!(values.len() <= 4, "{values:?}");

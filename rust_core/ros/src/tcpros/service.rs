@@ -1,4 +1,4 @@
-//! A service that the node offers: requests are read, handled and answered one after the other on each connection.
+//! A service: requests are handled one after the other on each connection.
 
 use std::io::{self, Write};
 use std::net::{Shutdown, TcpStream};
@@ -12,23 +12,23 @@ use super::header::{read_exact, Header};
 use crate::registrar::Entry;
 use crate::socket::keep_alive;
 
-/// How long a caller may take to send its request, and to read the answer.
+/// Timeout of a request, and of writing the response.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
-/// How long a caller that asked for a persistent connection may be silent.
+/// Timeout of a persistent connection without requests.
 const PERSISTENT_TIMEOUT: Duration = Duration::from_secs(24 * 3600);
-/// The services here are called with a few numbers and names.
+/// Longest request.
 const MAX_REQUEST_BYTES: u32 = 16 << 20;
 
-/// Gets a request and gives the response, or why there is none.
+/// Handles a request: the response, or the reason for none.
 pub(crate) type Handler = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
 
 /// A service by its whole name.
 pub(crate) struct Service {
-    /// The whole name.
+    /// Whole name.
     pub(crate) name: String,
-    /// Which service of the name it is.
+    /// Number of the registration.
     pub(crate) number: u64,
-    /// `package/Name`.
+    /// Type, `package/Name`.
     pub(crate) ros_type: String,
     /// Checksum of the definition.
     pub(crate) md5sum: String,
@@ -38,7 +38,7 @@ pub(crate) struct Service {
 }
 
 impl Service {
-    /// A service that nobody has called yet.
+    /// A service without connections.
     pub(crate) fn new(name: &str, ros_type: String, md5sum: String, handler: Handler) -> Arc<Self> {
         Arc::new(Self {
             name: name.to_owned(),
@@ -55,12 +55,12 @@ impl Service {
     pub(crate) fn close(&self) {
         self.is_closed.store(true, Ordering::Release);
         for caller in &*lock(&self.callers) {
-            // Fails where it has ended already.
+            // Fails if it has ended.
             let _ = caller.shutdown(Shutdown::Both);
         }
     }
 
-    /// Answers a caller's header, and then its requests until either side ends the connection.
+    /// Answers a caller's header and then its requests, until either side ends the connection.
     pub(super) fn serve(&self, mut stream: TcpStream, wanted: &Header, node_name: &str) -> io::Result<()> {
         let is_probe = wanted.is_on("probe");
         if !is_probe && !matches!(wanted.get("md5sum"), Some(sum) if sum == "*" || sum == self.md5sum) {

@@ -1,8 +1,8 @@
-//! A topic that the node subscribes to: a thread for each of its publishers.
+//! A subscribed topic, with a thread for each publisher.
 //!
-//! A publisher is known by the address of its node. Its thread asks the node where the topic is sent from, connects,
-//! and reads; whatever fails or breaks is tried again, at first after a quarter of a second and then less often, at
-//! least every other second, for as long as the master names the publisher.
+//! A publisher is known by the address of its node. Its thread requests the topic from the node, connects and reads.
+//! Failures are retried after a quarter of a second and then less often, at least every other second, as long as the
+//! master names the publisher.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -19,67 +19,65 @@ use crate::socket::keep_alive;
 use crate::xmlrpc::client::{connect, in_order};
 use crate::xmlrpc::{call, CallError, Value};
 
-/// How long another node may take to answer. rospy takes one connection after the other, so a busy one takes seconds;
-/// each has a thread here that waits.
+/// Timeout of another node's answer. rospy accepts one connection after the other, so a busy node takes seconds.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 const FIRST_RETRY: Duration = Duration::from_millis(250);
 const LONGEST_RETRY: Duration = Duration::from_secs(2);
-/// After this time one that refuses is tried again: each try is an error in its log.
+/// Retry period of a publisher that refuses, because each try is an error in its log.
 const REFUSED_RETRY: Duration = Duration::from_secs(60);
-/// A connection that has stood for so long was a good one: the next break is repaired quickly again.
+/// Age from which a connection counts as good, so that its next break is retried at once.
 const SETTLED: Duration = Duration::from_secs(5);
-/// Longer messages are taken for damage. ROS's own limit is the same.
+/// Longest message, as in roscpp.
 const MAX_MESSAGE_BYTES: u32 = 1_000_000_000;
-/// What is made room for before the bytes are there, whatever length is announced.
+/// Most memory allocated for an announced length before its bytes have come.
 const FIRST_ROOM_BYTES: usize = 16 << 20;
 const STACK_BYTES: usize = 1 << 20;
-/// So many threads may read from the publishers of a topic. One of a publisher that is no longer named may wait for its
-/// answer for a while.
+/// Most threads of a topic, those of former publishers that wait for an answer included.
 const MOST_THREADS: usize = 512;
 
-/// What a subscription is for.
+/// Description of a subscription.
 #[derive(Clone, Debug)]
 pub(crate) struct Wanted {
-    /// The topic's whole name.
+    /// Whole name of the topic.
     pub(crate) topic: Arc<str>,
-    /// `package/Name`.
+    /// Type, `package/Name`.
     pub(crate) ros_type: String,
     /// Checksum of the definition.
     pub(crate) md5sum: String,
-    /// The whole text of the definition.
+    /// Text of the definition.
     pub(crate) definition: String,
-    /// The subscribing node's name.
+    /// Name of the subscribing node.
     pub(crate) node_name: String,
-    /// Which subscription of the topic it is.
+    /// Number of the registration.
     pub(crate) number: u64,
 }
 
-/// A publisher as its connection's header describes it.
+/// A publisher by its connection header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Source {
-    /// The node's name.
+    /// Name of the node.
     pub(crate) name: Arc<str>,
-    /// Whether what it sends is latched.
+    /// `true` if it latches.
     pub(crate) is_latching: bool,
-    /// The number of the connection with it.
+    /// Number of the connection.
     pub(crate) connection: u64,
 }
 
-/// Takes what comes, on the publisher's thread.
+/// Receiver of a topic's messages, called on the publisher's thread.
 pub(crate) trait Handler: Send + Sync {
-    /// A publisher's node does not answer. Called once, until it has answered; may wait for the master.
+    /// Reports, once until it answers, that a publisher's node does not answer. May wait for the master.
     fn contact_failed(&self, uri: &str, reason: &str);
 
-    /// A publisher's node has answered.
+    /// Reports that a publisher's node has answered.
     fn contacted(&self, uri: &str);
 
-    /// A publisher was connected with.
+    /// Reports a new connection.
     fn connected(&self, source: &Source);
 
-    /// A message, its length not among the bytes.
+    /// Takes the bytes of a message, without its length.
     fn message(&self, bytes: Vec<u8>, source: &Source);
 
-    /// The connection with a publisher ended.
+    /// Reports the end of a connection.
     fn disconnected(&self, source: &Source);
 }
 
@@ -88,29 +86,29 @@ pub(crate) struct Subscription {
     wanted: Arc<Wanted>,
     handler: Arc<dyn Handler>,
     links: Mutex<Links>,
-    /// Those of links that are ending included.
+    /// Number of threads, those of ending links included.
     threads: Arc<AtomicUsize>,
 }
 
-/// The publishers of a topic.
+/// Publishers of a topic.
 #[derive(Default)]
 struct Links {
-    /// By the addresses of their nodes.
+    /// Links by the addresses of the nodes.
     by_uri: BTreeMap<String, Arc<Link>>,
-    /// Those that the master names.
+    /// Publishers named by the master.
     named: Vec<String>,
-    /// There is to be no connection with any of them.
+    /// No connections are wanted.
     is_paused: bool,
 }
 
-/// The connection with one publisher, or the attempts to have one.
+/// The connection with a publisher, or the attempts to connect.
 pub(crate) struct Link {
-    /// Where the publisher's node is asked.
+    /// Address of the publisher's node.
     pub(crate) uri: String,
-    /// Bytes and messages that came.
+    /// Numbers of received bytes and messages.
     pub(crate) received_bytes: AtomicU64,
     pub(crate) received_messages: AtomicU64,
-    /// The connection and the publisher, while there is one.
+    /// Connection and publisher, while connected.
     connection: Mutex<Option<(TcpStream, Source)>>,
     /// The last attempt to connect failed, or the connection broke.
     has_failed: AtomicBool,
@@ -119,7 +117,7 @@ pub(crate) struct Link {
     waiting: Mutex<()>,
 }
 
-/// Why there is no connection.
+/// A publisher cannot be connected with.
 #[derive(Debug, thiserror::Error)]
 enum LinkError {
     #[error("its node at {uri} does not say where it publishes: {error}")]
@@ -135,14 +133,14 @@ enum LinkError {
 }
 
 impl Link {
-    /// The publisher's name and its end of the connection, while there is one.
+    /// Name and address of the publisher, while connected.
     pub(crate) fn connected(&self) -> Option<(Arc<str>, SocketAddr)> {
         let connection = lock(&self.connection);
         let (stream, source) = connection.as_ref()?;
         Some((Arc::clone(&source.name), stream.peer_addr().ok()?))
     }
 
-    /// Whether there is a connection, or the first attempt to have one is under way.
+    /// `true` if connected, or if the first attempt has not failed.
     pub(crate) fn is_promising(&self) -> bool {
         !self.has_failed.load(Ordering::Acquire)
     }
@@ -154,14 +152,14 @@ impl Link {
     fn end(&self) {
         self.is_ended.store(true, Ordering::Release);
         if let Some((stream, _)) = &*lock(&self.connection) {
-            // Fails where it has ended already.
+            // Fails if it has ended.
             let _ = stream.shutdown(Shutdown::Both);
         }
         drop(lock(&self.waiting));
         self.ended.notify_all();
     }
 
-    /// Waits, unless the link ends before.
+    /// Sleeps until the link ends, at most for `duration`.
     fn sleep(&self, duration: Duration) {
         let waited = self.ended.wait_timeout_while(lock(&self.waiting), duration, |()| !self.is_ended());
         drop(waited.unwrap_or_else(PoisonError::into_inner));
@@ -174,36 +172,36 @@ impl Subscription {
         Self { wanted: Arc::new(wanted), handler, links: Mutex::default(), threads: Arc::default() }
     }
 
-    /// The topic and its type.
+    /// Topic and type.
     pub(crate) fn wanted(&self) -> &Wanted {
         &self.wanted
     }
 
-    /// The connections there are or should be.
+    /// All links.
     pub(crate) fn links(&self) -> Vec<Arc<Link>> {
         lock(&self.links).by_uri.values().cloned().collect()
     }
 
-    /// Connects with the publishers that the master names, and ends the connections with all others.
+    /// Connects with these publishers and ends all other connections.
     pub(crate) fn set_publishers(&self, uris: &[String]) {
         let mut links = lock(&self.links);
         links.named = uris.to_vec();
         self.connect(&mut links);
     }
 
-    /// Ends all connections and makes no others until it is called with `false`; the master is not told.
+    /// Ends all connections until it is called with `false`; the registration stays.
     pub(crate) fn set_paused(&self, is_paused: bool) {
         let mut links = lock(&self.links);
         links.is_paused = is_paused;
         self.connect(&mut links);
     }
 
-    /// Connects with publishers for which there was no thread before.
+    /// Retries publishers for which no thread was available.
     pub(crate) fn connect_missing(&self) {
         self.connect(&mut lock(&self.links));
     }
 
-    /// Starts and ends links, so that there is one for each publisher that there should be.
+    /// Starts and ends links, so that there is one for each wanted publisher.
     fn connect(&self, Links { by_uri, named, is_paused }: &mut Links) {
         let wanted = if *is_paused { &[] } else { named.as_slice() };
         by_uri.retain(|uri, link| {
@@ -277,13 +275,13 @@ impl Drop for Counted {
     }
 }
 
-/// A panic, which is logged where panics are, is taken for a break of the connection.
+/// A panic, which the panic hook logs, counts as a broken connection.
 fn read_until_ended(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     while catch_unwind(AssertUnwindSafe(|| keep_connected(link, wanted, handler))).is_err() {
         link.has_failed.store(true, Ordering::Release);
         let connection = lock(&link.connection).take();
         if let Some((_, source)) = connection {
-            // It may panic as well.
+            // The handler may panic as well.
             let _ = catch_unwind(AssertUnwindSafe(|| handler.disconnected(&source)));
         }
         link.sleep(LONGEST_RETRY);
@@ -314,9 +312,9 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
         }
         let is_refusal = matches!(&error, LinkError::Refused(_) | LinkError::Ask { error: CallError::Refused(_), .. });
         match &error {
-            // The publisher may just be ending, of which the master tells in a moment.
+            // The publisher may be ending, which the master will report.
             LinkError::Broken(_) => log::debug!("{}: {error}", wanted.topic),
-            // The whole node, with all of its topics.
+            // The whole node does not answer.
             LinkError::Ask { uri, error } if !error.is_answer() && retry > FIRST_RETRY && !is_logged => {
                 handler.contact_failed(uri, &error.to_string());
                 is_logged = true;
@@ -332,7 +330,7 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     }
 }
 
-/// Where a node says that it publishes a topic.
+/// Requests a topic from a node; host and port.
 fn ask(uri: &str, wanted: &Wanted) -> Result<(String, u16), CallError> {
     let protocols = Value::Array(vec![Value::Array(vec!["TCPROS".into()])]);
     let params = [wanted.node_name.as_str().into(), (&*wanted.topic).into(), protocols];
@@ -384,7 +382,7 @@ fn connect_to(link: &Link, wanted: &Wanted, handler: &dyn Handler) -> Result<(Tc
     Ok((stream, Source { name, is_latching: answer.is_on("latching"), connection }))
 }
 
-/// Reads until the link ends (which is no error) or the connection does.
+/// Reads until the connection or the link ends, of which the latter is no error.
 fn read_messages(
     link: &Link,
     mut stream: TcpStream,
@@ -410,7 +408,7 @@ fn read_messages(
         };
         link.received_bytes.fetch_add(bytes.len() as u64 + 4, Ordering::Relaxed);
         link.received_messages.fetch_add(1, Ordering::Relaxed);
-        // What was under way when its publisher left is no longer wanted.
+        // A message that was in transit when its publisher left is dropped.
         if !link.is_ended() {
             handler.message(bytes, source);
         }
@@ -418,8 +416,7 @@ fn read_messages(
     Ok(())
 }
 
-/// Reads a message, however long its publisher is silent, before it or within it. Where a read has a time limit, it is
-/// looked then whether the link has ended.
+/// Reads a message without a time limit. After each timeout of a read, `is_ended` is checked.
 fn read_message(stream: &mut impl Read, is_ended: &dyn Fn() -> bool) -> io::Result<Vec<u8>> {
     let mut head = Vec::with_capacity(4);
     read_up_to(stream, 4, &mut head, is_ended)?;
@@ -439,7 +436,7 @@ fn read_up_to(stream: &mut impl Read, len: usize, bytes: &mut Vec<u8>, is_ended:
         match stream.take(rest).read_to_end(bytes) {
             Ok(read) if (read as u64) < rest => return Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(_) => {}
-            // What has come by then is kept.
+            // The bytes read so far are kept.
             Err(error) if error.kind() == io::ErrorKind::WouldBlock && !is_ended() => {}
             Err(error) => return Err(error),
         }

@@ -7,28 +7,28 @@ use std::time::{Duration, Instant};
 use super::http::{self, Side};
 use super::value::{self, Value, XmlError};
 
-/// Why a call has no answer.
+/// A call has failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CallError {
-    /// The address is none of the form `http://host:port/`.
+    /// The address is invalid.
     #[error("'{0}' is not an address of the form http://host:port/")]
     Uri(String),
-    /// The host's name is not known.
+    /// The host is unknown.
     #[error("unknown host {host}: {source}")]
     Host { host: String, source: io::Error },
-    /// Nobody listens, the connection broke, or no whole answer came in time.
+    /// The connection failed, broke, or timed out.
     #[error("{0}")]
     Connection(io::Error),
-    /// The answer is no XML-RPC, or a fault.
+    /// The answer is not XML-RPC, or is a fault.
     #[error("{0}")]
     Answer(XmlError),
-    /// ROS's own refusal: an answer with a status other than 1.
+    /// The answer's status is not 1.
     #[error("{0}")]
     Refused(String),
 }
 
 impl CallError {
-    /// Whether the other side answered at all.
+    /// `true` if the other side refused the call.
     pub(crate) fn is_answer(&self) -> bool {
         matches!(self, Self::Refused(_) | Self::Answer(XmlError::Fault { .. }))
     }
@@ -43,7 +43,7 @@ pub(crate) fn host_and_port(uri: &str) -> Option<(String, u16)> {
     (!host.is_empty()).then_some((host.to_owned(), port.parse().ok()?))
 }
 
-/// The addresses of a URI.
+/// Resolves the host of a URI.
 ///
 /// # Errors
 /// [`CallError::Uri`], [`CallError::Host`].
@@ -56,14 +56,14 @@ pub(crate) fn addresses(uri: &str) -> Result<Vec<SocketAddr>, CallError> {
     }
 }
 
-/// A host's addresses in the order in which they are tried: ROS 1 uses version 4.
+/// Addresses in the order in which they are tried: IPv4 first.
 pub(crate) fn in_order(addresses: impl Iterator<Item = SocketAddr>) -> Vec<SocketAddr> {
     let mut addresses: Vec<SocketAddr> = addresses.collect();
     addresses.sort_by_key(|address| !address.is_ipv4());
     addresses
 }
 
-/// Connects to the first of some addresses that accepts before the deadline. Each has its share of the time.
+/// Connects to the first address that accepts by the deadline. Each has its share of the time.
 pub(crate) fn connect(addresses: &[SocketAddr], deadline: Instant) -> io::Result<TcpStream> {
     let mut last = io::Error::from(io::ErrorKind::AddrNotAvailable);
     for (index, address) in addresses.iter().enumerate() {
@@ -82,13 +82,13 @@ pub(crate) fn connect(addresses: &[SocketAddr], deadline: Instant) -> io::Result
     Err(last)
 }
 
-/// Posts a body and reads the answer's.
+/// Posts a body and reads the answer's body.
 pub(crate) fn post(uri: &str, body: &str, timeout: Duration) -> Result<String, CallError> {
     let addresses = addresses(uri)?;
     let deadline = Instant::now() + timeout;
     let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
     let mut stream = connect(&addresses, deadline).map_err(CallError::Connection)?;
-    // HTTP 1.0, because its answers come in one piece.
+    // HTTP 1.0, whose answers are not chunked.
     let head = format!(
         "POST / HTTP/1.0\r\nHost: {host}:{port}\r\nUser-Agent: rviz_camera_stream\r\nContent-Type: text/xml\r\n\
          Content-Length: {}\r\n\r\n",
@@ -99,10 +99,10 @@ pub(crate) fn post(uri: &str, body: &str, timeout: Duration) -> Result<String, C
     Ok(String::from_utf8_lossy(&answer).into_owned())
 }
 
-/// Calls a method of ROS's APIs, whose answers are `[status, text, value]`; gives the value.
+/// Calls a method of ROS's APIs, whose answers are `[status, text, value]`, and returns the value.
 ///
 /// # Errors
-/// [`CallError`]; nothing takes longer than `timeout`, except where the system resolves a host's name.
+/// [`CallError`], after `timeout` at the latest, unless the system takes longer to resolve the host.
 pub(crate) fn call(uri: &str, method: &str, params: &[Value], timeout: Duration) -> Result<Value, CallError> {
     let answer = post(uri, &value::request(method, params), timeout)?;
     match value::parse_response(&answer).map_err(CallError::Answer)? {

@@ -1,4 +1,4 @@
-//! One HTTP message on a connection, read within limits of size and time.
+//! Reading and writing an HTTP message within limits of size and time.
 
 use std::io::{self, Write};
 use std::net::TcpStream;
@@ -6,15 +6,15 @@ use std::time::{Duration, Instant};
 
 use crate::socket::TimedRead;
 
-/// No client of ROS sends a longer head.
+/// Longest head.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
-/// The longest body that another process's call may have: no call of the graph is longer.
+/// Longest body of a call.
 const MAX_REQUEST_BYTES: usize = 16 * 1024 * 1024;
-/// The longest body of an answer: a robot description of 64 MB fits.
+/// Longest body of an answer, enough for a robot description of 64 MB.
 const MAX_RESPONSE_BYTES: usize = 128 * 1024 * 1024;
 const MAX_HEADERS: usize = 64;
 
-/// Which message is read.
+/// Kind of message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     Request,
@@ -30,10 +30,10 @@ impl Side {
     }
 }
 
-/// What a head says.
+/// A parsed head.
 struct Head {
     len: usize,
-    /// None where the message ends with the connection.
+    /// `None` if the message ends with the connection.
     body_bytes: Option<usize>,
     is_chunked: bool,
     expects_continue: bool,
@@ -43,7 +43,7 @@ fn bad(text: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, text.into())
 }
 
-/// Reads what is there, at the latest at the deadline.
+/// Reads available bytes by the deadline.
 fn read_some(stream: &mut impl TimedRead, bytes: &mut Vec<u8>, deadline: Instant) -> io::Result<usize> {
     let left = deadline.saturating_duration_since(Instant::now());
     if left.is_zero() {
@@ -62,7 +62,7 @@ fn read_some(stream: &mut impl TimedRead, bytes: &mut Vec<u8>, deadline: Instant
     Ok(len)
 }
 
-/// The head at the beginning of `bytes`; none while it is not complete.
+/// Parses the head; `None` while it is incomplete.
 fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
     let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let (status, headers, code) = match side {
@@ -102,17 +102,16 @@ fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
     }))
 }
 
-/// The body of a chunked message as far as it has come. Each chunk is read once, however many pieces it comes in.
+/// The received part of a chunked body. Each chunk is read once, however many pieces it comes in.
 #[derive(Default)]
 struct Chunks {
     body: Vec<u8>,
-    /// Where the next chunk begins in what was received.
+    /// Offset of the next chunk in the received bytes.
     next: usize,
 }
 
 impl Chunks {
-    /// Reads the chunks that are complete in `bytes`, all that was received so far. Returns whether the last is among
-    /// them.
+    /// Reads the complete chunks in `bytes`, all received bytes. Returns `true` after the last chunk.
     fn read(&mut self, bytes: &[u8], max_bytes: usize) -> io::Result<bool> {
         loop {
             let rest = bytes.get(self.next..).unwrap_or_default();
@@ -138,8 +137,8 @@ impl Chunks {
 /// Reads a message's body.
 ///
 /// # Errors
-/// The connection's; `TimedOut` at the deadline, `UnexpectedEof` where it ends early, `InvalidData` for what is no
-/// HTTP, an answer other than 200 included.
+/// The connection's; `TimedOut` at the deadline, `UnexpectedEof` for an early end, `InvalidData` for an invalid message
+/// or a status other than 200.
 pub(crate) fn read_body(stream: &mut (impl TimedRead + Write), side: Side, deadline: Instant) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let head = loop {
@@ -189,7 +188,7 @@ pub(crate) fn read_body(stream: &mut (impl TimedRead + Write), side: Side, deadl
     Ok(body)
 }
 
-/// Writes a whole message, at the latest by the deadline.
+/// Writes a message by the deadline.
 pub(super) fn write_all(stream: &mut TcpStream, bytes: &[u8], deadline: Instant) -> io::Result<()> {
     let mut rest = bytes;
     while !rest.is_empty() {

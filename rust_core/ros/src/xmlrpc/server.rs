@@ -1,4 +1,4 @@
-//! A server of XML-RPC calls: one listening socket, a bounded number of connections, each with a deadline.
+//! A server of XML-RPC calls with limits of connections and time.
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -8,7 +8,7 @@ use super::http::{self, Side};
 use super::value::{self, Value};
 use crate::acceptor::{Acceptor, Limits};
 
-/// How long a caller may take for a whole call.
+/// Timeout of a call.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
 const LIMITS: Limits = Limits { connections: 64, stack_bytes: 512 * 1024 };
 
@@ -28,7 +28,7 @@ impl Server {
         Acceptor::start(name, TcpListener::bind(address)?, LIMITS, move |stream| answer(stream, &handler)).map(Self)
     }
 
-    /// Where it listens.
+    /// Local address.
     pub(crate) fn address(&self) -> SocketAddr {
         self.0.address()
     }

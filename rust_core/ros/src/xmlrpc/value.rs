@@ -5,11 +5,11 @@ use std::fmt::{self, Write as _};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-/// How deep values may be nested. ROS nests four deep; a parser's stack is not endless.
+/// Deepest nesting of values; ROS uses four levels.
 const MAX_DEPTH: usize = 32;
-/// How deep elements may be nested: each value in another one is three elements, such as value, array and data.
+/// Deepest nesting of elements: three for each value, such as value, array and data.
 const MAX_ELEMENT_DEPTH: usize = 3 * (MAX_DEPTH + 1) + 6;
-/// How many XML nodes a message may have. A `getSystemState` of a thousand topics has some ten thousand.
+/// Most XML nodes of a message. A `getSystemState` of a thousand topics has some ten thousand.
 const MAX_NODES: u32 = 2_000_000;
 
 /// A value of a call or an answer, such as a parameter's. Displayed as YAML's flow style writes it.
@@ -27,7 +27,7 @@ pub enum Value {
     Array(Vec<Value>),
     /// `struct`.
     Struct(BTreeMap<String, Value>),
-    /// `dateTime.iso8601` and `base64`, which the graph's calls do not use: the element's name and its text.
+    /// `dateTime.iso8601` or `base64`, which are not used: the element's name and text.
     Other(&'static str, String),
 }
 
@@ -44,7 +44,7 @@ impl From<String> for Value {
 }
 
 impl Value {
-    /// The text of a string.
+    /// Text of a string.
     pub(crate) fn as_str(&self) -> Option<&str> {
         match self {
             Self::String(text) => Some(text),
@@ -61,7 +61,7 @@ impl Value {
         }
     }
 
-    /// The items of an array.
+    /// Items of an array.
     pub(crate) fn as_array(&self) -> Option<&[Value]> {
         match self {
             Self::Array(items) => Some(items),
@@ -87,7 +87,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Why bytes are no XML-RPC message.
+/// A text is not an XML-RPC message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum XmlError {
     #[error("not XML: {0}")]
@@ -98,16 +98,15 @@ pub(crate) enum XmlError {
     Value(String),
     #[error("values nested more than {MAX_DEPTH} deep")]
     TooDeep,
-    /// The callee answered with a fault.
+    /// The answer is a fault.
     #[error("fault {code}: {text}")]
     Fault { code: i32, text: String },
 }
 
-/// Whether elements are nested deeper than any message's. Found out before a tree of them is made, which would be many
-/// times as large as the text.
+/// `true` if elements are nested too deep. Checked before parsing, because a tree is many times as large as the text.
 fn is_too_deep(text: &str) -> bool {
     let mut depth = 0_usize;
-    // What follows each '<'. One in a comment counts as an element that never ends, but no client of ROS sends any.
+    // Text after each '<'. One in a comment would count as an element without end, but no client of ROS sends any.
     text.split('<').skip(1).any(|tag| {
         match tag.as_bytes().first() {
             Some(b'/') => depth = depth.saturating_sub(1),
@@ -176,10 +175,10 @@ fn params(node: Node<'_, '_>) -> Result<Vec<Value>, XmlError> {
     params.map(|param| value(child(param, "value")?, 0)).collect()
 }
 
-/// Reads a call: the method's name and its parameters.
+/// Parses a call: the method's name and its parameters.
 ///
 /// # Errors
-/// [`XmlError`] where the text is no call.
+/// [`XmlError`].
 pub(crate) fn parse_call(text: &str) -> Result<(String, Vec<Value>), XmlError> {
     let document = document(text)?;
     let call = document.root_element();
@@ -189,10 +188,10 @@ pub(crate) fn parse_call(text: &str) -> Result<(String, Vec<Value>), XmlError> {
     Ok((text_of(child(call, "methodName")?).trim().to_owned(), params(call)?))
 }
 
-/// Reads an answer: its one value.
+/// Parses the value of an answer.
 ///
 /// # Errors
-/// [`XmlError`] where the text is no answer, or is a fault.
+/// [`XmlError`], for a fault as well.
 pub(crate) fn parse_response(text: &str) -> Result<Value, XmlError> {
     let document = document(text)?;
     let answer = document.root_element();
@@ -217,9 +216,9 @@ fn write_text(out: &mut String, text: &str) {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '&' => out.push_str("&amp;"),
-            // A parser would read a bare one as a line feed.
+            // A parser would read it as a line feed.
             '\r' => out.push_str("&#13;"),
-            // XML 1.0 has no way to write the other control characters.
+            // XML 1.0 cannot express other control characters.
             '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
             other => out.push(other),
         }
