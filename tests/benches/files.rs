@@ -9,7 +9,7 @@ use std::fs;
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
 use nalgebra::{Point2, Point3};
 use rcs_calibration::Sample;
-use rcs_files::correspondences::{write_points, PointColumns, Points};
+use rcs_files::correspondences::{write_points, Correspondences, PointColumns};
 use rcs_resources::{MeshStore, PackageIndex, ResourceOptions, Retry};
 
 /// Triangles in a row of squares, each cut in two.
@@ -46,7 +46,7 @@ fn read(c: &mut Criterion) {
     });
     group.throughput(Throughput::Elements(POINTS.into()));
     group.bench_function(BenchmarkId::new("points", POINTS), |b| {
-        b.iter(|| Points::read(&[&points]).unwrap().samples.len());
+        b.iter(|| Correspondences::read(&[&points]).unwrap().samples.len());
     });
     group.finish();
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rcs_calibration::Sample;
 use rcs_files::capture::CAPTURE_FILE;
-use rcs_files::correspondences::Points;
+use rcs_files::correspondences;
 
 use super::{decode, Failure};
 
@@ -20,7 +20,7 @@ impl Correspondences {
     /// Reads files of points and capture folders; each folder is a scan.
     pub(super) fn read(paths: &[PathBuf]) -> Result<Self, Failure> {
         let (folders, files): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(|path| is_folder(path));
-        let points = Points::read(&files).map_err(|error| {
+        let points = correspondences::Correspondences::read(&files).map_err(|error| {
             if error.is_refused() {
                 Failure::refused(error)
             } else {

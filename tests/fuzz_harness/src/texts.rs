@@ -3,7 +3,7 @@
 use std::path::{Component, Path};
 
 use rcs_files::capture::parse_patterns;
-use rcs_files::correspondences::Points;
+use rcs_files::correspondences::Correspondences;
 use rcs_files::pcd::PcdCloud;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::element_size;
@@ -57,7 +57,7 @@ pub(crate) fn projector(data: &[u8]) {
 
 /// A list of correspondences: its points are finite, and each is of a scan that is listed.
 pub(crate) fn correspondences(data: &[u8]) {
-    let points = match Points::parse(Path::new("fuzz.csv"), data) {
+    let points = match Correspondences::parse(Path::new("fuzz.csv"), data) {
         Ok(points) => points,
         Err(error) => {
             assert!(error.to_string().starts_with("fuzz.csv"), "{error}");

@@ -13,7 +13,7 @@
 //!
 //! **Scan numbers belong to their file.** A file without the column is one scan, number 0. A number in two files means
 //! two scans: all numbers of a file that shares one with the files before are shifted to begin after the largest.
-//! [`Points::scans`] has the mapping.
+//! [`Correspondences::scans`] has the mapping.
 
 mod error;
 mod parse;
@@ -37,7 +37,7 @@ pub const MOST_POINTS: usize = 50_000_000;
 
 /// Points of one or several files.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Points {
+pub struct Correspondences {
     /// Points in the order of files and rows.
     pub samples: Vec<Sample>,
     /// Origin of each scan, by rising [`Scan::number`].
@@ -66,7 +66,7 @@ pub fn read_places(path: &Path) -> Result<Vec<Point3<f64>>, PointsError> {
     Ok(parsed.samples.into_iter().map(|sample| sample.point).collect())
 }
 
-impl Points {
+impl Correspondences {
     /// Reads files.
     ///
     /// # Errors

@@ -7,8 +7,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-fn parse(text: &str) -> Result<Points, PointsError> {
-    Points::parse(Path::new("points.csv"), text.as_bytes())
+fn parse(text: &str) -> Result<Correspondences, PointsError> {
+    Correspondences::parse(Path::new("points.csv"), text.as_bytes())
 }
 
 fn sample(u: f64, z: f64) -> Sample {
@@ -39,7 +39,7 @@ proptest! {
         let path = folder.path().join("points.csv");
         let columns = if with_sigmas { PointColumns::WithSigmas } else { PointColumns::Plain };
         write_points(&path, &samples, columns).unwrap();
-        let read = Points::read(&[&path]).unwrap();
+        let read = Correspondences::read(&[&path]).unwrap();
         let is_one_scan = distinct_scans(&samples).len() < 2;
         let mut expected = samples;
         for sample in &mut expected {
@@ -62,9 +62,9 @@ proptest! {
 
     #[test]
     fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
-        let _ = Points::parse(Path::new("points.csv"), &bytes);
+        let _ = Correspondences::parse(Path::new("points.csv"), &bytes);
         let text = [b"u_px,v_px,x_m,y_m,z_m,scan\n".as_slice(), &bytes].concat();
-        let _ = Points::parse(Path::new("points.csv"), &text);
+        let _ = Correspondences::parse(Path::new("points.csv"), &text);
     }
 }
 
@@ -84,7 +84,7 @@ fn columns_come_in_any_order_with_comments_and_any_end_of_line() {
     let more = parse("u_px,v_px,x_m,y_m,z_m,colour\n1,2,0.25,-0.5,1.5,red\n").unwrap();
     assert_eq!(more.samples, plain.samples);
     assert_eq!(more.warnings, ["points.csv: column 'colour' is not known and is ignored"]);
-    assert_eq!(parse("u_px,v_px,x_m,y_m,z_m\n").unwrap(), Points::default());
+    assert_eq!(parse("u_px,v_px,x_m,y_m,z_m\n").unwrap(), Correspondences::default());
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn what_is_wrong_is_said_with_its_line_and_refused_is_not_unreadable() {
     let long = format!("u_px,v_px,x_m,y_m,z_m\n1,2,3,4,{}\n", "xy".repeat(500));
     let error = parse(&long).unwrap_err().to_string();
     assert!(error.len() < 120 && !error.contains('\n'), "{error}");
-    let error = Points::read(&["missing/points.csv"]).unwrap_err();
+    let error = Correspondences::read(&["missing/points.csv"]).unwrap_err();
     assert!(error.to_string().starts_with("missing/points.csv: ") && !error.is_refused(), "{error}");
 }
 
@@ -146,7 +146,7 @@ fn scans_of_different_files_are_different_scans() {
         path
     };
     let numbers = |paths: &[PathBuf]| -> Vec<u32> {
-        Points::read(paths).unwrap().samples.iter().map(|sample| sample.scan).collect()
+        Correspondences::read(paths).unwrap().samples.iter().map(|sample| sample.scan).collect()
     };
     let (a, b, c) = (plain("a.csv"), plain("b.csv"), plain("c.csv"));
     assert_eq!(numbers(&[a.clone(), b.clone(), c.clone()]), [0, 1, 2]);
@@ -154,11 +154,11 @@ fn scans_of_different_files_are_different_scans() {
     assert_eq!(numbers(&[kept.clone(), apart.clone()]), [7, 3, 7, 1], "numbers stay if they are not shared");
     assert_eq!(numbers(&[kept.clone(), same.clone(), a.clone(), b.clone()]), [7, 3, 7, 8, 10, 0, 11]);
     assert_eq!(numbers(&[a.clone(), a.clone()]), [0, 1], "a file that is given twice is two scans");
-    let scans = Points::read(&[&kept, &same]).unwrap().scans;
+    let scans = Correspondences::read(&[&kept, &same]).unwrap().scans;
     let described: Vec<_> = scans.iter().map(|scan| (scan.number, scan.number_in_file, scan.path.clone())).collect();
     assert_eq!(described, [(3, 3, kept.clone()), (7, 7, kept), (8, 3, same.clone()), (10, 5, same)]);
     let largest = file("largest.csv", &[u32::MAX]);
-    let error = Points::read(&[&largest, &largest]).unwrap_err().to_string();
+    let error = Correspondences::read(&[&largest, &largest]).unwrap_err().to_string();
     assert!(error.contains("too large"), "{error}");
 }
 

@@ -18,15 +18,15 @@ const CAMERA_SLOPE: [f64; 2] = [0.55, 0.42];
 const AXES: [&str; 3] = ["#d62728", "#2a9d4b", "#1f4fd1"];
 
 /// Parallel projection onto the drawing.
-struct Projection {
+struct ObliqueView {
     right: Vector3<f64>,
     down: Vector3<f64>,
     unit: f64,
     offset: [f64; 2],
 }
 
-impl Projection {
-    /// Projection that fits all points.
+impl ObliqueView {
+    /// View that fits all points.
     fn of(points: &[Point3<f64>]) -> Self {
         let (turn, tilt) = (-55_f64.to_radians(), 24_f64.to_radians());
         let forward = Vector3::new(turn.sin() * tilt.cos(), tilt.sin(), turn.cos() * tilt.cos());
@@ -70,7 +70,7 @@ pub(in crate::calibration_report) fn places(solution: &Solution, samples: &[Samp
         all.extend([-1.0, 1.0].map(|side| camera * Point3::new(0.0, side * camera_m, camera_m)));
         all.push(camera * Point3::origin());
     }
-    let view = Projection::of(&all);
+    let view = ObliqueView::of(&all);
 
     let mut svg = Svg::new(SIZE, "Cameras and projector in space");
     for (index, points) in &dots {
@@ -140,7 +140,7 @@ fn corners(lens: &Lens, depth: f64) -> [Point3<f64>; 4] {
 }
 
 /// Draws the edges of a frustum with its near and far sides.
-fn draw_frustum(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, sides: [&[Point3<f64>; 4]; 2], colour: &str) {
+fn draw_frustum(svg: &mut Svg, view: &ObliqueView, pose: &Isometry3<f64>, sides: [&[Point3<f64>; 4]; 2], colour: &str) {
     let place = |point: &Point3<f64>| view.place(&(pose * point));
     let line = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.2\" stroke-linejoin=\"round\"");
     let faint = format!("{line} stroke-opacity=\"0.6\"");
@@ -153,7 +153,7 @@ fn draw_frustum(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, sides: 
     }
 }
 
-fn draw_axes(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, length_m: f64) {
+fn draw_axes(svg: &mut Svg, view: &ObliqueView, pose: &Isometry3<f64>, length_m: f64) {
     let origin = view.place(&(pose * Point3::origin()));
     for (index, colour) in AXES.iter().enumerate() {
         let mut end = Point3::origin();
@@ -164,7 +164,7 @@ fn draw_axes(svg: &mut Svg, view: &Projection, pose: &Isometry3<f64>, length_m: 
 }
 
 /// Draws the optical axis with marks at round depths.
-fn draw_depths(svg: &mut Svg, view: &Projection, far_m: f64) {
+fn draw_depths(svg: &mut Svg, view: &ObliqueView, far_m: f64) {
     let on_axis = |depth: f64| view.place(&Point3::new(0.0, 0.0, depth));
     let line = format!("stroke=\"{GREY}\" stroke-width=\"1\"");
     svg.line(on_axis(0.0), on_axis(far_m), &format!("{line} stroke-dasharray=\"6 4\""));
