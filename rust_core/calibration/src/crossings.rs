@@ -70,7 +70,7 @@ struct CrossingFinder<'a> {
 }
 
 /// Stripe edge between four camera pixels.
-struct Edge {
+struct StripeEdge {
     /// Column or row of the edge in the projector's image, pixels.
     place_px: f64,
     /// Normalised differences of stripes and inverse at the four pixels.
@@ -104,7 +104,7 @@ impl CrossingFinder<'_> {
     }
 
     /// Edge of an axis's stripes between four pixels: exactly one pair changes its sign, all others are clear.
-    fn edge(&self, axis: usize, square: [usize; 4], contrast: [f32; 4]) -> Option<Edge> {
+    fn edge(&self, axis: usize, square: [usize; 4], contrast: [f32; 4]) -> Option<StripeEdge> {
         let axis = &self.channels.axes[axis];
         let code_bits = &axis.all[..axis.code_bits];
         let mut found = None;
@@ -131,7 +131,7 @@ impl CrossingFinder<'_> {
         let [low, high] = [codes[0].min(codes[1]), codes[0].max(codes[1])];
         // An integer is a pixel's centre, and an edge lies between two.
         let place_px = f64::from(high) * width_px - f64::from(stripes.offset) - 0.5;
-        (high == low + 1).then_some(Edge { place_px, differences })
+        (high == low + 1).then_some(StripeEdge { place_px, differences })
     }
 
     fn differences(&self, channel: &StripeChannel, square: [usize; 4], contrast: [f32; 4]) -> [f32; 4] {

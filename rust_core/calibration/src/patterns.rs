@@ -57,7 +57,7 @@ impl Stripes {
         ((gray >> significance) & 1 == 1) != self.inverted
     }
 
-    /// The same stripes with lit and dark exchanged.
+    /// Stripes with lit and dark exchanged.
     pub fn inverse(self) -> Self {
         Self { inverted: !self.inverted, ..self }
     }

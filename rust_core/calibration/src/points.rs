@@ -32,22 +32,12 @@ const CORRELATED: f32 = 4.0;
 /// Mismatch between decoded pixels, depth image and camera info.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DepthImageError {
-    /// The depth image and the camera images differ in size.
-    #[error("the depth image has {count} pixels, the pictures have {expected}")]
-    Size {
-        /// Pixels of the depth image.
-        count: usize,
-        /// Pixels of the camera images.
-        expected: usize,
-    },
-    /// The camera info and the camera images differ in size.
-    #[error("the camera info is for {}x{} pixels, the pictures have {}x{}", camera[0], camera[1], pictures[0], pictures[1])]
-    Camera {
-        /// Width and height in the camera info.
-        camera: [u32; 2],
-        /// Width and height of the pictures.
-        pictures: [u32; 2],
-    },
+    /// Pixels of the depth image and of the camera images.
+    #[error("the depth image has {0} pixels, the pictures have {1}")]
+    Size(usize, usize),
+    /// Sizes in the camera info and of the camera images.
+    #[error("the camera info is for {}x{} pixels, the pictures have {}x{}", .0[0], .0[1], .1[0], .1[1])]
+    Camera([u32; 2], [u32; 2]),
 }
 
 /// Samples for the decoded pixels that have a depth.
@@ -59,10 +49,10 @@ pub enum DepthImageError {
 /// [`DepthImageError`]: sizes differ.
 pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DepthImageError> {
     if depth_m.len() != decoded.pixels.len() {
-        return Err(DepthImageError::Size { count: depth_m.len(), expected: decoded.pixels.len() });
+        return Err(DepthImageError::Size(depth_m.len(), decoded.pixels.len()));
     }
     if camera.size_px != decoded.size_px {
-        return Err(DepthImageError::Camera { camera: camera.size_px, pictures: decoded.size_px });
+        return Err(DepthImageError::Camera(camera.size_px, decoded.size_px));
     }
     let width = decoded.size_px[0] as usize;
     let inverse = inverse_depths(depth_m);
@@ -250,7 +240,7 @@ mod tests {
     #[test]
     fn other_sizes_are_refused() {
         let error = points(&decoded(), &[1.0; 7], &camera()).unwrap_err();
-        assert_eq!(error, DepthImageError::Size { count: 7, expected: 1200 });
+        assert_eq!(error, DepthImageError::Size(7, 1200));
         let camera = Lens { size_px: [80, 60], ..camera() };
         assert!(points(&decoded(), &slanted(), &camera).unwrap_err().to_string().contains("80x60"));
     }

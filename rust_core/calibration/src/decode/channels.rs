@@ -75,7 +75,7 @@ impl AxisChannels {
             }
             let inverse = Pattern::GrayCode(stripes.inverse());
             let inverse = patterns.iter().position(|other| *other == inverse);
-            let inverse = inverse.ok_or(DecodeError::NoInverse { axis: axis.name(), bit: stripes.bit })?;
+            let inverse = inverse.ok_or(DecodeError::NoInverse(axis.name(), stripes.bit))?;
             if !all.iter().any(|channel: &StripeChannel| channel.stripes == stripes) {
                 all.push(StripeChannel { stripes, lit, inverse });
             }
@@ -92,7 +92,7 @@ impl AxisChannels {
         };
         let code_bits = length(best);
         if all.iter().any(|channel| code_of(&channel.stripes) == best && channel.stripes.bit as usize > code_bits) {
-            return Err(DecodeError::MissingBit { axis: axis.name(), bit: code_bits as u32 });
+            return Err(DecodeError::MissingBit(axis.name(), code_bits as u32));
         }
         let rank = |channel: &StripeChannel| {
             let bit = channel.stripes.bit as usize;
@@ -150,7 +150,7 @@ mod tests {
         assert!(without(3).contains("x") && without(3).contains("inverse"), "{}", without(3));
         let is_third_of_x = |pattern: &Pattern| matches!(pattern, Pattern::GrayCode(stripes) if stripes.axis == Axis::X && stripes.bit == 2);
         let without_bit: Vec<Pattern> = patterns.iter().copied().filter(|pattern| !is_third_of_x(pattern)).collect();
-        let expected = DecodeError::MissingBit { axis: "x", bit: 2 };
+        let expected = DecodeError::MissingBit("x", 2);
         assert_eq!(Channels::new(&without_bit).unwrap_err(), expected);
         let only_x: Vec<Pattern> = patterns[..10].to_vec();
         assert!(Channels::new(&only_x).unwrap_err().to_string().contains('y'));

@@ -66,7 +66,7 @@ impl Decoded {
 pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded, DecodeError> {
     let expected = pictures.size_px[0] as usize * pictures.size_px[1] as usize;
     if pictures.levels.len() != pictures.patterns.len() {
-        return Err(DecodeError::Count { pictures: pictures.levels.len(), patterns: pictures.patterns.len() });
+        return Err(DecodeError::Count(pictures.levels.len(), pictures.patterns.len()));
     }
     if let Some(index) = pictures.levels.iter().position(|levels| levels.len() != expected) {
         return Err(DecodeError::Size { index, count: pictures.levels[index].len(), expected });

@@ -19,22 +19,12 @@ pub enum DecodeError {
     /// A required image is missing.
     #[error("{0} is missing")]
     Missing(&'static str),
-    /// Stripes have no inverse.
-    #[error("bit {bit} of the stripes along {axis} has no inverse")]
-    NoInverse {
-        /// `x` or `y`.
-        axis: &'static str,
-        /// Bit; 0 is the most significant.
-        bit: u32,
-    },
-    /// A bit of the code is missing although a finer one exists.
-    #[error("bit {bit} of the code along {axis} is missing")]
-    MissingBit {
-        /// `x` or `y`.
-        axis: &'static str,
-        /// Bit; 0 is the most significant.
-        bit: u32,
-    },
+    /// Stripes along an axis, `x` or `y`, of a bit (0 is the most significant) have no inverse.
+    #[error("bit {1} of the stripes along {0} has no inverse")]
+    NoInverse(&'static str, u32),
+    /// A bit of the code along an axis is missing although a finer one exists.
+    #[error("bit {1} of the code along {0} is missing")]
+    MissingBit(&'static str, u32),
     /// The code has fewer values than the projector has columns or rows.
     #[error("the code along {axis} has {codes} values, too few for the {size_px} pixels of the projector: is it of another size?")]
     ShortCode {
@@ -69,13 +59,8 @@ pub enum DecodeError {
         expected: usize,
     },
     /// The numbers of images and patterns differ.
-    #[error("{pictures} pictures of {patterns} patterns")]
-    Count {
-        /// Number of images.
-        pictures: usize,
-        /// Number of patterns.
-        patterns: usize,
-    },
+    #[error("{0} pictures of {1} patterns")]
+    Count(usize, usize),
 }
 
 /// Projector pixel that lights a camera pixel; all values are NaN if it is unknown.

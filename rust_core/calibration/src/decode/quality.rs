@@ -114,23 +114,15 @@ impl Quality {
         let moved = (self.moved_px > MOST_MOVED_PX).then_some(ScanProblem::Moved(self.moved_px));
         let exposure = self.exposure_change > UNSTEADY_EXPOSURE;
         let exposure = exposure.then_some(ScanProblem::Exposure(self.exposure_change));
-        let clipped = (self.clipped > MUCH_CLIPPED).then(|| self.overexposed());
-        // A motion between stripes and their inverse also breaks the pair.
-        let is_by_motion = moved.is_some()
-            && self
-                .wrong_picture
-                .is_some_and(|wrong_picture| matches!(wrong_picture.fault, PictureFault::NoInverse(_)));
-        let wrong_picture = self.wrong_picture.filter(|_| !is_by_motion).map(ScanProblem::WrongPicture);
-        [wrong_picture, beyond, moved, exposure, clipped].into_iter().flatten().collect()
-    }
-
-    fn overexposed(&self) -> ScanProblem {
         let &Self { clipped, contradicted, .. } = self;
-        if clipped > LOST_CLIPPED && contradicted > MOST_CONTRADICTED {
-            ScanProblem::Overexposed { clipped, contradicted }
-        } else {
-            ScanProblem::Clipped(clipped)
-        }
+        let is_lost = clipped > LOST_CLIPPED && contradicted > MOST_CONTRADICTED;
+        let overexposed = ScanProblem::Overexposed { clipped, contradicted };
+        let problem = if is_lost { overexposed } else { ScanProblem::Clipped(clipped) };
+        let clipped = (clipped > MUCH_CLIPPED).then_some(problem);
+        // A motion between stripes and their inverse also breaks the pair.
+        let is_by_motion = |wrong: &WrongPicture| moved.is_some() && matches!(wrong.fault, PictureFault::NoInverse(_));
+        let wrong_picture = self.wrong_picture.filter(|wrong| !is_by_motion(wrong)).map(ScanProblem::WrongPicture);
+        [wrong_picture, beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 
     /// Measures the quality, without wrong images.

@@ -34,31 +34,18 @@ pub enum ManualError {
         /// Image width and height.
         size_px: [u32; 2],
     },
-    /// A value is NaN or infinite.
-    #[error("{measure} is {value}, which is not a finite number")]
-    NotFinite {
-        /// Name of the measurement.
-        measure: &'static str,
-        /// Value.
-        value: f64,
-    },
-    /// A value is zero or less.
-    #[error("{measure} is {value} m; it must be greater than zero")]
-    NotPositive {
-        /// Name of the measurement.
-        measure: &'static str,
-        /// Value, metres.
-        value: f64,
-    },
+    /// The value of a measurement, by its name, is NaN or infinite.
+    #[error("{0} is {1}, which is not a finite number")]
+    NotFinite(&'static str, f64),
+    /// The value of a measurement, by its name, is zero or less, metres.
+    #[error("{0} is {1} m; it must be greater than zero")]
+    NotPositive(&'static str, f64),
     /// The optical axis was measured at no distance.
     #[error("where the optical axis meets the wall (X, Y) was measured at no distance")]
     NoAxis,
-    /// Both distances are equal.
-    #[error("both distances are {distance_m} m; move the projector or the wall between them")]
-    SameDistance {
-        /// Distance, metres.
-        distance_m: f64,
-    },
+    /// Both distances are equal, metres.
+    #[error("both distances are {0} m; move the projector or the wall between them")]
+    SameDistance(f64),
     /// The image is not larger at the larger distance.
     #[error(
         "the {side} is {far_m} m at {far_distance_m} m and {near_m} m at {near_distance_m} m, but a picture grows with \
@@ -130,7 +117,7 @@ impl ManualMeasures {
 fn check_growth(first: &WallMeasures, second: &WallMeasures) -> Result<(), ManualError> {
     let (near, far) = if first.distance_m < second.distance_m { (first, second) } else { (second, first) };
     if near.distance_m == far.distance_m {
-        return Err(ManualError::SameDistance { distance_m: near.distance_m });
+        return Err(ManualError::SameDistance(near.distance_m));
     }
     for (axis, side) in ["width", "height"].into_iter().enumerate() {
         if far.picture_m[axis] <= near.picture_m[axis] {
@@ -147,10 +134,10 @@ fn check_growth(first: &WallMeasures, second: &WallMeasures) -> Result<(), Manua
 }
 
 fn finite(measure: &'static str, value: f64) -> Result<(), ManualError> {
-    value.is_finite().then_some(()).ok_or(ManualError::NotFinite { measure, value })
+    value.is_finite().then_some(()).ok_or(ManualError::NotFinite(measure, value))
 }
 
 fn positive(measure: &'static str, value: f64) -> Result<(), ManualError> {
     finite(measure, value)?;
-    (value > 0.0).then_some(()).ok_or(ManualError::NotPositive { measure, value })
+    (value > 0.0).then_some(()).ok_or(ManualError::NotPositive(measure, value))
 }

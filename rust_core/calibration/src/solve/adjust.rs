@@ -41,11 +41,11 @@ pub(super) fn minimise(
     let mut equations = NormalEquations::new(observations, weights, &state, free);
     let (mut damping, mut raise) = (FIRST_DAMPING, 2.0);
     for _ in 0..effort.most_steps {
+        if damping > LAST_DAMPING {
+            break;
+        }
         let Some(step) = damped_step(&equations, damping) else {
             damping *= 10.0;
-            if damping > LAST_DAMPING {
-                break;
-            }
             continue;
         };
         let promised = step.dot(&equations.descent);
@@ -65,9 +65,6 @@ pub(super) fn minimise(
             _ => {
                 damping *= raise * 2.0;
                 raise *= 2.0;
-                if damping > LAST_DAMPING {
-                    break;
-                }
             }
         }
     }

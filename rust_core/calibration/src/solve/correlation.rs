@@ -137,7 +137,7 @@ pub(super) fn correlation(
         .par_iter()
         .map(|shape| {
             let far = expected(sums, measured, direction, UnitErrors::Far(&shape.table()), free, inverse);
-            let (misfit, [near_part, shared]) = Moments::new(&observed, &near, &far).fit();
+            let (misfit, [near_part, shared]) = FitMoments::new(&observed, &near, &far).fit();
             let within = if far[0].1 > 0.0 { far[0].0 / far[0].1 } else { 1.0 };
             let own = (variance - shared * within - near_part).max(0.0);
             (misfit, Correlation { shared, near: near_part, own, shape: *shape })
@@ -147,7 +147,7 @@ pub(super) fn correlation(
 }
 
 /// Moments for the least squares of observed = near part · near + shared · far. Near pairs of cells count more.
-struct Moments {
+struct FitMoments {
     observed: f64,
     near_observed: f64,
     far_observed: f64,
@@ -156,7 +156,7 @@ struct Moments {
     both: f64,
 }
 
-impl Moments {
+impl FitMoments {
     fn new(observed: &Bins, near: &Bins, far: &Bins) -> Self {
         let mut moments = Self { observed: 0.0, near_observed: 0.0, far_observed: 0.0, near: 0.0, far: 0.0, both: 0.0 };
         for distance in 0..=FARTHEST {

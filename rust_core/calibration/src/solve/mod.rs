@@ -1,7 +1,7 @@
 //! Solver: from samples to the projector's lens and pose.
 //!
 //! `solver` runs the steps: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
-//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` is the robust
+//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`); `adjust` is the robust
 //! least-squares adjustment with the error model of `noise`, the equations of `normal_equations` and
 //! the unknowns of `model`; `held_out` selects the distortion terms by cross-validation; `covariance` estimates the
 //! uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the result is a lens at all.
@@ -30,7 +30,6 @@ mod noise;
 mod normal_equations;
 mod orientation;
 mod p3p;
-mod quartic;
 pub(crate) mod random;
 mod refusal;
 mod skew;

@@ -65,11 +65,13 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     let observations = Observations::new(samples, options.size_px)?;
     let solver = Solver::new(options, &observations);
     observations.check_count(solver.lens_is_known())?;
-    solver.check_flat(&observations)?;
+    if observations.scans.len() == 1 && solver.is_flat(|_| true) {
+        return Err(Refusal::Flat);
+    }
     let first = solver.first()?;
     let per_scan = (CHOOSING / observations.scans.len()).max(OF_EACH[0]);
     let few = observations.thinned(per_scan, options.seed);
-    let Chosen { terms, free, adjusted, in_doubt } = solver.chosen_terms(&few, &first);
+    let ChosenTerms { terms, free, adjusted, in_doubt } = solver.chosen_terms(&few, &first);
     let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
     let motion = solver.check_fit(&adjusted)?;
     let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
@@ -91,7 +93,7 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
 }
 
 /// Solution with the selected distortion terms.
-struct Chosen {
+struct ChosenTerms {
     terms: DistortionTerms,
     free: Free,
     adjusted: Adjusted,
@@ -144,11 +146,6 @@ impl<'a> Solver<'a> {
         self.free(self.richest).lens.is_empty()
     }
 
-    /// `true` if a single plane does not determine the lens.
-    fn needs_relief(&self) -> bool {
-        self.free(DistortionTerms::None).lens.len() > FLAT_DETERMINES
-    }
-
     /// Share of each scan's used points off its largest plane.
     fn relief(&self, is_used: impl Fn(usize) -> bool) -> Vec<f64> {
         let seed = self.options.seed;
@@ -161,15 +158,11 @@ impl<'a> Solver<'a> {
         (0..self.observations.scans.len()).map(relief).collect()
     }
 
-    /// Refuses a single flat scan for a lens. Several planes may determine it.
-    fn check_flat(&self, observations: &Observations) -> Result<(), Refusal> {
-        if observations.scans.len() == 1
-            && self.needs_relief()
-            && self.relief(|_| true).iter().all(|r| spread::is_flat(*r))
-        {
-            return Err(Refusal::Flat);
-        }
-        Ok(())
+    /// `true` if a lens is solved for and the used points of each scan are a plane. Several planes may determine it.
+    fn is_flat(&self, is_used: impl Fn(usize) -> bool) -> bool {
+        // A single plane determines few intrinsics.
+        let needs_relief = self.free(DistortionTerms::None).lens.len() > FLAT_DETERMINES;
+        needs_relief && self.relief(is_used).iter().all(|relief| spread::is_flat(*relief))
     }
 
     /// First solution, compared with those of mirrored pixels.
@@ -265,17 +258,17 @@ impl<'a> Solver<'a> {
     }
 
     /// Selects the distortion terms that improve the prediction of held-out samples.
-    fn chosen_terms(&self, few: &Observations, first: &Agreed) -> Chosen {
+    fn chosen_terms(&self, few: &Observations, first: &Agreed) -> ChosenTerms {
         let options = self.options;
         let noise = Noise::first(first.score.near, few.all.len() / few.scans.len());
         let free = self.free(self.richest);
         let rich = adjust::robustly(few, &first.state, &free, noise, 3);
         let in_doubt = DVector::zeros(free.len());
         if options.known_lens.is_some() {
-            return Chosen { terms: DistortionTerms::None, free, adjusted: rich, in_doubt };
+            return ChosenTerms { terms: DistortionTerms::None, free, adjusted: rich, in_doubt };
         }
         if options.distortion != DistortionTerms::Auto {
-            return Chosen { terms: options.distortion, free, adjusted: rich, in_doubt };
+            return ChosenTerms { terms: options.distortion, free, adjusted: rich, in_doubt };
         }
         let blocks = Blocks::new(few, options.size_px);
         let with = |terms: DistortionTerms, options: &SolveOptions| {
@@ -300,7 +293,7 @@ impl<'a> Solver<'a> {
         let in_doubt = rejected.filter(|(_, rejected)| rejected.rms_px() < held_out.rms_px());
         let in_doubt =
             in_doubt.map_or_else(|| DVector::zeros(free.len()), |(rejected, _)| state.step_to(&rejected, &free));
-        Chosen { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
+        ChosenTerms { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
     }
 
     /// Refuses fits that many samples contradict, and returns a motion too small to refuse.
@@ -363,7 +356,7 @@ impl<'a> Solver<'a> {
     fn judged(&self, adjusted: &Adjusted, free: &Free) -> Result<Judged, Refusal> {
         let (observations, size_px) = (self.observations, self.options.size_px);
         let is_used = |i: usize| adjusted.weights[i].is_used();
-        let is_flat = self.needs_relief() && self.relief(is_used).iter().all(|relief| spread::is_flat(*relief));
+        let is_flat = self.is_flat(is_used);
         if is_flat && observations.scans.len() == 1 {
             return Err(Refusal::Flat);
         }
