@@ -325,7 +325,7 @@ fn what_could_not_be_read_again_is_not_written() {
                 let stripes = Stripes { axis: Axis::X, bits: 3, bit: 3, step: 1, offset: 0, inverted: false };
                 capture.pictures[1].pattern = Pattern::GrayCode(stripes);
             },
-            "pattern 1 is none",
+            "pattern 1 is invalid",
         ),
     ];
     for (change, expected) in cases {
