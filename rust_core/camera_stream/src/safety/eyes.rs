@@ -136,7 +136,7 @@ impl EyeSafety {
             let place: Option<Point3<f64>> = scene.place_of(frame);
             match (place, &mut self.ages) {
                 (None, _) => {
-                    state = state.and(AgeState::Stale(format!("keep-out frame {frame}: its place is not known")))
+                    state = state.and(AgeState::Stale(format!("keep-out frame {frame}: its place is not known")));
                 }
                 (Some(_), Some(ages)) => state = state.and(ages.frame(frame, scene, now)),
                 (Some(_), None) => {}
