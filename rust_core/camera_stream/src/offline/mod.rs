@@ -102,7 +102,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         projector.place(scene, times.start);
     }
     let mut player = Player::new(scene, &bag, times, projector);
-    let moments = job.moments(&mut player, scene, &view, times)?;
+    let moments = job.moments(&mut player, scene, &view)?;
     let interrupted = Interrupted::watch()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
@@ -116,7 +116,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         scene.update(moment);
         let camera = match scene.camera(&view, job.model) {
             Ok(camera) => camera,
-            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, scene, &view, times)),
+            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, scene, &view)),
         };
         projection.check(scene, &view, job.model);
         let snapshot = scene.scene();
@@ -153,13 +153,8 @@ impl RenderJob<'_> {
     }
 
     /// The times to render. Plays the bag up to the first of a sequence.
-    fn moments(
-        &self,
-        player: &mut Player,
-        scene: &mut SceneState,
-        view: &CameraView,
-        times: BagTimes,
-    ) -> Result<RenderTimes> {
+    fn moments(&self, player: &mut Player, scene: &mut SceneState, view: &CameraView) -> Result<RenderTimes> {
+        let times = player.times;
         let rate_hz = match self.target {
             RenderTarget::Picture { .. } => return self.section.single(times),
             RenderTarget::Sequence { rate_hz, .. } | RenderTarget::Video { rate_hz, .. } => *rate_hz,
@@ -191,9 +186,8 @@ impl RenderJob<'_> {
         player: &mut Player,
         scene: &mut SceneState,
         view: &CameraView,
-        times: BagTimes,
     ) -> Error {
-        let bag = self.name();
+        let (bag, times) = (self.name(), player.times);
         let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
         let begin = is_missing.then(|| player.play_until_camera(scene, view, self.model, [moment, times.end]));
         match begin.and_then(Result::ok).flatten() {

@@ -23,7 +23,7 @@ pub(super) struct Player {
     /// The topics of the config: the full name, the config's name, and the expected type.
     wanted: Vec<(String, String, MessageKind)>,
     ros_time: RosTime,
-    end: Time,
+    pub(super) times: BagTimes,
     /// The clock's times before and after it jumped back.
     jump: Option<(Time, Time)>,
     /// The times of the first and last transforms since the displays were updated.
@@ -56,7 +56,7 @@ impl Player {
         };
         let messages = bag.messages(is_wanted).peekable();
         let (ros_time, status_log) = (RosTime::new(times), StatusLog::default());
-        Self { messages, wanted, ros_time, end: times.end, jump: None, pending_transforms: None, projector, status_log }
+        Self { messages, wanted, ros_time, times, jump: None, pending_transforms: None, projector, status_log }
     }
 
     /// Plays all messages up to a time.
@@ -71,8 +71,8 @@ impl Player {
         }
         // At the clock's last time nothing is left, unless it comes back from later ones.
         match (self.ros_time, self.messages.peek()) {
-            (RosTime::Clock(_), Some(Ok(next))) if moment >= self.end => {
-                clock_jumps_back(self.ros_time.of(next), self.end)
+            (RosTime::Clock(_), Some(Ok(next))) if moment >= self.times.end => {
+                clock_jumps_back(self.ros_time.of(next), self.times.end)
             }
             _ => Ok(()),
         }
