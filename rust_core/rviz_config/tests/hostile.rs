@@ -134,6 +134,12 @@ fn check_display(display: &DisplayConfig) {
             assert!(depth.cloud.queue_size >= 1);
             check_style(&depth.cloud.style);
         }
+        settings => check_small_display(settings),
+    }
+}
+
+fn check_small_display(settings: &DisplaySettings) {
+    match settings {
         DisplaySettings::Map(map) => assert!((0.0..=1.0).contains(&map.alpha)),
         DisplaySettings::CameraPub(camera) => {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());

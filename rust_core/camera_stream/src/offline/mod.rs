@@ -116,7 +116,13 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         scene.update(moment);
         let camera = match scene.camera(&view, job.model) {
             Ok(camera) => camera,
-            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, scene, &view)),
+            Err(problem) => {
+                // The scene is not needed any more: plays on until there is a camera.
+                let is_missing =
+                    matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
+                let begin = is_missing.then(|| player.play_until_camera(scene, &view, job.model, [moment, times.end]));
+                return Err(job.no_camera_at(moment, problem, begin.and_then(Result::ok).flatten(), times.start));
+            }
         };
         projection.check(scene, &view, job.model);
         let snapshot = scene.scene();
@@ -178,22 +184,13 @@ impl RenderJob<'_> {
         RenderTimes::between([begin, last], rate_hz)
     }
 
-    /// The error of a time without a camera. Plays on until there is one: the scene is not needed any more.
-    fn no_camera_at(
-        &self,
-        moment: Time,
-        problem: CameraProblem,
-        player: &mut Player,
-        scene: &mut SceneState,
-        view: &CameraView,
-    ) -> Error {
-        let (bag, times) = (self.name(), player.times);
-        let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
-        let begin = is_missing.then(|| player.play_until_camera(scene, view, self.model, [moment, times.end]));
-        match begin.and_then(Result::ok).flatten() {
+    /// The error of a time without a camera, which begins later or not at all in a bag from `start` on.
+    fn no_camera_at(&self, moment: Time, problem: CameraProblem, begin: Option<Time>, start: Time) -> Error {
+        let bag = self.name();
+        match begin {
             Some(begin) => {
                 // Rounded up, so that the moment is not before it.
-                let secs = (begin.secs_since(times.start) * 1e3).ceil() / 1e3;
+                let secs = (begin.secs_since(start) * 1e3).ceil() / 1e3;
                 anyhow!(
                     "{bag}: no picture at {moment}, because the camera has its CameraInfo (on {}) and pose only {secs} s \
                      after the bag's first message (--at {secs})",

@@ -221,10 +221,10 @@ mod tests {
     }
 
     impl Bench {
-        fn new(settings: EffortSettings) -> Self {
+        fn new(settings: &EffortSettings) -> Self {
             let mut world = TestWorld::at(Time::ZERO);
             world.place_static("b", [1.0, 2.0, 3.0]);
-            Self { display: create(0, &settings), world }
+            Self { display: create(0, settings), world }
         }
 
         fn describe(&mut self) {
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn only_revolute_joints_of_a_known_robot_are_shown() {
-        let mut bench = Bench::new(EffortSettings::default());
+        let mut bench = Bench::new(&EffortSettings::default());
         assert_eq!(bench.send(&["j"], &[1.0]), 0, "no robot yet");
         bench.describe();
         assert_eq!(bench.send(&["j", "k", "other"], &[1.0, 1.0, 1.0]), ONE);
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn the_oldest_message_is_overwritten_joint_by_joint() {
-        let mut bench = Bench::new(EffortSettings { history_length: 2, ..EffortSettings::default() });
+        let mut bench = Bench::new(&EffortSettings { history_length: 2, ..EffortSettings::default() });
         bench.describe();
         assert_eq!(bench.send(&["j"], &[1.0]), ONE);
         assert_eq!(bench.send(&["j"], &[2.0]), 2 * ONE);
@@ -272,17 +272,17 @@ mod tests {
 
     #[test]
     fn bad_efforts_are_reported_and_not_shown() {
-        let mut bench = Bench::new(EffortSettings::default());
+        let mut bench = Bench::new(&EffortSettings::default());
         bench.describe();
         assert_eq!(bench.send(&["j", "k"], &[1.0]), 0);
         assert_eq!(bench.status(Statuses::TOPIC).unwrap().0, Level::Error);
-        let mut bench = Bench::new(EffortSettings { tf_prefix: "other".to_owned(), ..EffortSettings::default() });
+        let mut bench = Bench::new(&EffortSettings { tf_prefix: "other".to_owned(), ..EffortSettings::default() });
         bench.describe();
         assert_eq!(bench.send(&["j"], &[1.0]), 0);
         let text = "Error transforming from frame 'other/b' to frame 'map'";
         assert_eq!(bench.status("j"), Some((Level::Error, text)));
         let joints = BTreeMap::from([("j".to_owned(), false)]);
-        let mut bench = Bench::new(EffortSettings { joints, ..EffortSettings::default() });
+        let mut bench = Bench::new(&EffortSettings { joints, ..EffortSettings::default() });
         bench.describe();
         assert_eq!(bench.send(&["j"], &[1.0]), 0, "switched off");
     }

@@ -26,11 +26,7 @@ impl Chance {
 }
 
 /// A projector above a table with boxes before a wall, seen by cameras beside it.
-fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
-    let lens = Lens {
-        distortion: Distortion::plumb_bob([-0.08, 0.0, 0.0, 0.0, 0.0]),
-        ..Lens::pinhole([1280, 800], [1900.0, 1895.0], [640.0, 750.0])
-    };
+fn scanned(lens: &Lens, points_per_scan: usize, scans: u32) -> (Vec<Sample>, Vec<Residual>, Vec<ScanPose>) {
     let mut chance = Chance(7);
     let (mut samples, mut residuals, mut poses) = (Vec::new(), Vec::new(), Vec::new());
     for scan in 0..scans {
@@ -62,6 +58,15 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
             inliers: points_per_scan,
         });
     }
+    (samples, residuals, poses)
+}
+
+fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
+    let lens = Lens {
+        distortion: Distortion::plumb_bob([-0.08, 0.0, 0.0, 0.0, 0.0]),
+        ..Lens::pinhole([1280, 800], [1900.0, 1895.0], [640.0, 750.0])
+    };
+    let (samples, residuals, poses) = scanned(&lens, points_per_scan, scans);
     let squared = residuals.iter().map(|residual| residual.error_px.norm_squared()).sum::<f64>();
     let rms_px = (squared / residuals.len().max(1) as f64).sqrt();
     let max_px = residuals.iter().map(|residual| residual.error_px.norm()).fold(0.0, f64::max);

@@ -250,6 +250,7 @@ type DistanceOf = Box<dyn Fn(usize) -> f32>;
 pub const TILT: [f64; 3] = [0.03, -0.02, 0.4];
 
 /// All rows, with a share of the numbers of things: 1 for the table.
+#[expect(clippy::too_many_lines, reason = "a table")]
 pub fn rows(share: f64) -> Vec<Row> {
     let count = |all: usize| (all as f64 * share) as usize;
     let mut rows = Vec::new();

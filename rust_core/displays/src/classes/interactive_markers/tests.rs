@@ -26,12 +26,12 @@ struct Bench {
 }
 
 impl Bench {
-    fn with(settings: InteractiveMarkersSettings) -> Self {
-        Self { display: create(3, &settings), world: TestWorld::at(Time::from_secs_nanos(100, 0)) }
+    fn with(settings: &InteractiveMarkersSettings) -> Self {
+        Self { display: create(3, settings), world: TestWorld::at(Time::from_secs_nanos(100, 0)) }
     }
 
     fn new() -> Self {
-        Self::with(InteractiveMarkersSettings { update_topic: "/im/update".into(), ..Default::default() })
+        Self::with(&InteractiveMarkersSettings { update_topic: "/im/update".into(), ..Default::default() })
     }
 
     /// Sends a message, without an update.
@@ -307,7 +307,7 @@ fn the_markers_of_a_server_that_is_gone_are_removed_and_those_of_others_come_bac
 fn the_topics_are_those_of_the_servers_namespace() {
     let topics = |topic: &str| {
         let settings = InteractiveMarkersSettings { update_topic: topic.into(), ..Default::default() };
-        let bench = Bench::with(settings);
+        let bench = Bench::with(&settings);
         let topics: Vec<String> = bench.display.topics().into_iter().map(|request| request.topic).collect();
         (topics, bench.text(Statuses::TOPIC))
     };
@@ -321,7 +321,7 @@ fn the_topics_are_those_of_the_servers_namespace() {
 #[test]
 fn handles_are_coloured_by_their_axis_and_half_transparent_unless_transparency_is_off() {
     for translucent in [true, false] {
-        let mut bench = Bench::with(InteractiveMarkersSettings {
+        let mut bench = Bench::with(&InteractiveMarkersSettings {
             update_topic: "/im/update".into(),
             enable_transparency: translucent,
             ..Default::default()

@@ -18,8 +18,8 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(settings: RobotModelSettings) -> Self {
-        let mut display = create(0, &settings);
+    fn new(settings: &RobotModelSettings) -> Self {
+        let mut display = create(0, settings);
         let world = TestWorld::at(Time::from_secs_f64(10.0));
         display.take_parameter("robot_description", Some(&ROBOT.into()), &world.get());
         Self { display, world }
@@ -57,7 +57,7 @@ const GREEN: Option<[f32; 4]> = Some([0.0, 1.0, 0.0, 0.5]);
 
 #[test]
 fn links_follow_their_frames_and_are_white_until_these_are_known() {
-    let mut bench = Bench::new(RobotModelSettings::default());
+    let mut bench = Bench::new(&RobotModelSettings::default());
     bench.place("b", 2.0);
     assert!(bench.update());
     assert_eq!(bench.shown(), [(0.0, None), (2.0, RED)]);
@@ -77,7 +77,7 @@ fn links_follow_their_frames_and_are_white_until_these_are_known() {
 
 #[test]
 fn a_missing_mesh_is_named_and_the_rest_is_drawn() {
-    let bench = Bench::new(RobotModelSettings::default());
+    let bench = Bench::new(&RobotModelSettings::default());
     let (level, text) = bench.status("URDF");
     assert_eq!(level, Level::Error);
     let expected = "Errors loading geometries:\n• for link 'b':\nCould not load mesh resource 'package://none/x.stl'";
@@ -89,21 +89,21 @@ fn links_and_kinds_of_geometry_can_be_switched_off_and_faded() {
     let b = LinkSettings { alpha: 0.5, show_axes: true, ..LinkSettings::default() };
     let links = [("b".to_owned(), b.clone())].into();
     let mut bench =
-        Bench::new(RobotModelSettings { collision_enabled: true, alpha: 0.5, links, ..RobotModelSettings::default() });
+        Bench::new(&RobotModelSettings { collision_enabled: true, alpha: 0.5, links, ..RobotModelSettings::default() });
     bench.place("a", 1.0);
     bench.place("b", 2.0);
     bench.update();
     let colors: Vec<_> = bench.shown().into_iter().map(|(_, color)| color.unwrap()[3]).collect();
     assert_eq!(colors, [0.25, 0.25, 0.25, 1.0, 1.0, 1.0], "a's box and sphere, b's cylinder, three axes");
     let links = [("b".to_owned(), LinkSettings { enabled: false, ..b })].into();
-    let mut bench = Bench::new(RobotModelSettings { visual_enabled: false, links, ..RobotModelSettings::default() });
+    let mut bench = Bench::new(&RobotModelSettings { visual_enabled: false, links, ..RobotModelSettings::default() });
     bench.update();
     assert_eq!(bench.shown(), []);
 }
 
 #[test]
 fn links_move_once_in_an_update_interval() {
-    let mut bench = Bench::new(RobotModelSettings { update_interval_secs: 0.5, ..RobotModelSettings::default() });
+    let mut bench = Bench::new(&RobotModelSettings { update_interval_secs: 0.5, ..RobotModelSettings::default() });
     bench.place("a", 0.0);
     bench.place("b", 0.0);
     bench.update();

@@ -17,8 +17,8 @@ fn at(secs: f64) -> Time {
 }
 
 impl Bench {
-    fn new(settings: TfSettings) -> Self {
-        Self { display: create(0, &settings), world: TestWorld::at(at(0.0)) }
+    fn new(settings: &TfSettings) -> Self {
+        Self { display: create(0, settings), world: TestWorld::at(at(0.0)) }
     }
 
     fn publish(&mut self, parent: &str, child: &str, secs: f64, x: f64, is_static: bool) {
@@ -70,7 +70,7 @@ fn timeout(frame_timeout_s: f32) -> TfSettings {
 
 #[test]
 fn static_frames_never_age_and_are_looked_up_once() {
-    let mut bench = Bench::new(timeout(3.0));
+    let mut bench = Bench::new(&timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, true);
     assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 1));
@@ -81,7 +81,7 @@ fn static_frames_never_age_and_are_looked_up_once() {
 
 #[test]
 fn a_frame_turns_grey_fades_and_is_gone_and_comes_back() {
-    let mut bench = Bench::new(timeout(3.0));
+    let mut bench = Bench::new(&timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, false);
     assert!(bench.update(0.0));
     assert!(!bench.update(0.9));
@@ -111,7 +111,7 @@ fn a_frame_turns_grey_fades_and_is_gone_and_comes_back() {
 
 #[test]
 fn what_a_moving_frame_carries_ages_with_it_and_not_by_repeated_transforms() {
-    let mut bench = Bench::new(timeout(3.0));
+    let mut bench = Bench::new(&timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, false);
     bench.publish("base", "laser", 0.0, 1.0, true);
     assert!(bench.update(0.0));
@@ -122,7 +122,7 @@ fn what_a_moving_frame_carries_ages_with_it_and_not_by_repeated_transforms() {
 
 #[test]
 fn frames_of_another_tree_are_hidden_and_reported() {
-    let mut bench = Bench::new(timeout(3.0));
+    let mut bench = Bench::new(&timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, true);
     bench.publish("moon", "crater", 0.0, 1.0, false);
     assert!(bench.update(0.0));
@@ -137,7 +137,7 @@ fn frames_of_another_tree_are_hidden_and_reported() {
 #[test]
 fn frames_that_are_switched_off_are_hidden_one_by_one() {
     let hidden_frames = ["base".to_owned()].into();
-    let mut bench = Bench::new(TfSettings { hidden_frames, ..timeout(15.0) });
+    let mut bench = Bench::new(&TfSettings { hidden_frames, ..timeout(15.0) });
     bench.publish("map", "base", 0.0, 1.0, false);
     bench.publish("base", "laser", 0.0, 1.0, true);
     assert!(bench.update(0.0));
@@ -147,7 +147,7 @@ fn frames_that_are_switched_off_are_hidden_one_by_one() {
 
 #[test]
 fn there_is_no_arrow_to_a_parent_at_the_same_place() {
-    let mut bench = Bench::new(timeout(15.0));
+    let mut bench = Bench::new(&timeout(15.0));
     bench.publish("map", "base", 0.0, 0.0009, true);
     assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 0));
@@ -155,7 +155,7 @@ fn there_is_no_arrow_to_a_parent_at_the_same_place() {
 
 #[test]
 fn frames_are_updated_once_per_update_interval() {
-    let mut bench = Bench::new(TfSettings { update_interval_s: 2.0, ..timeout(30.0) });
+    let mut bench = Bench::new(&TfSettings { update_interval_s: 2.0, ..timeout(30.0) });
     bench.publish("map", "base", 0.0, 1.0, false);
     assert!(bench.update(0.0));
     bench.publish("map", "base", 0.1, 2.0, false);
@@ -172,7 +172,7 @@ fn frames_are_updated_once_per_update_interval() {
 
 #[test]
 fn made_up_frames_are_bounded_and_cost_nothing_once_they_are_old() {
-    let mut bench = Bench::new(timeout(3.0));
+    let mut bench = Bench::new(&timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, false);
     for number in 0..30_000_u32 {
         let secs = f64::from(number) / 2000.0;
@@ -204,7 +204,7 @@ fn made_up_frames_are_bounded_and_cost_nothing_once_they_are_old() {
 fn filters_leave_frames_out_with_their_statuses_and_their_arrows_but_not_the_arrows_to_them() {
     let filter = |text: &str| FrameFilter::new(text).unwrap();
     let settings = TfSettings { whitelist: filter("^lamp|map"), blacklist: filter("_2$"), ..TfSettings::default() };
-    let mut bench = Bench::new(settings);
+    let mut bench = Bench::new(&settings);
     bench.publish("map", "laser", 0.0, 1.0, true);
     bench.publish("laser", "lamp_1", 0.0, 1.0, true);
     bench.publish("map", "lamp_2", 0.0, 3.0, true);
