@@ -11,7 +11,7 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_ros::NodeEvent;
 
-use super::placing::{projector_from_parent, Frames};
+use super::placing::{projector_from_parent, RobotFrames};
 
 /// Timeout of TF after a click.
 const TF_TIMEOUT: Duration = Duration::from_secs(3);
@@ -46,8 +46,8 @@ impl Clicks {
     ///
     /// # Errors
     /// Errors of the node.
-    pub(super) fn listen(&self, end: &EndRequest, mut take: impl FnMut(Click)) -> anyhow::Result<Frames> {
-        let mut frames = Frames::default();
+    pub(super) fn listen(&self, end: &EndRequest, mut take: impl FnMut(Click)) -> anyhow::Result<RobotFrames> {
+        let mut frames = RobotFrames::default();
         let Some(node) = lifecycle::connect("projector_calibrate", end)? else { return Ok(frames) };
         node.subscribe_transforms()?;
         let clicked = node.subscribe(&self.topic, MessageKind::PointStamped, QUEUE_SIZE)?;
@@ -79,7 +79,7 @@ impl Clicks {
     }
 
     /// A message as a click.
-    fn click(&self, frames: &Frames, message: &PointStamped) -> anyhow::Result<Click> {
+    fn click(&self, frames: &RobotFrames, message: &PointStamped) -> anyhow::Result<Click> {
         let given = Point3::new(message.point.x, message.point.y, message.point.z);
         let point = frames.newest(&self.camera, &message.header.frame_id)? * given;
         anyhow::ensure!(point.coords.iter().all(|value| value.is_finite()), "a coordinate is not finite");

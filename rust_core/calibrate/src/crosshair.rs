@@ -14,7 +14,7 @@ use rcs_scene::lock;
 use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey};
 
 use super::clicks::Clicks;
-use super::placing::Frames;
+use super::placing::RobotFrames;
 use super::window_support::{check_monitor, close_on_end, join, spawn};
 use super::Failure;
 
@@ -26,7 +26,7 @@ const SIGMA_PX: f64 = 1.0;
 const MIN_POINTS: usize = 6;
 
 /// The points that the crosshair is moved onto.
-pub(super) enum Targets {
+pub(super) enum CrosshairTargets {
     /// Points of the camera's optical frame, metres, and the projector's old pose, if it is known: the crosshair starts
     /// where that projects each of them.
     Given(Vec<Point3<f64>>, Option<Isometry3<f64>>),
@@ -37,18 +37,18 @@ pub(super) enum Targets {
 /// Shows the crosshair until it was on all points. Returns the correspondences, and the robot's frames if points were
 /// clicked.
 pub(super) fn collect(
-    targets: Targets,
+    targets: CrosshairTargets,
     lens: &Lens,
     monitor: &MonitorArguments,
-) -> Result<(Vec<Sample>, Option<Frames>), Failure> {
+) -> Result<(Vec<Sample>, Option<RobotFrames>), Failure> {
     let end = EndRequest::watch_signals().context("cannot handle signals").map_err(Failure::Refused)?;
     let watched = end.clone();
     let watch = WindowWatch::start(1, move || watched.is_requested())
         .context("cannot watch the window")
         .map_err(Failure::Refused)?;
     let (crosshair, clicks) = match targets {
-        Targets::Given(points, pose) => (Crosshair::of_given(&points, lens, pose.as_ref()), None),
-        Targets::Clicked(clicks) => (Crosshair::new(lens, true), Some(clicks)),
+        CrosshairTargets::Given(points, pose) => (Crosshair::of_given(&points, lens, pose.as_ref()), None),
+        CrosshairTargets::Clicked(clicks) => (Crosshair::new(lens, true), Some(clicks)),
     };
     let finish = if clicks.is_some() { "; f: finish" } else { "" };
     eprintln!(
@@ -101,7 +101,7 @@ fn listen(
     end: &EndRequest,
     crosshair: &Arc<Mutex<Crosshair>>,
     sink: PictureSink,
-) -> anyhow::Result<JoinHandle<anyhow::Result<Frames>>> {
+) -> anyhow::Result<JoinHandle<anyhow::Result<RobotFrames>>> {
     let (end, crosshair) = (end.clone(), Arc::clone(crosshair));
     let listening = move || {
         let frames = clicks.listen(&end, |click| {

@@ -32,7 +32,7 @@ pub(super) struct PlacingArguments {
 }
 
 /// A pose of the projector.
-pub(super) struct PlacedProjector {
+pub(super) struct ProjectorPose {
     /// The frame of the pose.
     pub(super) parent: String,
     /// Takes points of the projector's optical frame to it.
@@ -50,19 +50,19 @@ impl PlacingArguments {
         &self,
         projector_from_camera: &Isometry3<f64>,
         named_by_capture: Option<&str>,
-        frames: Option<&Frames>,
-    ) -> Result<PlacedProjector, Failure> {
+        frames: Option<&RobotFrames>,
+    ) -> Result<ProjectorPose, Failure> {
         let camera = self.camera(named_by_capture);
         let camera_from_projector = projector_from_camera.inverse();
         let Some(parent) = &self.parent else {
-            return Ok(PlacedProjector { parent: camera.to_owned(), parent_from_projector: camera_from_projector });
+            return Ok(ProjectorPose { parent: camera.to_owned(), parent_from_projector: camera_from_projector });
         };
         let parent_from_camera = match frames {
             Some(frames) => frames.newest(parent, camera).map_err(tf_failed)?,
             None => look_up(parent, camera)?,
         };
         let parent_from_projector = parent_from_camera * camera_from_projector;
-        Ok(PlacedProjector { parent: parent.clone(), parent_from_projector })
+        Ok(ProjectorPose { parent: parent.clone(), parent_from_projector })
     }
 }
 
@@ -83,7 +83,7 @@ fn look_up(target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
 /// Like [`look_up`], with a connected node, whose other messages are dropped meanwhile.
 fn look_up_with(node: &RosNode, end: &EndRequest, target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
     node.subscribe_transforms().map_err(tf_failed)?;
-    let mut frames = Frames::default();
+    let mut frames = RobotFrames::default();
     let until = Instant::now() + TF_TIMEOUT;
     loop {
         for event in node.events().wait(Duration::from_millis(100)) {
@@ -102,9 +102,9 @@ fn look_up_with(node: &RosNode, end: &EndRequest, target: &str, source: &str) ->
 
 /// The robot's frames by TF.
 #[derive(Default)]
-pub(super) struct Frames(TransformTree);
+pub(super) struct RobotFrames(TransformTree);
 
-impl Frames {
+impl RobotFrames {
     /// Adds a node's event, if it has transforms.
     pub(super) fn add(&mut self, event: &NodeEvent) {
         if let NodeEvent::Transforms { message, is_static, authority, .. } = event {

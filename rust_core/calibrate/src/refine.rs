@@ -10,7 +10,7 @@ use rcs_node_support::monitor_arguments::MonitorArguments;
 
 use super::clicks::Clicks;
 use super::correspondences::Correspondences;
-use super::crosshair::{self, Targets};
+use super::crosshair::{self, CrosshairTargets};
 use super::placing::{frame_in_file, pose_in_file, read_projector, PlacingArguments};
 use super::solve::solve_and_write;
 use super::Failure;
@@ -78,13 +78,13 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
 }
 
 /// The points that the user moves the crosshair onto, if that is asked for.
-fn targets(arguments: &RefineArguments, file: &ProjectorFile) -> Result<Option<Targets>, Failure> {
+fn targets(arguments: &RefineArguments, file: &ProjectorFile) -> Result<Option<CrosshairTargets>, Failure> {
     if let Some(topic) = &arguments.clicked {
         let camera = arguments.placing.camera(None).to_owned();
         let old_place = frame_in_file(file, Some(&camera)).or(frame_in_file(file, None)).cloned();
-        return Ok(Some(Targets::Clicked(Clicks { topic: topic.clone(), camera, old_place })));
+        return Ok(Some(CrosshairTargets::Clicked(Clicks { topic: topic.clone(), camera, old_place })));
     }
     let Some(path) = &arguments.things else { return Ok(None) };
     let points = read_places(path).map_err(Failure::unreadable)?;
-    Ok(Some(Targets::Given(points, pose_in_file(file, None))))
+    Ok(Some(CrosshairTargets::Given(points, pose_in_file(file, None))))
 }

@@ -11,7 +11,7 @@ use rcs_node_support::key_value;
 
 use super::arguments::size_px;
 use super::correspondences::Correspondences;
-use super::placing::{read_projector, Frames, PlacingArguments};
+use super::placing::{read_projector, PlacingArguments, RobotFrames};
 use super::Failure;
 
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
@@ -99,7 +99,7 @@ pub(super) fn solve_and_write(
     points: &Correspondences,
     options: &SolveOptions,
     placing: &PlacingArguments,
-    frames: Option<&Frames>,
+    frames: Option<&RobotFrames>,
     report_folder: Option<&Path>,
     output: &Path,
 ) -> Result<(), Failure> {

@@ -39,7 +39,7 @@ fn false_colours(size_px: [u32; 2], places: impl Iterator<Item = Option<[f32; 2]
 pub struct PreviewDecoder {
     /// The difference of white and black, levels; 0 where a pixel is not lit, empty before white and black.
     contrast: Vec<u8>,
-    axes: [AxisDecoder; 2],
+    axes: [PreviewAxis; 2],
 }
 
 impl PreviewDecoder {
@@ -90,7 +90,7 @@ impl PreviewDecoder {
 
 /// The codes along an axis.
 #[derive(Default)]
-struct AxisDecoder {
+struct PreviewAxis {
     codes: Vec<CoarseCode>,
     /// The last stripes.
     last: Option<Stripes>,
@@ -98,7 +98,7 @@ struct AxisDecoder {
     wide: u32,
 }
 
-impl AxisDecoder {
+impl PreviewAxis {
     /// Adds a pair of stripes. A pixel that could not read one reads none of the finer ones.
     fn add(&mut self, stripes: Stripes, lit: &[u8], inverse: &[u8], contrast: &[u8]) {
         let before = self.last.map_or(0, |last| last.bit + 1);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rcs_calibration::patterns::Pattern;
 
 use super::sequence::{PatternSequence, PatternSequenceError};
-use super::timeline::{Segment, Timeline};
+use super::timeline::{Timeline, TimelineSegment};
 
 /// Limit of the difference of segments of the same picture, as a share of the median difference of neighbours.
 const ALIKE: f64 = 0.3;
@@ -16,7 +16,7 @@ const ALIKE: f64 = 0.3;
 /// [`PatternSequenceError::BetweenMarks`].
 pub(crate) fn find(
     timeline: &Timeline,
-    segments: &[Segment],
+    segments: &[TimelineSegment],
     patterns: &[Pattern],
 ) -> Option<Result<PatternSequence, PatternSequenceError>> {
     let marks = marks(timeline, segments);
@@ -44,13 +44,13 @@ pub(crate) fn find(
 }
 
 /// Flags the segments of the picture that recurs most often.
-fn marks(timeline: &Timeline, segments: &[Segment]) -> Vec<bool> {
-    let between = |pair: &[Segment]| timeline.difference(&pair[0].levels, &pair[1].levels);
+fn marks(timeline: &Timeline, segments: &[TimelineSegment]) -> Vec<bool> {
+    let between = |pair: &[TimelineSegment]| timeline.difference(&pair[0].levels, &pair[1].levels);
     let mut differences: Vec<f64> = segments.windows(2).map(between).collect();
     differences.sort_by(f64::total_cmp);
     let median = differences.get(differences.len() / 2).copied().unwrap_or_default();
     let limit = (ALIKE * median).max(timeline.limit);
-    let alike_to = |one: &Segment| -> Vec<bool> {
+    let alike_to = |one: &TimelineSegment| -> Vec<bool> {
         segments.iter().map(|other| timeline.difference(&one.levels, &other.levels) <= limit).collect()
     };
     let count = |alike: &Vec<bool>| alike.iter().filter(|is_alike| **is_alike).count();

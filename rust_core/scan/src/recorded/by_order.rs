@@ -7,7 +7,7 @@ use rcs_calibration::patterns::Pattern;
 
 use super::pairs;
 use super::sequence::{PatternSequence, PatternSequenceError};
-use super::timeline::{Segment, Timeline};
+use super::timeline::{Timeline, TimelineSegment};
 
 /// Tolerance of the length of a segment, as a share of the median length.
 const REGULAR: f64 = 0.25;
@@ -22,12 +22,12 @@ const MARGIN: f64 = 0.2;
 /// [`PatternSequenceError::NotInOrder`] and [`PatternSequenceError::Ambiguous`].
 pub(crate) fn find(
     timeline: &Timeline,
-    segments: &[Segment],
+    segments: &[TimelineSegment],
     patterns: &[Pattern],
 ) -> Result<PatternSequence, PatternSequenceError> {
     let divided = divide(timeline, segments);
     for segments in [segments, &divided] {
-        let is_found = |row: &&[Segment]| {
+        let is_found = |row: &&[TimelineSegment]| {
             let levels: Vec<&[u8]> = row.iter().map(|segment| segment.levels.as_slice()).collect();
             pairs::are_plausible(patterns, &levels)
         };
@@ -49,7 +49,7 @@ pub(crate) fn find(
 }
 
 /// Divides segments that are several times as long as the median.
-fn divide(timeline: &Timeline, segments: &[Segment]) -> Vec<Segment> {
+fn divide(timeline: &Timeline, segments: &[TimelineSegment]) -> Vec<TimelineSegment> {
     let end = |index: usize| segments.get(index + 1).map_or(timeline.len(), |next| next.frames.start);
     let secs = |index: usize| {
         (timeline.time(end(index)).saturating_sub(timeline.time(segments[index].frames.start))).as_secs_f64()

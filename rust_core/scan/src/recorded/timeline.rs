@@ -41,7 +41,7 @@ pub(crate) struct Timeline {
 
 /// Consecutive frames of the same picture.
 #[derive(Debug, Clone)]
-pub(crate) struct Segment {
+pub(crate) struct TimelineSegment {
     /// The frames' numbers.
     pub(crate) frames: Range<usize>,
     /// Their mean at the pixels that change in the recording.
@@ -123,15 +123,15 @@ impl Timeline {
     }
 
     /// These frames as a segment.
-    pub(crate) fn segment(&self, frames: Range<usize>) -> Segment {
+    pub(crate) fn segment(&self, frames: Range<usize>) -> TimelineSegment {
         let first = frames.start.max(frames.end.saturating_sub(AVERAGED));
         let levels = average(self.levels.get(first..frames.end).unwrap_or_default().iter());
-        Segment { frames, levels }
+        TimelineSegment { frames, levels }
     }
 
     /// All segments of two frames and more, in the order of time. Shorter ones show a change; so may the last frame of
     /// a segment, which is dropped if there are more.
-    pub(crate) fn segments(&self) -> Vec<Segment> {
+    pub(crate) fn segments(&self) -> Vec<TimelineSegment> {
         let cuts = (1..self.len()).filter(|frame| self.is_cut(*frame));
         let starts: Vec<usize> = std::iter::once(0).chain(cuts).collect();
         let ends = starts.iter().skip(1).copied().chain([self.len()]);
