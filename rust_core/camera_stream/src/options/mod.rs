@@ -27,50 +27,50 @@ use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
     /// Overrides the config's fixed frame.
-    pub fixed_frame: Option<String>,
+    pub(crate) fixed_frame: Option<String>,
     /// The config is reloaded when its file changes.
-    pub watches_config: bool,
+    pub(crate) watches_config: bool,
     /// CPU or GPU.
-    pub renderer: RendererChoice,
+    pub(crate) renderer: RendererChoice,
     /// Projection from CameraInfos.
-    pub model: CameraModel,
+    pub(crate) model: CameraModel,
     /// Limits for mesh files.
-    pub resources: ResourceOptions,
+    pub(crate) resources: ResourceOptions,
     /// Prediction of moving frames.
-    pub prediction: PredictionSettings,
+    pub(crate) prediction: PredictionSettings,
     /// Streams are paused while nobody subscribes to an image.
-    pub is_lazy: bool,
+    pub(crate) is_lazy: bool,
     /// Encoding of depth images.
-    pub depth_encoding: DepthEncoding,
+    pub(crate) depth_encoding: DepthEncoding,
     /// Monitors that show cameras full screen.
-    pub windows: Vec<ForCamera<MonitorChoice>>,
+    pub(crate) windows: Vec<ForCamera<MonitorChoice>>,
     /// Monitors of windows are set to their native modes.
-    pub set_mode: bool,
+    pub(crate) set_mode: bool,
     /// Where and when there may be light.
-    pub light: LightOptions,
+    pub(crate) light: LightOptions,
 }
 
 /// Where and when there may be light, and how it is corrected. Files are not read and topics not resolved yet.
 #[derive(Clone, Debug)]
 pub(crate) struct LightOptions {
     /// The limit for all topics, then those of single ones.
-    pub stale_timeouts: Vec<StaleTimeout>,
+    pub(crate) stale_timeouts: Vec<StaleTimeout>,
     /// Black images say why they are black.
-    pub stale_note: bool,
+    pub(crate) stale_note: bool,
     /// Topics of masks.
-    pub mask_topics: Vec<ForCamera<String>>,
+    pub(crate) mask_topics: Vec<ForCamera<String>>,
     /// Frames around which there must be no light.
-    pub keep_out: Vec<KeepOutFrame>,
+    pub(crate) keep_out: Vec<KeepOutFrame>,
     /// All is dark while a mask or the place of a keep-out frame is missing or expired.
-    pub mask_required: bool,
+    pub(crate) mask_required: bool,
     /// Mask files.
-    pub masks: Vec<ForCamera<PathBuf>>,
+    pub(crate) masks: Vec<ForCamera<PathBuf>>,
     /// Files of weights where projectors overlap.
-    pub blends: Vec<ForCamera<PathBuf>>,
+    pub(crate) blends: Vec<ForCamera<PathBuf>>,
     /// Light is the level to this power.
-    pub blend_gamma: f32,
+    pub(crate) blend_gamma: f32,
     /// Orientations of images.
-    pub orientations: Vec<ForCamera<Orientation>>,
+    pub(crate) orientations: Vec<ForCamera<Orientation>>,
 }
 
 impl Options {

@@ -26,11 +26,11 @@ pub enum Lead {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PredictionSettings {
     /// Horizon from now.
-    pub lead: Lead,
+    pub(crate) lead: Lead,
     /// Longest horizon from a frame's newest transform.
-    pub limit: Duration,
+    pub(crate) limit: Duration,
     /// With [`Lead::Auto`]: time from publishing an image to its light.
-    pub screen_delay: Duration,
+    pub(crate) screen_delay: Duration,
 }
 
 impl PredictionSettings {

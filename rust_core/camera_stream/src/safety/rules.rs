@@ -55,9 +55,9 @@ impl Rules {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct KeepOutFrame {
     /// `frame_id`, without a leading `/`.
-    pub frame: String,
+    pub(crate) frame: String,
     /// Distance from its origin, metres.
-    pub radius_m: f64,
+    pub(crate) radius_m: f64,
 }
 
 impl FromStr for KeepOutFrame {

@@ -24,9 +24,9 @@ pub enum AgeLimit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct StaleTimeout {
     /// The topic as it was given; `None` for all topics.
-    pub topic: Option<String>,
+    pub(crate) topic: Option<String>,
     /// The limit.
-    pub limit: AgeLimit,
+    pub(crate) limit: AgeLimit,
 }
 
 impl FromStr for AgeLimit {
