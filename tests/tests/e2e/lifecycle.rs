@@ -177,6 +177,6 @@ fn every_thread_has_a_name() {
     names.sort();
     println!("{}", names.join(" "));
     assert_eq!(names.iter().filter(|name| *name == "camera_stream").count(), 1, "the first: {names:?}");
-    assert!(["scene", "rosrust"].iter().all(|name| names.contains(&(*name).to_owned())), "{names:?}");
+    assert!(["scene", "ros-registrar"].iter().all(|name| names.contains(&(*name).to_owned())), "{names:?}");
     assert!(!names.contains(&"ros-start".to_owned()), "that thread has ended: {names:?}");
 }
