@@ -74,7 +74,7 @@ fn is_found_after(setup: &Path) {
         nodes.join("' '"),
     ));
     assert!(printed.contains(&format!("camera_stream {version}")), "{printed}");
-    assert!(printed.contains("/rviz/fetch.rviz --fixed-frame base_link"), "{printed}");
+    assert!(printed.contains("/rviz/fetch.rviz"), "{printed}");
     assert_eq!(printed.lines().count(), 2 + nodes.len(), "one line for each: {printed}");
 }
 
@@ -147,7 +147,7 @@ fn plain_cmake_installs_programs_launch_files_and_configs() {
     }
     let share = prefix.join("share/rviz_camera_stream");
     let mut installed = 0;
-    for folder in ["launch", "rviz", "config", "config/demo", "urdf"] {
+    for folder in ["launch", "launch/viewers", "rviz", "config", "config/demo", "urdf"] {
         for entry in fs::read_dir(repository().join("ros_pkg").join(folder)).unwrap() {
             let name = entry.unwrap().file_name();
             assert!(share.join(folder).join(&name).exists(), "{folder}/{} is not installed", name.to_string_lossy());

@@ -68,7 +68,7 @@ fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
         ]) {
             has(&format!("{prefix}/lib/rviz_camera_stream/{program}"));
         }
-        for folder in ["launch", "rviz", "config", "config/demo", "config/robot", "urdf"] {
+        for folder in ["launch", "launch/viewers", "rviz", "config", "config/demo", "config/robot", "urdf"] {
             for entry in fs::read_dir(repository().join("ros_pkg").join(folder)).unwrap() {
                 let entry = entry.unwrap();
                 if entry.file_type().unwrap().is_file() {
