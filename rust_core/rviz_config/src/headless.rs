@@ -37,7 +37,7 @@ pub fn report(config: &Config) -> Vec<String> {
 /// assert_eq!(
 ///     rcs_rviz_config::headless::launch_line(&config),
 ///     "roslaunch rviz_camera_stream projection.launch 'rviz_config:=\"/home/me/my scene.rviz\"' projector:=none \
-///      sample_scene:=false viewer:=none projection:=rviz undistort:=false stale_timeout:=0 stale_timeouts:=none"
+///      sample_scene:=false viewer:=none projection:=rviz undistort:=false stale_timeout:=none stale_timeouts:=none"
 /// );
 /// # Ok::<(), rcs_rviz_config::ConfigError>(())
 /// ```
@@ -49,7 +49,7 @@ pub fn launch_line(config: &Config) -> String {
     let undistort = cameras.iter().any(|(.., camera)| camera.undistort);
     format!(
         "roslaunch rviz_camera_stream projection.launch {argument} projector:=none sample_scene:=false viewer:=none \
-         projection:={projection} undistort:={undistort} stale_timeout:=0 stale_timeouts:=none"
+         projection:={projection} undistort:={undistort} stale_timeout:=none stale_timeouts:=none"
     )
 }
 
