@@ -2,12 +2,11 @@
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::Args;
 use rcs_camera::Projection;
 
-use super::prediction::{lead, up_to_a_second, Lead};
+use super::prediction::PredictionSettings;
 use crate::outputs::depth_image::DepthEncoding;
 use crate::safety::ages::limits::AgeLimit;
 use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
@@ -60,9 +59,9 @@ pub struct NodeArgs {
     /// Windows of the node's own
     #[command(flatten)]
     pub windows: WindowArgs,
-    /// Whether moving frames are predicted.
+    /// Prediction of moving frames.
     #[command(flatten)]
-    pub prediction: PredictionArgs,
+    pub prediction: PredictionSettings,
     /// Where and when there may be light.
     #[command(flatten)]
     pub light: LightArgs,
@@ -101,20 +100,6 @@ pub struct WindowArgs {
     /// Set a monitor that runs another mode to its native one
     #[arg(long)]
     pub set_mode: bool,
-}
-
-/// Prediction of moving frames.
-#[derive(Args, Clone, Copy, Debug)]
-pub struct PredictionArgs {
-    /// Draw moving frames this many seconds ahead (0 to 1), or as far as the picture is late (auto), or not (none)
-    #[arg(long, value_name = "SECS|auto|none", default_value = "none", value_parser = lead)]
-    pub predict: Lead,
-    /// Longest time after a frame's newest transform that it is predicted for, 0 to 1 seconds
-    #[arg(long, value_name = "SECS", default_value = "0.1", value_parser = up_to_a_second)]
-    pub predict_limit: Duration,
-    /// With --predict auto: the time from publishing a picture to its light, 0 to 1 seconds
-    #[arg(long, value_name = "SECS", default_value = "0.02", value_parser = up_to_a_second)]
-    pub screen_delay: Duration,
 }
 
 /// Where and when there may be light, and how it is corrected.

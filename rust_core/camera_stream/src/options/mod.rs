@@ -19,7 +19,7 @@ use crate::outputs::depth_image::DepthEncoding;
 use crate::safety::ages::limits::StaleTimeout;
 use crate::safety::names::{ForCamera, NONE};
 use crate::safety::rules::KeepOutFrame;
-use arguments::{LightArgs, ModelArgs, NodeArgs, PredictionArgs, ResourceArgs};
+use arguments::{LightArgs, ModelArgs, NodeArgs, ResourceArgs};
 use prediction::PredictionSettings;
 use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 
@@ -98,7 +98,7 @@ impl Options {
             renderer: cli.renderer,
             model: cli.model.model(),
             resources: cli.resources.options(),
-            prediction: node.prediction.into(),
+            prediction: node.prediction,
             is_lazy: !node.no_lazy,
             depth_encoding: node.depth_encoding,
             windows: ForCamera::read_all(&name_of("window"), &node.windows.window, cameras)?,
@@ -147,12 +147,6 @@ impl Cli {
             Some(Command::Check(args)) => &args.node,
             _ => &self.node,
         }
-    }
-}
-
-impl From<PredictionArgs> for PredictionSettings {
-    fn from(PredictionArgs { predict, predict_limit, screen_delay }: PredictionArgs) -> Self {
-        Self { lead: predict, limit: predict_limit, screen_delay }
     }
 }
 

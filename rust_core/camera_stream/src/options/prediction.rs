@@ -6,6 +6,7 @@
 
 use std::time::Duration;
 
+use clap::Args;
 use rcs_transforms::{Prediction, Time};
 
 use rcs_node_support::node_options::within;
@@ -22,15 +23,18 @@ pub enum Lead {
     Fixed(Duration),
 }
 
-/// Whether and how far moving frames are predicted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PredictionSettings {
-    /// Horizon from now.
-    pub(crate) lead: Lead,
-    /// Longest horizon from a frame's newest transform.
-    pub(crate) limit: Duration,
-    /// With [`Lead::Auto`]: time from publishing an image to its light.
-    pub(crate) screen_delay: Duration,
+/// Prediction of moving frames.
+#[derive(Args, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PredictionSettings {
+    /// Draw moving frames this many seconds ahead (0 to 1), or as far as the picture is late (auto), or not (none)
+    #[arg(long = "predict", value_name = "SECS|auto|none", default_value = "none", value_parser = lead)]
+    pub lead: Lead,
+    /// Longest time after a frame's newest transform that it is predicted for, 0 to 1 seconds
+    #[arg(long = "predict-limit", value_name = "SECS", default_value = "0.1", value_parser = up_to_a_second)]
+    pub limit: Duration,
+    /// With --predict auto: the time from publishing a picture to its light, 0 to 1 seconds
+    #[arg(long, value_name = "SECS", default_value = "0.02", value_parser = up_to_a_second)]
+    pub screen_delay: Duration,
 }
 
 impl PredictionSettings {
@@ -46,7 +50,7 @@ impl PredictionSettings {
 }
 
 /// Reads `none`, `auto` or seconds; 0 seconds are none.
-pub(super) fn lead(text: &str) -> Result<Lead, String> {
+fn lead(text: &str) -> Result<Lead, String> {
     match text {
         "none" => Ok(Lead::Off),
         "auto" => Ok(Lead::Auto),
@@ -58,7 +62,7 @@ pub(super) fn lead(text: &str) -> Result<Lead, String> {
 }
 
 /// Reads seconds from 0 to 1.
-pub(super) fn up_to_a_second(text: &str) -> Result<Duration, String> {
+fn up_to_a_second(text: &str) -> Result<Duration, String> {
     within(0.0, 1.0)(text).map(Duration::from_secs_f64)
 }
 

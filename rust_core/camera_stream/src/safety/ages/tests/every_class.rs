@@ -366,7 +366,8 @@ fn the_launch_files_keep_their_path_and_markers_while_these_are_held_and_their_f
         let launch = std::fs::read_to_string(folder.join(format!("launch/{name}.launch"))).unwrap();
         let (_, after) = launch.split_once("<arg name=\"stale_timeouts\" default=\"").unwrap();
         let mut limits = AgeLimits::general(Duration::from_secs(1));
-        for limit in after.split('"').next().unwrap().split(' ') {
+        for limit in after.split('"').next().unwrap().split("{topic: ").skip(1) {
+            let limit = limit.split('}').next().unwrap().replace(", limit: ", "=");
             limits.set(limit.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
         }
         let config = std::fs::read_to_string(folder.join(format!("rviz/{name}.rviz"))).unwrap();
