@@ -184,7 +184,7 @@ fn windows_that_wait_for_a_display_server_that_hangs_end() {
         let mut window = Waiting::start(command.current_dir(folder.path()).args(arguments));
         window.wait_for_thread("window-watch");
         assert_eq!(window.end("-TERM").code(), Some(exit_status), "{path} {arguments:?}: {}", window.log);
-        assert!(window.log.contains("the display server does not answer"), "{path} {arguments:?}: {}", window.log);
+        assert!(window.log.contains("the display server does not respond"), "{path} {arguments:?}: {}", window.log);
     }
 }
 
