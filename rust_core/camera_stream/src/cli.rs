@@ -240,7 +240,7 @@ pub(super) fn graph_name(text: &str) -> Result<String, String> {
     Err("a ROS name: letters, digits, _ and /, and a letter, / or ~ first".to_owned())
 }
 
-/// The same, or no name at all; a `/` may end it.
+/// Validates a namespace: empty, or a ROS name with an optional `/` at the end.
 fn namespace(text: &str) -> Result<String, String> {
     match text.strip_suffix('/').unwrap_or(text) {
         "" => Ok(text.to_owned()),

@@ -1,4 +1,4 @@
-//! What the nodes share: signals and shutdown, options that are also private parameters, a status on `/diagnostics`,
+//! Shared parts of the nodes: signals and shutdown, options that are also private parameters, a status on `/diagnostics`,
 //! transforms from `/tf`, and the arguments of programs with a window.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

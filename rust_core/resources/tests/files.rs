@@ -110,7 +110,7 @@ fn files_outside_of_packages_need_an_allowed_folder() {
     let url = workspace.url_of("outside/out.stl");
     let error = workspace.load(&url).unwrap_err();
     assert!(matches!(error, ResourceError::NotAllowed { .. }), "{error}");
-    assert!(error.to_string().contains("~mesh_folders") && error.to_string().contains("--mesh-folder"), "{error}");
+    assert!(error.to_string().contains("~mesh_folder ") && error.to_string().contains("--mesh-folder"), "{error}");
     // Neither dots nor links lead out of what is allowed.
     let around = workspace.url_of("src/robot/../../outside/out.stl");
     assert!(matches!(workspace.load(&around), Err(ResourceError::NotAllowed { .. })));

@@ -43,7 +43,7 @@ fn poll_every<'a, T>(
     guard
 }
 
-/// What a thread that was asked to end returns, if it ends within `patience`. One that does not is left behind.
+/// Joins a thread that was asked to end, if it ends within `patience`; else it is left behind.
 #[expect(clippy::disallowed_methods, reason = "the thread has ended")]
 pub fn join_within<T>(thread: JoinHandle<T>, patience: Duration) -> Option<thread::Result<T>> {
     let asked = Instant::now();

@@ -65,7 +65,9 @@ fn axes(corners: [Vector3<f64>; 3]) -> Option<Matrix3<f64>> {
 
 /// Real roots of `c[0] x⁴ + c[1] x³ + c[2] x² + c[3] x + c[4]`, at most four; none if a coefficient is not finite.
 pub(super) fn real_roots(c: [f64; 5]) -> impl Iterator<Item = f64> {
-    roots(c).into_iter().flatten().map(move |root| polished(c, root)).filter(|root| root.is_finite())
+    let signs = [1.0, -1.0, 1.0, -1.0];
+    let found = roots(c).into_iter().zip(signs).filter_map(|(root, sign)| Some((root?, sign)));
+    found.map(move |(root, sign)| polished(c, root, sign)).filter(|root| root.is_finite())
 }
 
 fn roots(c: [f64; 5]) -> [Option<f64>; 4] {
@@ -155,11 +157,21 @@ fn quadratic(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
     [Some(sum / a), if sum == 0.0 { Some(0.0) } else { Some(c / sum) }]
 }
 
-fn polished(c: [f64; 5], mut root: f64) -> f64 {
+/// A root without the closed form's rounding errors. Between the roots of a pair that rounding has merged, where Newton
+/// steps fail, the parabola there parts them; `sign` selects one.
+fn polished(c: [f64; 5], mut root: f64, sign: f64) -> f64 {
     let value = |x: f64| (((c[0] * x + c[1]) * x + c[2]) * x + c[3]) * x + c[4];
+    let slope = |x: f64| ((4.0 * c[0] * x + 3.0 * c[1]) * x + 2.0 * c[2]) * x + c[3];
+    let curvature = (12.0 * c[0] * root + 6.0 * c[1]) * root + 2.0 * c[2];
+    let apart = slope(root).powi(2) - 2.0 * value(root) * curvature;
+    if apart > 2.0 * slope(root).powi(2) {
+        let parted = root + (sign * apart.sqrt() - slope(root)) / curvature;
+        if value(parted).abs() < value(root).abs() {
+            root = parted;
+        }
+    }
     for _ in 0..POLISHING_STEPS {
-        let slope = ((4.0 * c[0] * root + 3.0 * c[1]) * root + 2.0 * c[2]) * root + c[3];
-        let better = root - value(root) / slope;
+        let better = root - value(root) / slope(root);
         if better.is_finite() && value(better).abs() < value(root).abs() {
             root = better;
         } else {

@@ -1,4 +1,4 @@
-//! What a verification has measured, as YAML for programs, and as a [`picture`] for people.
+//! Results of a verification, as YAML for programs and as a [`picture`] for people.
 //!
 //! ```yaml
 //! projector: "projector.yaml"

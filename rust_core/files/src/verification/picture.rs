@@ -1,4 +1,4 @@
-//! What the camera saw, with where light should have landed and where it has.
+//! The camera image with expected and measured positions of the projected marks.
 
 use nalgebra::{Point2, Vector2};
 use rcs_calibration::{VerificationResult, VerifiedPoint};

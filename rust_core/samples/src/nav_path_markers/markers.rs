@@ -24,7 +24,7 @@ pub(super) struct ArrowStyle {
     pub(super) thickness_m: f64,
     /// Red, green, blue, alpha from 0 to 1.
     pub(super) color: [f32; 4],
-    /// That of the last arrow.
+    /// Colour of the last arrow.
     pub(super) goal_color: [f32; 4],
     /// How long viewers keep them; zero: until they are replaced.
     pub(super) lifetime: Duration,
@@ -34,7 +34,7 @@ pub(super) struct ArrowStyle {
 #[derive(Debug)]
 pub(super) struct Sequence {
     style: ArrowStyle,
-    /// So many ids were in use at most, and a viewer may still have each of them.
+    /// Highest number of ids used, which viewers may still hold.
     used: usize,
 }
 
