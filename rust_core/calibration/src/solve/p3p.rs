@@ -41,12 +41,45 @@ pub(super) fn poses(points: [Vector3<f64>; 3], rays: [Vector3<f64>; 3]) -> impl 
         let u = ((difference - 1.0) * v * v - 2.0 * difference * cos_b * v + 1.0 + difference)
             / (2.0 * (cos_c - v * cos_a));
         let first = (b2 / (1.0 + v * v - 2.0 * v * cos_b)).sqrt();
-        let distances = [first, u * first, v * first];
+        let distances = Vector3::new(first, u * first, v * first);
         if !distances.iter().all(|distance| distance.is_finite() && *distance > 0.0) {
             return None;
         }
+        let distances = refined(distances, [cos_a, cos_b, cos_c], Vector3::new(a2, b2, c2));
         pose_between(points, [ray_1 * distances[0], ray_2 * distances[1], ray_3 * distances[2]])
     })
+}
+
+/// Distances after Newton steps on the law of cosines in the three triangles: a root of the quartic loses digits where
+/// its quotient of two distances is ill-conditioned. `squares` are those of the sides opposite to each point.
+fn refined(mut distances: Vector3<f64>, [cos_a, cos_b, cos_c]: [f64; 3], squares: Vector3<f64>) -> Vector3<f64> {
+    let residuals = |d: &Vector3<f64>| {
+        let side = |i: usize, j: usize, cos: f64| d[i] * d[i] + d[j] * d[j] - 2.0 * d[i] * d[j] * cos;
+        Vector3::new(side(1, 2, cos_a), side(0, 2, cos_b), side(0, 1, cos_c)) - squares
+    };
+    for _ in 0..POLISHING_STEPS {
+        let d = distances;
+        let slope = |i: usize, j: usize, cos: f64| 2.0 * (d[i] - d[j] * cos);
+        let jacobian = Matrix3::new(
+            0.0,
+            slope(1, 2, cos_a),
+            slope(2, 1, cos_a),
+            slope(0, 2, cos_b),
+            0.0,
+            slope(2, 0, cos_b),
+            slope(0, 1, cos_c),
+            slope(1, 0, cos_c),
+            0.0,
+        );
+        let Some(step) = jacobian.lu().solve(&residuals(&d)) else { break };
+        let better = d - step;
+        let is_better = residuals(&better).norm() < residuals(&d).norm();
+        if !is_better {
+            break;
+        }
+        distances = better;
+    }
+    distances
 }
 
 /// Pose that maps three points onto three others, exactly if the triangles are congruent.
