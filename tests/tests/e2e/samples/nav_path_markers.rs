@@ -107,7 +107,7 @@ fn plans_that_cannot_be_shown_take_the_arrows_away_and_are_reported() {
     let mut sample =
         Sample::start("nav_path_markers", VIEWER, &["--path-topic", "/plan", "--markers-topic", "/arrows"]);
     let cases = [
-        ("plan((0, 0), (float('nan'), 0))", "not finite"),
+        ("plan((0, 0), (float('nan'), 0))", "non-finite"),
         ("plan((0, 0), (1, 0), frame='')", "no frame_id"),
         ("plan()", "the plan is empty"),
     ];
