@@ -108,7 +108,7 @@ pub struct LightArgs {
     /// Hide data, and black out cameras, whose data are older than this: 0 to 86400 seconds, or none (0: none)
     #[arg(long, value_name = "SECS", default_value = "none", value_parser = stale_timeout)]
     pub stale_timeout: AgeLimit,
-    /// AgeLimit for a single topic: seconds, held (as long as it has a publisher) or never; repeatable
+    /// Limit for a single topic: seconds, held (as long as it has a publisher) or never; repeatable
     #[arg(long, value_name = "TOPIC=LIMIT")]
     pub stale_timeouts: Vec<String>,
     /// Write into a black picture why it is black
