@@ -1,8 +1,9 @@
 //! Which files of a crate use each other in a circle.
 //!
-//! A file is tied to the file that *defines* an item it names, however many modules re-export it on the way; files that only
-//! declare and re-export define nothing, so no circle passes through them. A file may use its own submodules, and these what
-//! it defines: `Error` in `parse/mod.rs` is no circle with `parse/header.rs`. The code is read as rustfmt lays it out.
+//! A file is tied to the file that *defines* an item it names, however many modules re-export it on the way; files that
+//! only declare and re-export define nothing, so no circle passes through them. A file may use its own submodules, and
+//! these what it defines: `Error` in `parse/mod.rs` is no circle with `parse/header.rs`. The code is read as rustfmt
+//! lays it out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,7 +47,8 @@ impl Modules {
         modules
     }
 
-    /// The module whose file defines what a path names; none for a module itself. Globs may lead in circles: `depth` ends them.
+    /// The module whose file defines what a path names; none for a module itself. Globs may lead in circles: `depth`
+    /// ends them.
     fn defining(&self, path: &[String], depth: usize) -> Option<&Path> {
         let longest = (0..=path.len()).rev().find(|length| self.0.contains_key(&path[..*length]))?;
         let (name, rest) = path[longest..].split_first()?;

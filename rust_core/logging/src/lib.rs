@@ -1,7 +1,7 @@
 //! The log of programs and nodes: standard error, a file and `/rosout`, in roscpp's format.
 //!
-//! A node's line is `[ WARN] [1795339227.153895123]: text`, or what `ROSCONSOLE_FORMAT` says; other programs leave out the
-//! time. `__log:=FILE` names a file that gets all lines. Where standard output is a file, as with roslaunch's
+//! A node's line is `[ WARN] [1795339227.153895123]: text`, or what `ROSCONSOLE_FORMAT` says; other programs leave out
+//! the time. `__log:=FILE` names a file that gets all lines. Where standard output is a file, as with roslaunch's
 //! `output="log"`, information goes there, like roscpp's.
 //!
 //! A node's threads never wait for its log: each stream has a bounded queue and a writer thread ([`lines`]). Each cause
@@ -110,7 +110,8 @@ pub fn start(debug: bool) {
     install(Console::new(debug, Format::parse(PLAIN_FORMAT), false));
 }
 
-/// Starts logging for a node; with `debug` also this project's debug messages. Dropping the result writes the last lines.
+/// Starts logging for a node; with `debug` also this project's debug messages. Dropping the result writes the last
+/// lines.
 pub fn start_node(debug: bool) -> Flush {
     let format = std::env::var("ROSCONSOLE_FORMAT").unwrap_or_else(|_| format::DEFAULT.to_owned());
     let mut console = Console::new(debug, Format::parse(&format), true);

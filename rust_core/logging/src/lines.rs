@@ -1,5 +1,5 @@
-//! Bounded queue and writer thread of a log stream, which may block: a terminal stopped with Ctrl-S, a full pipe, a disk
-//! that hangs.
+//! Bounded queue and writer thread of a log stream, which may block: a terminal stopped with Ctrl-S, a full pipe, a
+//! disk that hangs.
 //!
 //! ```text
 //!   any thread ──► queue, bounded ──► writer thread ──► stream

@@ -1,7 +1,8 @@
 //! Rate limit of the log: one line a second for each cause, with the number of suppressed ones.
 //!
 //! Two lines have the same cause if the same place in the program logged them and they differ in numbers only, see
-//! [`without_numbers`]. Other lines of one call site are limited to [`MOST_OF_A_SITE`] a second, because names can be made up.
+//! [`without_numbers`]. Other lines of one call site are limited to [`MOST_OF_A_SITE`] a second, because names can be
+//! made up.
 
 use std::collections::hash_map::DefaultHasher;
 use std::collections::HashMap;
@@ -63,7 +64,8 @@ impl<T> Throttle<T> {
         Self { causes: HashMap::new(), sites: HashMap::new() }
     }
 
-    /// Number of lines suppressed before, if this one is logged; `None` suppresses it. `site` is the line of the program,
+    /// Number of lines suppressed before, if this one is logged; `None` suppresses it. `site` is the line of the
+    /// program,
     /// `keep` makes what [`Self::take_suppressed`] returns later.
     pub(crate) fn admit(
         &mut self,

@@ -36,7 +36,8 @@ impl TrimPolicy {
         Self { floor: unused_bytes, found: 0, pause: SHORTEST_PAUSE }
     }
 
-    /// `true` if the heap is to be trimmed now; [`Self::trimmed`] is next then. `in_use` is called only where it matters.
+    /// `true` if the heap is to be trimmed now; [`Self::trimmed`] is next then. `in_use` is called only where it
+    /// matters.
     pub(crate) fn is_due(&mut self, bytes: u64, in_use: impl FnOnce() -> u64) -> bool {
         let least = self.floor.saturating_add(LEAST_BYTES);
         let unused_bytes = if bytes < least { self.floor } else { bytes.saturating_sub(in_use()) };

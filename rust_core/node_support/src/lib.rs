@@ -1,5 +1,5 @@
-//! Shared parts of the nodes: signals and shutdown, options that are also private parameters, a status on `/diagnostics`,
-//! transforms from `/tf`, and the arguments of programs with a window.
+//! Shared parts of the nodes: signals and shutdown, options that are also private parameters, a status on
+//! `/diagnostics`, transforms from `/tf`, and the arguments of programs with a window.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,7 +1,8 @@
 //! Life cycle of a ROS node: arguments, signals, connection to the master, shutdown.
 //!
 //! SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]): the node unregisters and exits with 0. A
-//! second signal ends it at once. The error that ends a node is the last line of its log, on `/rosout` and in the file of
+//! second signal ends it at once. The error that ends a node is the last line of its log, on `/rosout` and in the file
+//! of
 //! `__log:=` as well; only then it unregisters ([`finish`]).
 
 use std::ffi::OsString;

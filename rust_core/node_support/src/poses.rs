@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rcs_messages::geometry_msgs::{Point, Pose};
 use rcs_messages::{point_xyz, quaternion_xyzw};
 
-/// A message's pose; `None` if a number is not finite. A zero quaternion, which planners leave in paths, is the identity.
+/// A message's pose; `None` if a number is not finite. A zero quaternion, which planners leave in paths, is the
+/// identity.
 pub fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
     let [x, y, z] = point_xyz(&pose.position);
     let [i, j, k, w] = quaternion_xyzw(&pose.orientation);

@@ -1,7 +1,7 @@
 //! Ends a program whose display server hangs.
 //!
-//! A call of an X server or a Wayland compositor has no timeout and cannot be cancelled. So a thread watches: if the window
-//! is still open some time after the shutdown was requested, the process exits without closing it.
+//! A call of an X server or a Wayland compositor has no timeout and cannot be cancelled. So a thread watches: if the
+//! window is still open some time after the shutdown was requested, the process exits without closing it.
 
 use std::io;
 use std::sync::mpsc::{sync_channel, RecvTimeoutError, SyncSender};

@@ -106,9 +106,9 @@ pub fn node_time() -> Option<NodeTime> {
 impl RosNode {
     /// Waits for a master without limit and starts the node.
     ///
-    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second and
-    /// ends the wait when it returns `true`. A missing master is logged once. Under `/use_sim_time` the node's time is
-    /// that of `/clock`.
+    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second
+    /// and ends the wait when it returns `true`. A missing master is logged once. Under `/use_sim_time` the node's time
+    /// is that of `/clock`.
     ///
     /// # Errors
     /// [`NodeError::Cancelled`], or why the node cannot start.

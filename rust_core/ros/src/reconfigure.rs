@@ -1,8 +1,8 @@
 //! A dynamic_reconfigure server for rqt_reconfigure and dynparam.
 //!
 //! In its namespace are the latched topics `parameter_descriptions` and `parameter_updates`, the service
-//! `set_parameters`, and its values as parameters. A call is a [`ServiceCall::Reconfigure`], which the owner answers with
-//! the values that apply then; [`ReconfigureServer::set_config`] publishes a change.
+//! `set_parameters`, and its values as parameters. A call is a [`ServiceCall::Reconfigure`], which the owner answers
+//! with the values that apply then; [`ReconfigureServer::set_config`] publishes a change.
 
 use crate::error::NodeError;
 use crate::events::{Reply, ServiceCall};

@@ -1,4 +1,5 @@
-//! The programs of the paper's samples: aim a turret, keep the line of sight free, draw a path as arrows, publish a cloud.
+//! The programs of the paper's samples: aim a turret, keep the line of sight free, draw a path as arrows, publish a
+//! cloud.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,8 +1,8 @@
 //! The settings of a camera that can be changed while the node runs: the config's, and dynamic_reconfigure's over them.
 //!
-//! At the start the config's values apply. A user's values replace them until the value in the file changes; a display's
-//! switch is also forgotten with its display, as in rviz. Values that an earlier run left on the parameter server are
-//! ignored: the user sees and edits the `.rviz` file.
+//! At the start the config's values apply. A user's values replace them until the value in the file changes; a
+//! display's switch is also forgotten with its display, as in rviz. Values that an earlier run left on the parameter
+//! server are ignored: the user sees and edits the `.rviz` file.
 
 use std::sync::Arc;
 

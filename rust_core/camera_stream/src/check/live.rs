@@ -26,7 +26,8 @@ use crate::scene::SceneState;
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
-/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and the whole config is understood.
+/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and the whole config is
+/// understood.
 ///
 /// # Errors
 /// No master, an invalid parameter, or an output that cannot be written.

@@ -13,8 +13,8 @@ use crate::NODE_NAME;
 /// ROS's special argument for the name.
 const NAME_ARGUMENT: &str = "__name:=";
 
-/// The names of this process's node and of the one that it checks, without their namespace. Where the arguments hold the
-/// latter, the process restarts itself with its own name in that place.
+/// The names of this process's node and of the one that it checks, without their namespace. Where the arguments hold
+/// the latter, the process restarts itself with its own name in that place.
 ///
 /// # Errors
 /// The process cannot be restarted.

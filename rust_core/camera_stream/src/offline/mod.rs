@@ -202,8 +202,8 @@ impl RenderJob<'_> {
     }
 }
 
-/// Set by a signal that asks the program to end: at the next image, so that unfinished files are removed. A second signal
-/// ends it at once.
+/// Set by a signal that asks the program to end: at the next image, so that unfinished files are removed. A second
+/// signal ends it at once.
 struct Interrupted(Arc<AtomicBool>);
 
 impl Interrupted {
@@ -248,8 +248,8 @@ pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, Stri
 /// Most bytes of a parameter's text.
 const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 
-/// Reads parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's own file
-/// may be anything that can be read, such as a pipe.
+/// Reads parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's own
+/// file may be anything that can be read, such as a pipe.
 ///
 /// # Errors
 /// One line that names the parameter and the file that cannot be read.

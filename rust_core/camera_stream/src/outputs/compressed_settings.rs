@@ -1,5 +1,5 @@
-//! The settings of compressed images, with the names, defaults and bounds that image_transport's plugin `compressed` has
-//! for dynamic_reconfigure: `format`, `jpeg_quality`, `png_level`.
+//! The settings of compressed images, with the names, defaults and bounds that image_transport's plugin `compressed`
+//! has for dynamic_reconfigure: `format`, `jpeg_quality`, `png_level`.
 //!
 //! As there, values that the parameter server holds at the start are taken over, so that a launch file can set them.
 //! Values out of bounds become the nearest ones.
@@ -83,8 +83,8 @@ impl CompressionSettings {
         }
     }
 
-    /// The message's `format`: the encoding of the image before, and of the data. The plugin's colours are bgr8, in which
-    /// order OpenCV reads any file; a JPEG file has no 16 bits.
+    /// The message's `format`: the encoding of the image before, and of the data. The plugin's colours are bgr8, in
+    /// which order OpenCV reads any file; a JPEG file has no 16 bits.
     pub(super) fn format(&self, encoding: Encoding) -> String {
         let (encoding, order) = match encoding {
             Encoding::Mono16 if !self.is_png => (Encoding::Mono8, ""),

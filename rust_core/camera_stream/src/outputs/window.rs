@@ -1,8 +1,8 @@
 //! A camera's images in a window of this process, full screen on a monitor.
 //!
-//! The window has a thread of its own, which waits for events of its window system. While it cannot be open (no display,
-//! no such monitor, a display server that went away), that is logged once and tried again, and nothing else of the node
-//! depends on it.
+//! The window has a thread of its own, which waits for events of its window system. While it cannot be open (no
+//! display, no such monitor, a display server that went away), that is logged once and tried again, and nothing else of
+//! the node depends on it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
@@ -158,8 +158,8 @@ impl Output for WindowOutput {
     }
 }
 
-/// Converts an image's permit for a window. `drawn_px` is the size of its images before they are turned; without one, the
-/// monitor's.
+/// Converts an image's permit for a window. `drawn_px` is the size of its images before they are turned; without one,
+/// the monitor's.
 pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
     WindowPermit {
         paused: light(permit.paused, permit, drawn_px),

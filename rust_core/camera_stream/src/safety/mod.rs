@@ -5,8 +5,8 @@
 //!  rules of the user ───────────┘                 └─► Permit ─► windows: paused images, test pictures
 //! ```
 //!
-//! [`causes`] is the table of reasons for a blackout; there are no others. Black is the safe image: unknown data make an
-//! image dark, and it is lit again as soon as they are known.
+//! [`causes`] is the table of reasons for a blackout; there are no others. Black is the safe image: unknown data make
+//! an image dark, and it is lit again as soon as they are known.
 
 pub(crate) mod ages;
 pub(crate) mod black_image;
@@ -136,8 +136,8 @@ impl Safety {
         Self { rules, unmatched: None, ages, eyes, assessment: None, has_note }
     }
 
-    /// Takes the cameras of a config, by name. While a rule names another one, all are dark, because it is unknown whose
-    /// rule it is. Returns the rules that name others.
+    /// Takes the cameras of a config, by name. While a rule names another one, all are dark, because it is unknown
+    /// whose rule it is. Returns the rules that name others.
     pub(crate) fn set_cameras(&mut self, cameras: &[String]) -> Option<&str> {
         let unmatched = self.rules.unmatched(cameras);
         match (&self.unmatched, &unmatched) {

@@ -1,6 +1,7 @@
 //! The state of a loaded config: its displays, the frames, and the CameraInfos of its cameras.
 //!
-//! Live topics and bags feed it in the same way, and the view of its cameras is a function of the messages and the time.
+//! Live topics and bags feed it in the same way, and the view of its cameras is a function of the messages and the
+//! time.
 //!
 //! ```
 //! use rcs_camera::Projection;
@@ -116,8 +117,8 @@ impl SceneState {
         self.context.step = Some(most);
     }
 
-    /// Replaces the config; `fixed_frame` overrides its own. Displays in both are kept, and placed again if the fixed frame
-    /// changed.
+    /// Replaces the config; `fixed_frame` overrides its own. Displays in both are kept, and placed again if the fixed
+    /// frame changed.
     pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
         let is_moved = fixed_frame != self.context.fixed_frame;

@@ -1,8 +1,8 @@
 //! Logs the changes of the statuses that rviz would show in its display tree.
 //!
 //! Each change is logged once. Frames are often a little late and publishers start in any order, so a missing one is
-//! logged only after a while; an invalid message is logged at once, because the next may be valid. A status that changes
-//! back and forth is logged less and less often.
+//! logged only after a while; an invalid message is logged at once, because the next may be valid. A status that
+//! changes back and forth is logged less and less often.
 
 use std::collections::HashMap;
 

@@ -65,7 +65,8 @@ pub(crate) fn path_text(path: &[String]) -> String {
     path.join(" / ")
 }
 
-/// Age of data in milliseconds, negative for a stamp in the future. `None` for stamp zero, or before the first `/clock`.
+/// Age of data in milliseconds, negative for a stamp in the future. `None` for stamp zero, or before the first
+/// `/clock`.
 pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
     (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp) * 1e3)
 }

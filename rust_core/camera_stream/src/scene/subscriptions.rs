@@ -58,8 +58,8 @@ impl Subscriptions {
         }
     }
 
-    /// Pauses streams that nobody watches, and resumes them as soon as somebody does; see [`LazyStreams`]. Returns `true`
-    /// if the scene changed: data from before a pause are dropped.
+    /// Pauses streams that nobody watches, and resumes them as soon as somebody does; see [`LazyStreams`]. Returns
+    /// `true` if the scene changed: data from before a pause are dropped.
     pub(crate) fn pause_streams(&mut self, is_watched: bool, scene: &mut SceneState) -> bool {
         let Self { subscribed, names, lazy } = self;
         let may_pause = |key: &StreamKey| {

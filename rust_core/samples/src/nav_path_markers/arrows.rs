@@ -1,7 +1,7 @@
 //! A path as arrows of one length, one behind the other.
 //!
-//! They are laid from the path's end, so that the last tip is the goal and arrows stay in place while a robot drives and
-//! replans to the same goal. An arrow is the chord between two points of the path, its length apart along the path.
+//! They are laid from the path's end, so that the last tip is the goal and arrows stay in place while a robot drives
+//! and replans to the same goal. An arrow is the chord between two points of the path, its length apart along the path.
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -30,8 +30,8 @@ pub(crate) struct Arrow {
     pub(crate) length_m: f64,
 }
 
-/// The arrows of a path from start to goal. A path of one point is one arrow that ends there, in the direction of the last
-/// pose.
+/// The arrows of a path from start to goal. A path of one point is one arrow that ends there, in the direction of the
+/// last pose.
 pub(crate) fn arrows(path: &[Isometry3<f64>], layout: &ArrowLayout) -> Vec<Arrow> {
     let Some(goal) = path.last() else { return Vec::new() };
     let lift = Vector3::z() * layout.height_m;

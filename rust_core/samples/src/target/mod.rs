@@ -1,7 +1,7 @@
 //! The target of a node: a pose, a point, a cloud's centroid or a frame, in the fixed frame.
 //!
-//! A message is transformed to the fixed frame at its own stamp, as soon as its transform is known, and stays there until
-//! the next one, although the robot or a camera on the turret moves. A frame is looked up each time.
+//! A message is transformed to the fixed frame at its own stamp, as soon as its transform is known, and stays there
+//! until the next one, although the robot or a camera on the turret moves. A frame is looked up each time.
 
 mod arguments;
 mod waiting;

@@ -71,8 +71,8 @@ impl PendingTargets {
         self.0.push_back(sighting);
     }
 
-    /// The newest target whose transform is known, in the fixed frame, and when it was received; an error if none is known
-    /// and the oldest has timed out; `None` otherwise.
+    /// The newest target whose transform is known, in the fixed frame, and when it was received; an error if none is
+    /// known and the oldest has timed out; `None` otherwise.
     pub(super) fn place(
         &mut self,
         tree: &TransformTree,

@@ -1,7 +1,7 @@
 //! The pan-tilt unit: two joints of the robot description and the lens above them.
 //!
-//! Transforms between links with only fixed joints between them come from the description, all others from TF: a lift in
-//! between, or a lens that the description lacks.
+//! Transforms between links with only fixed joints between them come from the description, all others from TF: a lift
+//! in between, or a lens that the description lacks.
 
 use nalgebra::Isometry3;
 use rcs_robot::{ChainError, Hinge, PanTilt, Robot};

@@ -3,9 +3,9 @@
 //! The age of data is the longer of two: since their stamp, by ROS time, and since they were received, by the
 //! computer's clock, so that neither a wrong clock nor a simulation that stands still makes old data look new. Messages
 //! of a latching publisher do not age while it is connected, because they are not sent again. A display that follows a
-//! frame is as old as the frame's transforms as well, and stale while there are none: static ones do not age, and moving
-//! ones are as old as the oldest on the path to the fixed frame. A display without data, such as a grid in the fixed
-//! frame, is neither current nor stale.
+//! frame is as old as the frame's transforms as well, and stale while there are none: static ones do not age, and
+//! moving ones are as old as the oldest on the path to the fixed frame. A display without data, such as a grid in the
+//! fixed frame, is neither current nor stale.
 
 pub(crate) mod limits;
 #[cfg(test)]
@@ -169,8 +169,8 @@ impl Freshness {
         frames.names().map(|frame| self.followed_frame(frame, scene, now)).fold(all, AgeState::and)
     }
 
-    /// The state of a frame that a display follows. While its place is unknown, it ages since it was last known; one that
-    /// was never known is stale.
+    /// The state of a frame that a display follows. While its place is unknown, it ages since it was last known; one
+    /// that was never known is stale.
     fn followed_frame(&mut self, frame: &str, scene: &SceneState, now: Now) -> AgeState {
         if scene.known_until(frame).is_some() {
             return self.frame(frame, scene, now);
