@@ -174,7 +174,7 @@ fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    // What other packages' launch files set below rviz is nobody's mistake.
+    // Parameters that other packages' launch files set below rviz cause no warning.
     assert_eq!(fixture.log_lines(&["did you mean"]), 1, "{}", fixture.log());
     assert_eq!(fixture.log_lines(&["~stale_timeuot; did you mean ~stale_timeout?"]), 1, "{}", fixture.log());
 }

@@ -35,7 +35,7 @@ const MANY_EDGES: f64 = 0.35;
 /// Minimum number of edges that two bits share, and minimum ratio to the bits' own edges.
 const LEAST_SHARED: u32 = 100;
 const SHARED_TO_ALONE: u32 = 2;
-/// First bit with so many stripes that any other bit agrees with it at half of the pixels.
+/// First fine bit: from here on, different bits agree at half of the pixels, like noise.
 const FIRST_FINE_BIT: usize = 4;
 /// Minimum agreement of equal bits where both are certain, and minimum share of such pixels.
 const AGREEING: f64 = 0.9;

@@ -1,6 +1,6 @@
 //! The name of the node that makes a live check: the launch line's name with a suffix.
 //!
-//! A launch line may hold `__name:=X`, and the master ends the first of two nodes of one name. rosrust reads the name
+//! A launch line may hold `__name:=X`, and the master ends the first of two nodes of one name. The name is read
 //! from the process's arguments, so the process restarts itself with another name in them.
 
 use std::ffi::OsString;
