@@ -122,6 +122,17 @@ fn source_files_that_pages_name_exist() {
     assert!(checked > 20, "only {checked} files were found");
 }
 
+/// Of the paths in THIRD_PARTY.md, those below this project's own folders; the others are in other projects.
+#[test]
+fn places_that_follow_third_parties_exist() {
+    let page = prose(&repository().join("THIRD_PARTY.md"));
+    let is_own = |code: &&str| ["rust_core/", "ros_pkg/", "patches/"].iter().any(|folder| code.starts_with(folder));
+    let own: Vec<&str> = page.split('`').skip(1).step_by(2).filter(is_own).collect();
+    assert!(own.len() > 20, "only {} places were found", own.len());
+    let missing: Vec<_> = own.iter().filter(|path| !repository().join(path).exists()).collect();
+    assert!(missing.is_empty(), "places that do not exist: {missing:?}");
+}
+
 #[test]
 fn headings_have_the_anchors_that_links_use() {
     assert_eq!(anchor(" How late is the picture?"), "how-late-is-the-picture");
