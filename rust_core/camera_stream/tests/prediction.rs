@@ -3,7 +3,7 @@
 //! A base drives at 0.5 m/s and turns at 0.5 rad/s, a turret on it turns at 1 rad/s, both publish 50 transforms a
 //! second, and 30 pictures a second become light 45 ms after their frames were looked up. The light of a point 1.5 m
 //! before the lens lands where the projector as it stands then throws it. `--nocapture` prints the table of
-//! docs/prediction.md.
+//! docs/how-to/turret-and-moving-frames.md.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 use std::sync::Arc;

@@ -96,7 +96,7 @@ fn the_shares_of_two_projectors_add_up_on_the_wall_and_are_files_for_each() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("rename one"), "{refused:?}");
 }
 
-/// The picture of docs/light.md, as it says. `UPDATE_GALLERY=1` writes it again.
+/// The picture of docs/how-to/mounting-and-blending.md, as it says. `UPDATE_GALLERY=1` writes it again.
 #[test]
 fn the_documented_picture_is_that_of_two_projectors_a_wall_and_a_box() {
     const STEP_M: f64 = 0.005;
