@@ -7,8 +7,8 @@ with status 2 and a line on standard error if they are unusable.
 import argparse
 
 DESCRIPTION = """Measures the running camera from outside, with both renderers, and rviz for comparison where it has a
-CameraPub plugin. Writes the tables and the plot of docs/performance.md and README.md. Installs and builds what is missing. Takes
-a quarter of an hour; do not use the machine for anything else meanwhile."""
+CameraPub plugin. Writes the tables and the plot of docs/explanation/performance.md and README.md. Installs and builds what is
+missing. Takes a quarter of an hour; do not use the machine for anything else meanwhile."""
 EXIT_STATUS = 'Exit status: 0 done, 1 something failed, 2 unusable arguments.'
 SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light', 'plugin']
 RENDERERS = ['cpu', 'gpu']

@@ -1,7 +1,7 @@
 """Writes a benchmark's figures as tables and a plot into the pages.
 
 The text between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->` is replaced; the rest of a page is written by
-hand. A section that was not measured stays as it is.
+hand. A section that was not measured stays as it is; one that no page has is printed.
 """
 
 import os
@@ -36,12 +36,19 @@ def slow_note(rows, rate):
     return '† Each cloud was sent after the picture of the previous one, because most were missed at {}.'.format(rate)
 
 
+def has_gpu():
+    return os.path.exists('/dev/dri')
+
+
+def without_software_gpu(result):
+    """A section's figures without those of the GPU renderer on a software driver, which nobody should use."""
+    return dict(result, rows=[row for row in result['rows'] if has_gpu() or row['name'] != 'camera_stream, gpu'])
+
+
 def driver_note(rows):
-    drawn_by = ' and '.join(who for who, name in (('the GPU renderer', 'camera_stream, gpu'), ('rviz', 'rviz'))
-                            if any(row['name'] == name for row in rows))
-    if not drawn_by or os.path.exists('/dev/dri'):
+    if has_gpu() or all(row['name'] != 'rviz' for row in rows):
         return ''
-    return 'This machine has no GPU: {} ran on a software driver.'.format(drawn_by)
+    return 'This machine has no GPU: rviz ran on a software driver.'
 
 
 def styles(given, result):
@@ -71,15 +78,12 @@ def summary(given, result):
 
 def points(given, result):
     floors = result['floors']
-    rows = [dict(row, floor_ms=floors[row['points']]['latency_ms'], script_hz=floors[row['points']]['full_hz'])
-            for row in result['rows']]
+    rows = [dict(row, floor_ms=floors[row['points']]['latency_ms']) for row in result['rows']]
     intro = '`./bench --only points` on {}: Flat Squares, 1280×800, {:g} s each.'.format(machine(), given.sweep_seconds)
-    heads = ['program', 'points', 'clouds/s', 'latency ms, median / p95', 'floor ms', 'CPU ms per cloud', 'peak MB',
-             'pictures/s at full speed', "limit of the script"]
-    row = ['{name}', '{points:,}', '{hz:.1f}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}',
-           '{full_hz:.1f}', '{script_hz:.1f}']
+    heads = ['program', 'points', 'latency ms, median / p95', 'floor ms', 'CPU ms per cloud', 'peak MB', 'pictures/s at full speed']
+    row = ['{name}', '{points:,}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}', '{full_hz:.1f}']
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, 'that rate'), driver_note(rows),
-                      '![Latency and CPU time over the number of points](images/performance.svg)')
+                      '![Latency and CPU time over the number of points](../images/performance.svg)')
 
 
 def sizes(given, result):
@@ -161,7 +165,7 @@ def plugin(given, result):
     heads = ['camera in rviz', 'subscribers', 'pictures/s', 'latency ms, median / p95', "rviz's frames/s",
              "main thread's ms per frame", '% of a core']
     row = ['{name}', '{watched}', '{pictures_hz:.1f}', LATENCY, '{frames_hz:.1f}', '{frame_ms:.1f}', '{cpu_percent:.0f}']
-    note = '' if os.path.exists('/dev/dri') else 'This machine has no GPU: rviz ran on a software driver.'
+    note = '' if has_gpu() else 'This machine has no GPU: rviz ran on a software driver.'
     return paragraphs(intro, table(heads, row, result['rows']), note)
 
 
@@ -197,9 +201,11 @@ def plot(result, file):
 
 
 def write(root, given, results):
-    """Writes the measured sections into the pages."""
+    """Writes the measured sections into the pages, and prints those that no page has."""
+    results = {section: without_software_gpu(result) for section, result in results.items()}
     texts = blocks(given, results)
-    for page in (os.path.join(root, 'docs', 'performance.md'), os.path.join(root, 'README.md')):
+    written = set()
+    for page in (os.path.join(root, 'docs', 'explanation', 'performance.md'), os.path.join(root, 'README.md')):
         with open(page, encoding='utf-8') as file:
             before = text = file.read()
         for section, block in texts.items():
@@ -207,9 +213,12 @@ def write(root, given, results):
             if begin in text:
                 head, rest = text.split(begin)
                 text = '{}{}\n{}\n{}{}'.format(head, begin, block, end, rest.split(end)[1])
+                written.add(section)
         if text != before:
             with open(page, 'w', encoding='utf-8') as file:
                 file.write(text)
             print('written: ' + page)
+    for section in sorted(texts.keys() - written):
+        print(texts[section])
     if 'points' in results:
         plot(results['points'], os.path.join(root, 'docs', 'images', 'performance.svg'))
