@@ -1,4 +1,5 @@
-//! Every wait has a limit, and every queue between threads a bound, as [reliability](../../docs/reliability.md) says.
+//! Every wait has a limit, and every queue between threads a bound, as
+//! [reliability](../../docs/explanation/reliability.md) says.
 //!
 //! clippy.toml forbids waits without a limit and channels without a bound. What no lint sees is searched for here.
 
