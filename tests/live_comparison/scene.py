@@ -4,7 +4,7 @@ Each step has a time of the simulated clock and messages for that time. Between 
 to draw. Names of topics, frames and parameters begin with the seed, so that scenes that follow each other on one master
 and in one rviz have nothing in common.
 
-What rviz draws by chance, or draws otherwise as docs/differences.md says, is left out; each such place says why.
+What rviz draws by chance, or draws otherwise as docs/reference/differences.md says, is left out; each such place says why.
 """
 
 import math
