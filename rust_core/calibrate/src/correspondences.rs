@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rcs_calibration::Sample;
-use rcs_files::capture::CAPTURE_FILE;
+use rcs_files::capture::{CapturedRobot, CAPTURE_FILE};
 use rcs_files::correspondences;
 
 use super::{decode, Failure};
@@ -14,6 +14,8 @@ pub(super) struct Correspondences {
     pub(super) samples: Vec<Sample>,
     /// The camera's optical frame, if a capture folder names it.
     pub(super) camera_frame: Option<String>,
+    /// The robot during the first scan; empty if that is of a file of points.
+    pub(super) robot: CapturedRobot,
 }
 
 impl Correspondences {
@@ -28,12 +30,15 @@ impl Correspondences {
             }
         })?;
         points.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-        let mut all = Self { samples: points.samples, camera_frame: None };
+        let mut all = Self { samples: points.samples, camera_frame: None, robot: CapturedRobot::default() };
         let first = points.scans.last().map_or(0, |last| last.number + 1);
         for (scan, folder) in (first..).zip(folders) {
             let capture = decode::read(folder)?;
             let decoded = decode::decode_capture(folder, &capture)?;
             let samples = decode::points_of(folder, &capture, &decoded)?;
+            if scan == 0 {
+                all.robot = capture.robot;
+            }
             all.samples.extend(samples.into_iter().map(|sample| Sample { scan, ..sample }));
             if all.camera_frame.is_none() && !capture.camera_frame_id.is_empty() {
                 all.camera_frame = Some(capture.camera_frame_id);

@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod arguments;
+mod camera_chain;
 mod clicks;
 mod correspondences;
 mod crosshair;

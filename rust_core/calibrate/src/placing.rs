@@ -4,14 +4,17 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 use rcs_calibration::Lens;
+use rcs_files::capture::CapturedRobot;
 use rcs_files::projector::{ProjectorFile, StaticFrame};
 use rcs_node_support::frames::insert_transforms;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_ros::{NodeEvent, RosNode};
+use rcs_scan::captured_robot;
 use rcs_transforms::{Time, TransformTree};
 
+use super::camera_chain::CameraChain;
 use super::Failure;
 
 /// The optical frame of Fetch's head camera.
@@ -25,18 +28,21 @@ pub(super) struct PlacingArguments {
     /// The camera's optical frame [default: the capture folder's, else head_camera_rgb_optical_frame]
     #[arg(long, value_name = "FRAME")]
     camera_frame: Option<String>,
-    /// Write the pose in this frame, such as torso_lift_link, instead of the camera's: asks the robot's TF where the
-    /// camera is in it now
+    /// Write the pose in this frame, the one that the projector is mounted on, instead of the camera's. Where the camera
+    /// was in it is in the capture; for other points, TF is asked where it is now
     #[arg(long, value_name = "FRAME")]
     parent: Option<String>,
+    /// Write the pose in the camera's optical frame although joints move that: the projector moves with the camera
+    #[arg(long, conflicts_with = "parent")]
+    in_camera_frame: bool,
 }
 
-/// A pose of the projector.
-pub(super) struct ProjectorPose {
-    /// The frame of the pose.
+/// The camera's pose in the frame that the projector's pose is written in.
+pub(super) struct CameraPose {
+    /// The frame.
     pub(super) parent: String,
-    /// Takes points of the projector's optical frame to it.
-    pub(super) parent_from_projector: Isometry3<f64>,
+    /// Takes points of the camera's optical frame to it.
+    pub(super) parent_from_camera: Isometry3<f64>,
 }
 
 impl PlacingArguments {
@@ -45,24 +51,43 @@ impl PlacingArguments {
         self.camera_frame.as_deref().or(named_by_capture).unwrap_or(DEFAULT_CAMERA_FRAME)
     }
 
-    /// The projector's pose in the wanted frame. TF is asked only if no `frames` are given: a process has one node.
-    pub(super) fn place(
+    /// The camera's pose in the wanted frame: by the chain of frames of the scan, else by TF. TF is asked only if no
+    /// `frames` are given: a process has one node.
+    ///
+    /// # Errors
+    /// [`Failure::Refused`]: joints move the camera and neither --parent nor --in-camera-frame is given; an unknown
+    /// frame.
+    pub(super) fn camera_pose(
         &self,
-        projector_from_camera: &Isometry3<f64>,
         named_by_capture: Option<&str>,
+        robot: &CapturedRobot,
         frames: Option<&RobotFrames>,
-    ) -> Result<ProjectorPose, Failure> {
+    ) -> Result<CameraPose, Failure> {
         let camera = self.camera(named_by_capture);
-        let camera_from_projector = projector_from_camera.inverse();
+        let chain = CameraChain::new(robot, camera);
         let Some(parent) = &self.parent else {
-            return Ok(ProjectorPose { parent: camera.to_owned(), parent_from_projector: camera_from_projector });
+            match chain {
+                _ if self.in_camera_frame => {}
+                Some(chain) => chain.check_rigid()?,
+                None => log::warn!(
+                    "the pose is written in {camera}: the points have no chain of frames that tells whether joints \
+                     move the camera; give --parent FRAME, or --in-camera-frame if the projector moves with the camera"
+                ),
+            }
+            return Ok(CameraPose { parent: camera.to_owned(), parent_from_camera: Isometry3::identity() });
         };
-        let parent_from_camera = match frames {
-            Some(frames) => frames.newest(parent, camera).map_err(tf_failed)?,
-            None => look_up(parent, camera)?,
+        let parent_from_camera = match (chain, frames) {
+            (Some(chain), _) => chain.parent_from_camera(parent)?,
+            (None, Some(frames)) => frames.newest(parent, camera).map_err(tf_failed)?,
+            (None, None) => {
+                log::warn!(
+                    "--parent {parent}: the points have no chain of frames, so TF is asked where {camera} is now; the \
+                     robot must stand as it did during the scan"
+                );
+                look_up(parent, camera)?
+            }
         };
-        let parent_from_projector = parent_from_camera * camera_from_projector;
-        Ok(ProjectorPose { parent: parent.clone(), parent_from_projector })
+        Ok(CameraPose { parent: parent.clone(), parent_from_camera })
     }
 }
 
@@ -110,6 +135,11 @@ impl RobotFrames {
         if let NodeEvent::Transforms { message, is_static, authority, .. } = event {
             insert_transforms(&mut self.0, message, *is_static, authority);
         }
+    }
+
+    /// The frames above the camera.
+    pub(super) fn captured(&self, camera: &str, description: Option<&str>) -> CapturedRobot {
+        captured_robot(&self.0, camera, description)
     }
 
     /// The newest `target_from_source`.
@@ -170,7 +200,5 @@ pub(super) fn frame_in_file<'a>(file: &'a ProjectorFile, parent: Option<&str>) -
 
 /// Inverts a projector's frame.
 pub(super) fn projector_from_parent(frame: &StaticFrame) -> Isometry3<f64> {
-    let translation = Translation3::from(Vector3::from(frame.translation_m));
-    let rotation = UnitQuaternion::new_normalize(Quaternion::from(frame.rotation.coords));
-    Isometry3::from_parts(translation, rotation).inverse()
+    frame.parent_from_child().inverse()
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use rcs_calibration::SolveOptions;
+use rcs_files::capture::CapturedRobot;
 use rcs_files::correspondences::read_places;
 use rcs_files::projector::ProjectorFile;
 use rcs_node_support::monitor_arguments::MonitorArguments;
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
         None => (Correspondences::read(&arguments.points)?, None),
         Some(targets) => {
             let (samples, frames) = crosshair::collect(targets, &lens, &arguments.monitor)?;
-            (Correspondences { samples, camera_frame: None }, frames)
+            (Correspondences { samples, camera_frame: None, robot: CapturedRobot::default() }, frames)
         }
     };
     let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };

@@ -35,6 +35,7 @@ const MAX_STEP: i64 = 8;
 Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8; or CompressedImage), --camera-info,
 and --depth (16UC1 in millimetres, 32FC1 in metres; or CompressedImage) or --cloud; the defaults are those of Fetch's
 head camera
+                  /tf, /tf_static and the parameter robot_description, which the capture keeps for solve
 Topic published: ~preview (sensor_msgs/Image, latched), what is decoded so far in the colours of --preview
 Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, or a topic or a bag that is silent or cannot be
 used
@@ -103,12 +104,14 @@ fn scan_live(session: &mut LiveSession<'_>, arguments: &ScanArguments) -> Result
         is_cancelled: &|| end.is_requested(),
     };
     let topic = ImageTopic::new(session.node, PREVIEW_TOPIC, session.camera.frame_id()).map_err(Failure::unreadable)?;
+    session.camera.follow_robot().map_err(Failure::unreadable)?;
     let camera_px = session.camera.lens().size_px;
     let mut progress = Progress::new("looking for the projector's light", Some(topic), camera_px, projector_px);
     let mut observe = |event: ScanEvent<'_>| progress.show(&event);
     let scanned = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe).scan();
     progress.finish();
-    let scanned = scanned?;
+    let mut scanned = scanned?;
+    scanned.capture.robot = session.camera.robot();
     progress.publish(preview::of_decoded(&scanned.decoded, projector_px));
     session.check_valid()?;
     write(arguments, &scanned)
@@ -132,6 +135,12 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
 /// Writes the capture and the preview.
 fn write(arguments: &ScanArguments, scanned: &ScanResult) -> Result<(), Failure> {
     let ScanResult { capture, decoded, is_complete } = scanned;
+    if capture.robot.frames.is_empty() {
+        log::warn!(
+            "no chain of frames in the capture: '{}' is not in TF; solve cannot tell whether joints move the camera",
+            capture.camera_frame_id
+        );
+    }
     capture.write(&arguments.output).map_err(Failure::refused)?;
     if let Some(path) = &arguments.preview {
         let picture = preview::of_decoded(decoded, capture.projector_size_px);

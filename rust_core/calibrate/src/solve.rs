@@ -11,7 +11,7 @@ use rcs_node_support::key_value;
 
 use super::arguments::size_px;
 use super::correspondences::Correspondences;
-use super::placing::{read_projector, PlacingArguments, RobotFrames};
+use super::placing::{read_projector, CameraPose, PlacingArguments, RobotFrames};
 use super::Failure;
 
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
@@ -19,6 +19,9 @@ use super::Failure;
 /// Takes files of points (u_px, v_px, x_m, y_m, z_m and optionally scan, which numbers the camera's poses), and capture
 /// folders. Each further file or folder is another pose of the camera; the projector must not have moved in between.
 /// The pose that is written belongs to the first of them.
+///
+/// A pose in the camera's frame would move with the camera: if joints move that, solve asks for --parent, the frame that
+/// the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or
@@ -103,6 +106,8 @@ pub(super) fn solve_and_write(
     report_folder: Option<&Path>,
     output: &Path,
 ) -> Result<(), Failure> {
+    let CameraPose { parent, parent_from_camera } =
+        placing.camera_pose(points.camera_frame.as_deref(), &points.robot, frames)?;
     let solution = solve(&points.samples, options).map_err(Failure::refused)?;
     let pose = solution.poses.first().copied();
     let pose = pose.ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))?;
@@ -114,8 +119,8 @@ pub(super) fn solve_and_write(
         let reasons = report.reasons.join("; ");
         return Err(Failure::Refused(anyhow::anyhow!("not to be used, scan again: {reasons}")));
     }
-    let placed = placing.place(&pose.projector_from_camera, points.camera_frame.as_deref(), frames)?;
-    ProjectorFile::calibrated(&report.solution.lens, &placed.parent, &placed.parent_from_projector)
+    let parent_from_projector = parent_from_camera * pose.projector_from_camera.inverse();
+    ProjectorFile::calibrated(&report.solution.lens, &parent, &parent_from_projector)
         .write(output)
         .map_err(Failure::refused)?;
     summarise(&report);

@@ -9,13 +9,15 @@ use clap::Args;
 use nalgebra::Isometry3;
 use rcs_calibration::{ErrorStatistics, Lens, ReprojectionError};
 use rcs_files::picture_file::{self, PictureFormat};
+use rcs_files::projector::ProjectorFile;
 use rcs_files::verification;
 use rcs_scan::{ScanCamera, ScanEvent, ScanOptions, ScanSession, Verification};
 
 use super::arguments::{check_folder, seconds};
+use super::camera_chain::CameraChain;
 use super::correspondences::Correspondences;
 use super::live::{DeviceArguments, LiveSession, LiveSetup, Progress};
-use super::placing::{pose_by_tf, pose_in_file, read_projector};
+use super::placing::{frame_in_file, pose_by_tf, pose_in_file, projector_from_parent, read_projector};
 use super::Failure;
 
 /// Measures the reprojection error of a calibrated projector
@@ -83,10 +85,12 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
 fn verify_points(points: &[PathBuf], projector: &Path, limit: f64) -> Result<(), Failure> {
     let (file, lens) = read_projector(projector)?;
     let points = Correspondences::read(points)?;
-    let pose = pose_in_file(&file, points.camera_frame.as_deref()).ok_or_else(|| {
+    let pose = pose_in_file(&file, points.camera_frame.as_deref()).or_else(|| pose_by_chain(&file, &points));
+    let pose = pose.ok_or_else(|| {
         let camera = points.camera_frame.as_deref().unwrap_or("the camera's optical frame");
         Failure::Unreadable(anyhow!(
-            "{}: does not place {} in {camera}: solve or refine without --parent writes such a file",
+            "{}: does not place {} in {camera} or in a frame of the scan's chain: solve or refine with \
+             --in-camera-frame writes such a file",
             projector.display(),
             file.camera_info.header.frame_id
         ))
@@ -104,6 +108,13 @@ fn verify_points(points: &[PathBuf], projector: &Path, limit: f64) -> Result<(),
         return Err(Failure::Refused(anyhow!("no point is in front of the projector")));
     }
     judge(error.rms_px, limit)
+}
+
+/// `projector_from_camera` by a projector's file with a pose in a frame of the scan's chain.
+fn pose_by_chain(file: &ProjectorFile, points: &Correspondences) -> Option<Isometry3<f64>> {
+    let chain = CameraChain::new(&points.robot, points.camera_frame.as_deref()?)?;
+    let frame = frame_in_file(file, None)?;
+    Some(projector_from_parent(frame) * chain.parent_from_camera(&frame.parent).ok()?)
 }
 
 /// Measures on the surface that the camera sees now, reports and judges.

@@ -2,7 +2,7 @@
 
 use rcs_calibration::patterns::{Axis, Pattern};
 use rcs_calibration::{decode, Decoded, Keystone, Lens, Pictures, ScanProblem};
-use rcs_files::capture::{Capture, PatternPicture};
+use rcs_files::capture::{Capture, CapturedRobot, PatternPicture};
 
 use crate::depth_average::DepthAverage;
 use crate::failure::ScanFailure;
@@ -76,6 +76,7 @@ impl ScanImages<'_> {
             camera_frame_id: self.frame_id,
             pictures: self.pictures,
             depth_m: self.depth.map(DepthAverage::depth_m),
+            robot: CapturedRobot::default(),
             warnings: Vec::new(),
         };
         Ok(ScanResult { capture, decoded, is_complete: self.is_complete })

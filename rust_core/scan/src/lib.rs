@@ -19,6 +19,7 @@ mod measure_light;
 mod orientation;
 pub mod preview;
 pub mod recorded;
+mod robot;
 mod scan;
 mod session;
 #[cfg(test)]
@@ -30,6 +31,7 @@ pub use devices::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ProjectorSc
 pub use failure::ScanFailure;
 pub use finish::ScanResult;
 pub use light::Delay;
+pub use robot::captured_robot;
 pub use scan::patterns;
 pub use session::{ScanEvent, ScanOptions, ScanSession};
 pub use verification::Verification;

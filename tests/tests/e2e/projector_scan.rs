@@ -1,12 +1,14 @@
 //! `projector_calibrate scan` on topics and of bags: a Python node is a projector that lights a wall, and the camera
 //! that sees it.
 
+use nalgebra::UnitQuaternion;
 use rcs_bag::Bag;
 use rcs_calibration::patterns::gray_code;
 use rcs_calibration::Lens;
-use rcs_files::capture::Capture;
-use rcs_files::projector::ProjectorFile;
+use rcs_files::capture::{Capture, FrameMotion};
+use rcs_files::projector::{ProjectorFile, StaticFrame};
 use rcs_messages::std_msgs::Header;
+use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{Image, Time};
 use rcs_test_support::{BagWriter, McapWriter};
 use rcs_tests::programs::program;
@@ -93,6 +95,66 @@ fn a_scan_on_topics_is_written_and_can_be_decoded() {
     assert!(python.wait_for(PATIENCE, "shares and shares[-1] > 0.8 and max(shares[:-1]) > 0.8"));
 }
 
+/// A description and TF like Fetch's, above the camera of [`ROBOT`].
+const FRAMES: &str = r#"
+rospy.set_param('robot_description', """<robot name="r"><link name="base_link"/><link name="torso"/><link name="mount"/>
+    <link name="head"/>
+    <joint name="bracket" type="fixed"><parent link="torso"/><child link="mount"/><origin xyz="0 0 0.5"/></joint>
+    <joint name="lift" type="prismatic"><parent link="base_link"/><child link="torso"/>
+      <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+    <joint name="pan" type="continuous"><parent link="torso"/><child link="head"/></joint></robot>""")
+latch('/tf_static', tf('head', 'head_camera_optical', (0, 0, 0.1)))
+def move():
+    while not rospy.is_shutdown():
+        for parent, child, xyz in [('odom', 'base_link', (9, 0, 0)), ('base_link', 'torso', (0, 0, 0.4)),
+                                   ('torso', 'head', (0.2, 0, 0))]:
+            publisher('/tf', TFMessage, False).publish(tf(parent, child, xyz, stamp=rospy.Time.now()))
+        time.sleep(0.05)
+threading.Thread(target=move, daemon=True).start()
+"#;
+
+#[test]
+fn solve_knows_the_robot_of_the_scan_and_refuses_to_guess_its_parent() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run(format!("{ROBOT}{FRAMES}")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut scan = scan(&master, &folder.path().join("scan"), &["--frames", "1"]);
+    assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", scan.errors());
+    let robot = Capture::read(&folder.path().join("scan")).unwrap().robot;
+    let joints: Vec<_> = robot.frames.iter().map(|above| (above.motion, above.joint.as_deref())).collect();
+    let expected = [
+        (FrameMotion::Fixed, None),
+        (FrameMotion::Continuous, Some("pan")),
+        (FrameMotion::Prismatic, Some("lift")),
+        (FrameMotion::Moving, None),
+    ];
+    assert_eq!(joints, expected);
+    assert!(robot.description.is_some_and(|urdf| urdf.contains("bracket")));
+
+    let solve = |arguments: &[&str]| {
+        let mut command = Command::new(program("projector_calibrate"));
+        command.current_dir(&folder).env("ROS_MASTER_URI", "http://localhost:1");
+        command.args(["solve", "scan", "--size", "128x80", "-o", "projector.yaml"]).args(arguments);
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, errors) = solve(&[]);
+    assert_eq!((code, errors.lines().count()), (Some(1), 1), "{errors}");
+    let refusal =
+        "the joints lift, pan move between head_camera_optical and base_link: choose --parent FRAME (where the \
+                   projector is mounted: base_link, torso, head) or --in-camera-frame";
+    assert!(errors.contains(refusal), "{errors}");
+    let (code, errors) = solve(&["--parent", "gripper"]);
+    assert!(code == Some(1) && errors.contains("head_camera_optical, head, torso, base_link, odom"), "{errors}");
+    assert_eq!(solve(&["--parent", "mount", "--in-camera-frame"]).0, Some(2));
+    // A flat wall does not determine a lens: both get as far as the points.
+    for arguments in [&["--parent", "mount"][..], &["--in-camera-frame"]] {
+        let (code, errors) = solve(arguments);
+        assert!(!errors.contains("choose") && !errors.contains("TF"), "{code:?} {errors}");
+    }
+}
+
 /// Keeps the share of coloured pixels of each preview, and what the first one says.
 const WATCH_PREVIEW: &str = "
 shares, first = [], []
@@ -159,6 +221,13 @@ fn a_scan_that_rosbag_recorded_is_scanned_again() {
     }
 }
 
+/// A transform of 1 m along x.
+fn placed(parent: &str, child: &str, stamp: Time) -> TFMessage {
+    let (parent, child) = (parent.to_owned(), child.to_owned());
+    let frame = StaticFrame { parent, child, translation_m: [1.0, 0.0, 0.0], rotation: UnitQuaternion::identity() };
+    TFMessage { transforms: vec![frame.to_message(stamp)] }
+}
+
 /// Writes a bag in which `projector_calibrate show --seconds 1 --pause 0.5` lights the wall of [`ROBOT`], at 10 Hz.
 fn write_show(path: &Path) {
     let (projector, [width, height]) = ([128, 80], [160_u32, 120]);
@@ -166,6 +235,7 @@ fn write_show(path: &Path) {
     let info =
         ProjectorFile::from_lens(&Lens::pinhole([width, height], [130.0; 2], [79.5, 59.5]), "camera").camera_info;
     writer.write("/camera/camera_info", true, Time { sec: 100, nsec: 0 }, &info).unwrap();
+    writer.write("/tf_static", true, Time { sec: 100, nsec: 0 }, &placed("head", "camera", Time::default())).unwrap();
     let field = |pixel: u32| if (pixel % 128 / 8 + pixel / 128 / 8).is_multiple_of(2) { 255 } else { 0 };
     let checkerboard: Vec<u8> = (0..128 * 80).map(field).collect();
     let dark = vec![0; 128 * 80];
@@ -189,6 +259,7 @@ fn write_show(path: &Path) {
             writer.write("/camera/image", false, time, &image).unwrap();
             let depth = Arc::new(1200_u16.to_le_bytes().repeat((width * height) as usize));
             let depth = Image::new(header, [width, height], "16UC1", 2 * width, depth);
+            writer.write("/tf", false, time, &placed("base", "head", time)).unwrap();
             if frame.is_multiple_of(5) {
                 writer.write("/camera/depth", false, time, &depth).unwrap();
             }
@@ -209,6 +280,8 @@ fn a_show_that_was_recorded_is_scanned_without_a_master() {
     let capture = Capture::read(&folder.path().join("scan")).unwrap();
     assert_eq!((capture.pictures.len(), capture.camera_frame_id.as_str()), (30, "camera"));
     assert!(capture.depth_m.iter().flatten().all(|depth| (depth - 1.2).abs() < 1e-4));
+    let motions: Vec<_> = capture.robot.frames.iter().map(|above| (&*above.frame.parent, above.motion)).collect();
+    assert_eq!(motions, [("head", FrameMotion::Fixed), ("base", FrameMotion::Moving)]);
 
     let refused = |arguments: &[&str], expected: i32, words: &[&str]| {
         let (code, errors) = scan_bag(folder.path(), "show.bag", &[&topics, arguments].concat());

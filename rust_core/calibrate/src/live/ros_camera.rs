@@ -4,17 +4,22 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_calibration::Lens;
+use rcs_files::capture::CapturedRobot;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
+use rcs_ros::{NodeError, NodeEvent, RosNode, TopicSubscription};
 use rcs_scan::{depth_of, lens_of_topic, picture_of};
 use rcs_scan::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ScanCamera, ScanCameraError};
+
+use crate::placing::RobotFrames;
 
 /// Time between two checks for the end of the program.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
 /// Timeout for the first message of each topic: drivers start and connections are made.
 const FIRST_MESSAGE: Duration = Duration::from_secs(10);
+/// The parameter of the robot's description.
+const ROBOT_DESCRIPTION: &str = "robot_description";
 /// Only the newest message counts.
 const QUEUE_SIZE: usize = 1;
 
@@ -30,6 +35,23 @@ pub(crate) struct RosCamera<'a> {
     newest_frame: Option<(AnyMessage, Instant)>,
     newest_depth: Option<AnyMessage>,
     first_info: Option<Arc<CameraInfo>>,
+    robot: RobotListener,
+}
+
+/// What TF and the robot's description say, once they are followed.
+#[derive(Default)]
+struct RobotListener {
+    frames: RobotFrames,
+    description: Option<Arc<str>>,
+}
+
+impl RobotListener {
+    fn add(&mut self, event: &NodeEvent) {
+        match event {
+            NodeEvent::Parameter { text: Some(text), .. } => self.description = Some(Arc::clone(text)),
+            event => self.frames.add(event),
+        }
+    }
 }
 
 impl<'a> RosCamera<'a> {
@@ -50,7 +72,9 @@ impl<'a> RosCamera<'a> {
         // The lens is known once the CameraInfo is there.
         let lens = Lens::pinhole([1, 1], [1.0, 1.0], [0.0, 0.0]);
         let (frame_id, newest_frame, newest_depth, first_info) = (String::new(), None, None, None);
-        let mut camera = Self { node, end, image, depth, info, lens, frame_id, newest_frame, newest_depth, first_info };
+        let robot = RobotListener::default();
+        let mut camera =
+            Self { node, end, image, depth, info, lens, frame_id, newest_frame, newest_depth, first_info, robot };
         while let Some(silent) = camera.silent_topic() {
             if started.elapsed() >= FIRST_MESSAGE {
                 return Err(ScanCameraError::Silent { topic: silent.topic().to_string(), waited: FIRST_MESSAGE }.into());
@@ -78,6 +102,7 @@ impl<'a> RosCamera<'a> {
             return Err(ScanCameraError::Interrupted);
         }
         for event in self.node.events().wait(POLL_PERIOD) {
+            self.robot.add(&event);
             let NodeEvent::Message { topic, message, received, .. } = event else { continue };
             if self.depth.as_ref().is_some_and(|depth| *depth.topic() == topic) {
                 self.newest_depth = Some(message);
@@ -88,6 +113,20 @@ impl<'a> RosCamera<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Follows TF and the robot's description from now on.
+    ///
+    /// # Errors
+    /// TF cannot be subscribed to.
+    pub(crate) fn follow_robot(&self) -> Result<(), NodeError> {
+        self.node.follow_parameters(vec![ROBOT_DESCRIPTION.to_owned()]);
+        self.node.subscribe_transforms()
+    }
+
+    /// The robot as it is now, by what was received since it is followed.
+    pub(crate) fn robot(&self) -> CapturedRobot {
+        self.robot.frames.captured(&self.frame_id, self.robot.description.as_deref())
     }
 
     fn unusable(topic: &TopicSubscription, reason: String) -> ScanCameraError {

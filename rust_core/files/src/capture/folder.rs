@@ -12,7 +12,8 @@ use super::file_name::FileName;
 use super::limits::check_amount;
 use super::pattern_entry::{Patterns, ProjectorSize};
 use super::pictures::{read_depth, read_grey};
-use super::yaml_file::{check_is_file, read_yaml};
+use super::robot::{CapturedRobot, FrameChain};
+use super::yaml_file::{check_is_file, read_text, read_yaml};
 use crate::projector::checked_numbers::PositiveNumber;
 use crate::projector::ProjectorFile;
 
@@ -20,6 +21,9 @@ use crate::projector::ProjectorFile;
 pub const CAPTURE_FILE: &str = "capture.yaml";
 /// Metres of the depth 1: in 16 bits, 6.5 m fit.
 pub const DEPTH_SCALE_M: f64 = 0.0001;
+
+/// Largest robot description.
+const MOST_URDF_BYTES: u64 = 64 << 20;
 
 /// The camera's picture of a pattern.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +47,8 @@ pub struct Capture {
     pub pictures: Vec<PatternPicture>,
     /// Depth (z) of each of the camera's pixels, metres, row by row; only positive numbers are depths.
     pub depth_m: Option<Vec<f32>>,
+    /// The robot that carried the camera; empty in captures of cameras without TF, and of other tools.
+    pub robot: CapturedRobot,
     /// Unknown keys, such as misspelt ones, as phrases that name the file.
     pub warnings: Vec<String>,
 }
@@ -54,6 +60,9 @@ pub(super) struct RawCapture {
     pub(super) camera_info: FileName,
     pub(super) depth: Option<FileName>,
     depth_scale_m: Option<PositiveNumber>,
+    #[serde(default)]
+    frames: FrameChain,
+    pub(super) robot_description: Option<FileName>,
 }
 
 impl Capture {
@@ -87,7 +96,17 @@ impl Capture {
         let pictures = pictures.into_iter().collect::<Result<Vec<_>, _>>()?;
         let scale_m = raw.depth_scale_m.map_or(DEPTH_SCALE_M, |PositiveNumber(scale)| scale);
         let depth_m = raw.depth.map(|file| read_depth(&file.to_read(folder)?, size_px, scale_m)).transpose()?;
-        Ok(Self { projector_size_px: raw.projector.size_px(), camera, camera_frame_id, pictures, depth_m, warnings })
+        let description = raw.robot_description.map(|file| read_text(&file.to_read(folder)?, MOST_URDF_BYTES));
+        let FrameChain(frames) = raw.frames;
+        Ok(Self {
+            projector_size_px: raw.projector.size_px(),
+            camera,
+            camera_frame_id,
+            pictures,
+            depth_m,
+            robot: CapturedRobot { description: description.transpose()?, frames },
+            warnings,
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern, Stripes};
 use rcs_calibration::{Distortion, Lens};
@@ -11,6 +12,7 @@ use tempfile::{tempdir, TempDir};
 
 use super::*;
 use crate::picture_file;
+use crate::projector::StaticFrame;
 
 const SIZE: [u32; 2] = [6, 4];
 
@@ -26,7 +28,25 @@ fn capture() -> Capture {
         camera_frame_id: "head_camera_rgb_optical_frame".to_owned(),
         pictures: pictures.collect(),
         depth_m: Some((0..24_u16).map(|value| f32::from(value) * 0.25).collect()),
+        robot: robot(),
         warnings: Vec::new(),
+    }
+}
+
+fn robot() -> CapturedRobot {
+    let frame = |parent: &str, child: &str, motion, joint: Option<&str>| {
+        let rotation = UnitQuaternion::from_euler_angles(0.1, -0.7, 2.0);
+        let (parent, child) = (parent.to_owned(), child.to_owned());
+        let frame = StaticFrame { parent, child, translation_m: [0.1, -1e-7, 0.333], rotation };
+        CapturedFrame { frame, motion, joint: joint.map(str::to_owned) }
+    };
+    CapturedRobot {
+        description: Some("<robot name=\"ü\"/>\n".to_owned()),
+        frames: vec![
+            frame("head", "head_camera_rgb_optical_frame", FrameMotion::Fixed, None),
+            frame("torso", "head", FrameMotion::Revolute, Some("pan \"joint\"")),
+            frame("odom", "torso", FrameMotion::Moving, None),
+        ],
     }
 }
 
@@ -56,8 +76,25 @@ fn what_was_written_is_read_back() {
     let mut flat = capture();
     flat.depth_m = None;
     flat.camera_frame_id.clear();
+    flat.robot = CapturedRobot::default();
     flat.write(folder.path()).unwrap();
     assert_eq!(Capture::read(folder.path()).unwrap(), flat);
+}
+
+#[test]
+fn frames_must_be_a_chain_of_numbers_and_known_motions() {
+    let wrong = |from: &str, to: &str, expected: &str| {
+        let error = error_after(|text| text.replacen(from, to, 1));
+        assert!(error.starts_with("capture.yaml: ") && error.contains(expected), "{error}");
+    };
+    wrong("child: \"head\"", "child: \"neck\"", "frame 'neck' follows 'head_camera_rgb_optical_frame', whose parent");
+    wrong("motion: revolute", "motion: turning", "turning");
+    wrong("0.333", ".nan", "not a finite number");
+    wrong("parent: \"head\"", "parent: \"\"", "need names");
+    let mut unwritable = capture();
+    unwritable.robot.frames.remove(1);
+    let error = unwritable.write(tempdir().unwrap().path()).unwrap_err().to_string();
+    assert!(error.contains("frame 'torso' follows"), "{error}");
 }
 
 fn any_pattern() -> impl Strategy<Value = Pattern> {
@@ -95,6 +132,7 @@ proptest! {
             camera_frame_id: frame,
             pictures: pictures.collect(),
             depth_m,
+            robot: CapturedRobot::default(),
             warnings: Vec::new(),
         };
         let folder = tempdir().unwrap();

@@ -33,8 +33,9 @@ impl Capture {
         let camera_info = names.camera_info();
         let pictures = (0..self.pictures.len()).map(|index| names.picture(index));
         let depth = self.depth_m.is_some().then(|| names.depth());
-        let files: Vec<PathBuf> =
-            pictures.chain([camera_info.clone()]).chain(depth).map(|name| folder.join(name)).collect();
+        let urdf = self.robot.description.is_some().then(|| names.robot_description());
+        let files = pictures.chain([camera_info.clone()]).chain(depth).chain(urdf);
+        let files: Vec<PathBuf> = files.map(|name| folder.join(name)).collect();
         files.iter().try_for_each(|file| remove_link(file))?;
 
         self.pictures.par_iter().enumerate().try_for_each(|(index, picture)| {
@@ -53,6 +54,12 @@ impl Capture {
             let picture = Picture { width_px, height_px, encoding: Encoding::Mono16, data };
             picture_file::write(&folder.join(&depth), &picture)?;
             text += &format!("depth: {depth}\ndepth_scale_m: {DEPTH_SCALE_M}\n");
+        }
+        text += &self.robot.frame_lines();
+        if let Some(description) = &self.robot.description {
+            let urdf = names.robot_description();
+            write_text(&folder.join(&urdf), description)?;
+            text += &format!("robot_description: {urdf}\n");
         }
         remove_link(&folder.join(CAPTURE_FILE))?;
         if !old_files.is_empty() {
@@ -75,6 +82,7 @@ impl Capture {
         let unwritable = |reason| CaptureError::Unwritable { path: folder.to_owned(), reason };
         check_writable(self.projector_size_px, self.pictures.iter().map(|picture| &picture.pattern))
             .map_err(unwritable)?;
+        self.robot.check().map_err(unwritable)?;
         check_amount(folder, self.camera.size_px, self.pictures.len())?;
         ProjectorFile::from_lens(&self.camera, &self.camera_frame_id)
             .camera_lens()
@@ -106,12 +114,13 @@ fn depth_value(depth_m: f32) -> u16 {
 
 /// Files of the folder's capture, if it can be read.
 fn files_of_capture(folder: &Path) -> Vec<FileName> {
-    let Ok((RawCapture { patterns: Patterns(entries), camera_info, depth, .. }, _)) =
+    let Ok((RawCapture { patterns: Patterns(entries), camera_info, depth, robot_description, .. }, _)) =
         read_yaml(&folder.join(CAPTURE_FILE))
     else {
         return Vec::new();
     };
-    entries.into_iter().map(|entry| entry.file).chain([camera_info]).chain(depth).collect()
+    let pictures = entries.into_iter().map(|entry| entry.file);
+    pictures.chain([camera_info]).chain(depth).chain(robot_description).collect()
 }
 
 /// Names of a capture's files.
@@ -142,11 +151,16 @@ impl FileNames {
         format!("depth{}.png", self.suffix)
     }
 
+    fn robot_description(&self) -> String {
+        format!("robot{}.urdf", self.suffix)
+    }
+
     /// `true` if a file could have one of these names.
     fn has(&self, file: &FileName) -> bool {
         let name = file.as_str().rsplit('/').next().unwrap_or_default();
         let index = name.strip_prefix('c').and_then(|rest| rest.strip_suffix(&format!("{}.png", self.suffix)));
-        name == self.camera_info() || name == self.depth() || index.is_some_and(is_index)
+        [self.camera_info(), self.depth(), self.robot_description()].iter().any(|ours| name == ours)
+            || index.is_some_and(is_index)
     }
 }
 
@@ -159,7 +173,7 @@ fn is_ours(file: &FileName) -> bool {
     };
     match stem.strip_prefix('c') {
         Some(index) if is_index(index) => index.len() == 3 && ending == "png",
-        _ => matches!((stem, ending), ("camera_info", "yaml") | ("depth", "png")),
+        _ => matches!((stem, ending), ("camera_info", "yaml") | ("depth", "png") | ("robot", "urdf")),
     }
 }
 

@@ -13,10 +13,13 @@ const MOST_YAML_BYTES: u64 = 4 << 20;
 
 /// Reads a YAML file, with warnings of unknown keys.
 pub(super) fn read_yaml<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<(T, Vec<String>), CaptureError> {
+    parse_yaml(path, &read_text(path, MOST_YAML_BYTES)?)
+}
+
+/// Reads a text file of a limited size.
+pub(super) fn read_text(path: &Path, most_bytes: u64) -> Result<String, CaptureError> {
     check_is_file(path)?;
-    let text = read_limited_text(path, MOST_YAML_BYTES)
-        .map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
-    parse_yaml(path, &text)
+    read_limited_text(path, most_bytes).map_err(|source| CaptureError::Read { path: path.to_owned(), source })
 }
 
 /// Parses YAML; `path` is for errors and warnings.

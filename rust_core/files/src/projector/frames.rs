@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fmt;
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use rcs_messages::geometry_msgs::{Quaternion as QuaternionMessage, Transform, TransformStamped, Vector3};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Time;
@@ -31,6 +31,13 @@ pub struct StaticFrame {
 }
 
 impl StaticFrame {
+    /// Takes points of the child to the parent.
+    pub fn parent_from_child(&self) -> Isometry3<f64> {
+        // A rotation that was written by hand is rounded.
+        let rotation = UnitQuaternion::new_normalize(self.rotation.into_inner());
+        Isometry3::from_parts(self.translation_m.into(), rotation)
+    }
+
     /// Message for `/tf_static`.
     pub fn to_message(&self, stamp: Time) -> TransformStamped {
         let [x, y, z] = self.translation_m;
@@ -117,7 +124,8 @@ fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String> {
+/// A rotation of a quaternion, which may be rounded.
+pub(crate) fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String> {
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
     if (norm - 1.0).abs() > NORM_TOLERANCE {
@@ -155,7 +163,7 @@ fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
 }
 
 /// A frame with names in tf2's form.
-pub(super) fn named_frame(
+pub(crate) fn named_frame(
     parent: &str,
     child: &str,
     translation_m: [f64; 3],

@@ -36,7 +36,7 @@
 pub(crate) mod checked_numbers;
 mod distortion_name;
 mod file;
-mod frames;
+pub(crate) mod frames;
 mod lens;
 mod matlab;
 mod opencv_xml;

@@ -7,8 +7,10 @@ use std::time::Duration;
 use rcs_bag::{full_name, Bag, Connection};
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
+use rcs_displays::raw_transforms;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind, Time};
+use rcs_transforms::TransformTree;
 
 use crate::camera_messages::{depth_of, lens_of_topic, picture_of};
 use crate::devices::{CameraTopics, DepthFrame, DepthTopic, ScanCameraError};
@@ -27,6 +29,9 @@ pub(crate) struct ShownPicture {
     /// Its pattern; `None` for other pictures.
     pub(crate) pattern: Option<Pattern>,
 }
+
+/// Age up to which moving transforms count.
+const RECENT: Duration = Duration::from_secs(10);
 
 /// Types of image messages.
 const IMAGES: [MessageKind; 2] = [MessageKind::Image, MessageKind::CompressedImage];
@@ -187,6 +192,31 @@ impl BagFootage {
             }
             Ok(if time < during.end { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
         })
+    }
+
+    /// The transforms of `/tf_static`, and those of `/tf` in the seconds before a time.
+    ///
+    /// # Errors
+    /// An unreadable bag.
+    pub(crate) fn transforms(&self, until: Duration) -> Result<TransformTree, ScanFailure> {
+        let mut tree = TransformTree::new();
+        for (topic, from, is_static) in
+            [("/tf_static", Duration::ZERO, true), ("/tf", until.saturating_sub(RECENT), false)]
+        {
+            self.messages(topic, from, &mut |time, decode| {
+                if !is_static && time > until {
+                    return Ok(ControlFlow::Break(()));
+                }
+                if let Ok(AnyMessage::TFMessage(message)) = decode() {
+                    for transform in raw_transforms(&message) {
+                        // One that is refused, such as an old one, is left out.
+                        let _ = tree.insert(&transform, is_static, "");
+                    }
+                }
+                Ok(ControlFlow::Continue(()))
+            })?;
+        }
+        Ok(tree)
     }
 
     /// The pictures that were shown, if they were recorded. `recognise` returns the pattern of a picture of the

@@ -23,6 +23,7 @@ use crate::depth_average::DepthAverage;
 use crate::failure::{check_size, ScanFailure};
 use crate::finish::{check_keystone, check_orientation, ScanImages, ScanResult};
 use crate::light::{average, Illumination, MAX_CHANGE};
+use crate::robot::captured_robot;
 use crate::session::ScanEvent;
 pub use footage::BagFootage;
 use sequence::PatternSequence;
@@ -79,12 +80,14 @@ pub fn scan(
         depth: depth.as_ref(),
         is_complete: true,
     };
-    let scanned = images.finish(&mut warn)?;
+    let mut scanned = images.finish(&mut warn)?;
     // A camera that adapts its exposure would have been noticed live, when black and white alternate.
     let change = scanned.decoded.quality.exposure_change;
     if change > MAX_EXPOSURE {
         return Err(ScanFailure::Unsteady(change));
     }
+    let transforms = footage.transforms(timeline.time(extent(&sequence).end))?;
+    scanned.capture.robot = captured_robot(&transforms, &footage.frame_id, None);
     Ok(scanned)
 }
 

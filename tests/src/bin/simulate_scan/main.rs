@@ -14,7 +14,7 @@ use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3}
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
 use rcs_files::canvas::Canvas;
-use rcs_files::capture::{Capture, PatternPicture};
+use rcs_files::capture::{Capture, CapturedRobot, PatternPicture};
 use rcs_files::picture_file;
 use rcs_files::projector::ProjectorFile;
 use rcs_scan_simulator::{Conditions, DepthCamera, Random, Rig, Room, Scan, View};
@@ -106,6 +106,7 @@ fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
         camera_frame_id: CAMERA_FRAME.to_owned(),
         pictures: pictures.collect(),
         depth_m: Some(DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view)),
+        robot: CapturedRobot::default(),
         warnings: Vec::new(),
     }
 }
