@@ -1,6 +1,10 @@
 //! Sections of a file, and unreadable files.
 
-use rcs_rviz_config::{parse, ConfigError, DisplaySettings, FreeView, GridSettings, Role, ViewConfig, ViewController};
+use std::path::Path;
+
+use rcs_rviz_config::{
+    load, parse, ConfigError, DisplaySettings, FreeView, GridSettings, PlacedDisplay, Role, ViewConfig, ViewController,
+};
 
 use super::messages;
 
@@ -373,4 +377,22 @@ fn groups_may_be_nested_as_deep_as_a_file_may_be() {
     let config = parse(&text, "t").unwrap();
     assert_eq!(config.placed_displays().len(), depth);
     assert_eq!(messages(&config), [""; 0]);
+}
+
+/// A cloud of the head camera's own colours on what it sees would be optical feedback.
+#[test]
+fn on_a_fetch_rviz_shows_robot_and_camera_but_only_detections_markers_and_the_path_are_projected() {
+    let config = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rviz/fetch.rviz")).unwrap();
+    let placed = config.placed_displays();
+    let cameras = placed.iter().filter_map(|placed| match &placed.display.settings {
+        DisplaySettings::CameraPub(camera) => Some(&camera.visibility),
+        _ => None,
+    });
+    let [visibility] = cameras.collect::<Vec<_>>()[..] else { panic!("not one camera") };
+    let (shown, hidden): (Vec<_>, Vec<_>) =
+        placed.iter().filter(|placed| placed.enabled).partition(|placed| visibility.shows(&placed.path));
+    let names =
+        |placed: &[&PlacedDisplay<'_>]| -> Vec<String> { placed.iter().map(|one| one.path.join("/")).collect() };
+    assert_eq!(names(&hidden), ["Grid", "RobotModel", "TF", "head camera"]);
+    assert_eq!(names(&shown), ["clusters", "desired object", "nav path", "markers", "CameraPub"]);
 }
