@@ -199,6 +199,54 @@ fn the_fetch_takes_and_passes_on_every_argument_of_the_projection() {
     }
 }
 
+/// The names of a node's parameters by a launch file with these arguments, and all lines of `--dump-params`.
+fn parameters(node: &str, launch: &str) -> (BTreeSet<String>, String) {
+    let printed = roslaunch(&format!("--dump-params rviz_camera_stream {launch}"));
+    let begin = format!("/{node}/");
+    let names = printed.lines().filter_map(|line| Some(line.strip_prefix(&begin)?.split(':').next()?.to_owned()));
+    (names.collect(), printed.clone())
+}
+
+/// The parameters that a program has, by its help.
+fn parameters_in_help(name: &str) -> BTreeSet<String> {
+    let help = std::process::Command::new(program(name)).arg("--help").output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let lines = help.lines().filter(|line| line.len() - line.trim_start().len() <= 6);
+    let options = lines.filter_map(|line| line.split("--").nth(1)?.split([' ', '=', ',']).next());
+    options.map(|option| option.trim().replace('-', "_")).collect()
+}
+
+#[test]
+fn the_fetch_passes_on_every_option_of_the_nodes_that_it_starts() {
+    let samples = "fetch.launch turret:=true path_arrows:=true line_of_sight:=true";
+    for node in ["turret_aim", "nav_path_markers", "line_of_sight"] {
+        let options = parameters_in_help(node);
+        let (set, printed) = parameters(node, samples);
+        assert!(set.len() > 1 && set.is_subset(&options), "{node}: {set:?} {printed}");
+        // Each that has no argument of its own is one of those of NODE_parameters.
+        let further: Vec<_> = options.iter().filter(|option| !["help", "version"].contains(&option.as_str())).collect();
+        let given: Vec<_> = further.iter().map(|option| format!("{option}: given")).collect();
+        let (all, printed) = parameters(node, &format!("{samples} {node}_parameters:='{{{}}}'", given.join(", ")));
+        assert_eq!(all.iter().collect::<Vec<_>>(), further, "{node}");
+        for option in further {
+            assert!(printed.contains(&format!("/{node}/{option}: given\n")), "{node} {option}: {printed}");
+        }
+    }
+    for (arguments, expected) in [
+        ("moveit_msgs:=melodic", "/line_of_sight/moveit_msgs: melodic"),
+        ("target:='{target_point: /grasp}'", "/turret_aim/target_point: /grasp"),
+        ("frame_id:=beamer", "/projector/frame_id: beamer"),
+    ] {
+        let printed = parameters("projector", &format!("{samples} {arguments}")).1;
+        assert!(printed.lines().any(|line| line == expected), "{printed}");
+        assert_eq!(printed.contains("target_cloud"), !arguments.contains("target_point"), "{printed}");
+    }
+    let (set, _) = parameters("projector", samples);
+    let mut options = parameters_in_help("projector");
+    options.retain(|option| !["help", "version"].contains(&option.as_str()));
+    assert_eq!(set, options);
+}
+
 /// The options of `camera_stream` when a launch file has started it, as the node logs them, and its warnings of old
 /// spellings.
 fn effective_options(launch: &str) -> (BTreeSet<String>, usize) {

@@ -44,7 +44,7 @@ struct ProjectorArguments {
     /// The CameraInfo's topic [default: camera_info_topic of the file, else /proj_view/camera_info]
     #[arg(long, value_name = "TOPIC")]
     camera_info_topic: Option<String>,
-    /// The CameraInfo's frame [default: frame_id or header.frame_id of the file]
+    /// The CameraInfo's frame [default or none: frame_id or header.frame_id of the file]
     #[arg(long, value_name = "FRAME")]
     frame_id: Option<String>,
 }
@@ -62,7 +62,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &ProjectorArguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
-    arguments.path().map(|path| read(path, arguments)).transpose()?;
+    arguments.path().map(ProjectorFile::read).transpose()?;
     lifecycle::with_node("projector", |node, end| {
         let arguments: ProjectorArguments = with_parameters(node)?;
         let path = arguments.path().context("no projector file: give FILE, --file FILE or the parameter ~file")?;
@@ -91,11 +91,14 @@ fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &
 /// Reads the file and applies the arguments.
 fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<ProjectorFile> {
     let mut file = ProjectorFile::read(path)?;
-    if let Some(frame_id) = &arguments.frame_id {
+    if let Some(frame_id) = arguments.frame_id.as_ref().filter(|frame_id| *frame_id != "none") {
         file.camera_info.header.frame_id.clone_from(frame_id);
     }
     if file.camera_info.header.frame_id.is_empty() {
-        bail!("{}: no frame: the file needs frame_id (or header.frame_id), or give --frame-id", path.display());
+        bail!(
+            "{}: no frame: the file needs frame_id (or header.frame_id); or give --frame-id or ~frame_id",
+            path.display()
+        );
     }
     Ok(file)
 }

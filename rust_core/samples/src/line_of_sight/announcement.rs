@@ -14,10 +14,26 @@ use rcs_node_support::poses::pose_message;
 /// Definition of moveit_msgs/CollisionObject that the planner uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum MoveitMsgs {
+    /// That of the environment's ROS_DISTRO
+    Auto,
     /// moveit_msgs 0.11 and newer
     Noetic,
     /// moveit_msgs 0.10 and older: Melodic, Kinetic
     Melodic,
+}
+
+/// Releases of ROS with moveit_msgs 0.10 and older.
+const OLDER_RELEASES: [&str; 6] = ["melodic", "lunar", "kinetic", "jade", "indigo", "hydro"];
+
+impl MoveitMsgs {
+    /// `true` for the older definition. `ros_distro` is the environment's ROS_DISTRO.
+    fn is_older(self, ros_distro: Option<&str>) -> bool {
+        match self {
+            Self::Auto => ros_distro.is_some_and(|distro| OLDER_RELEASES.contains(&distro)),
+            Self::Noetic => false,
+            Self::Melodic => true,
+        }
+    }
 }
 
 /// Id, frame and colour of both messages.
@@ -54,9 +70,10 @@ impl Announcement {
         moveit: MoveitMsgs,
         [object_topic, marker_topic]: [&str; 2],
     ) -> Result<Self, NodeError> {
-        let objects = match moveit {
-            MoveitMsgs::Noetic => Objects::Noetic(node.latched_publisher(object_topic, 1)?),
-            MoveitMsgs::Melodic => Objects::Melodic(node.latched_publisher(object_topic, 1)?),
+        let objects = if moveit.is_older(std::env::var("ROS_DISTRO").ok().as_deref()) {
+            Objects::Melodic(node.latched_publisher(object_topic, 1)?)
+        } else {
+            Objects::Noetic(node.latched_publisher(object_topic, 1)?)
         };
         Ok(Self { naming, objects, markers: node.latched_publisher(marker_topic, 1)? })
     }
@@ -126,6 +143,16 @@ mod tests {
     use nalgebra::Isometry3;
 
     use super::*;
+
+    #[test]
+    fn the_definition_is_that_of_the_environments_release_of_ros() {
+        let is_older = |distro| MoveitMsgs::Auto.is_older(distro);
+        assert_eq!(
+            [Some("melodic"), Some("kinetic"), Some("noetic"), Some("debian"), None].map(is_older),
+            [true, true, false, false, false]
+        );
+        assert!(MoveitMsgs::Melodic.is_older(Some("noetic")) && !MoveitMsgs::Noetic.is_older(Some("melodic")));
+    }
 
     #[test]
     fn both_messages_are_the_cylinder_or_its_removal() {

@@ -69,7 +69,7 @@ struct LineOfSightArguments {
     #[arg(long, value_name = "TOPIC", default_value = "/line_of_sight_marker")]
     marker_topic: String,
     /// Definition of moveit_msgs/CollisionObject that the planner uses
-    #[arg(long, value_enum, default_value_t = MoveitMsgs::Noetic)]
+    #[arg(long, value_enum, default_value_t = MoveitMsgs::Auto)]
     moveit_msgs: MoveitMsgs,
     /// Colour of the marker: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
     #[arg(long, default_value = "#ffcc00", value_parser = color)]

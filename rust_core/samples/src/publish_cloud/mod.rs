@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use anyhow::Context;
 use clap::Parser;
 use rcs_files::pcd::{PcdCloud, PcdError};
 use rcs_messages::PointCloud2;
@@ -24,13 +25,18 @@ use rcs_node_support::node_options::{with_parameters, within};
     version,
     after_help = "\
 Topic published: cloud (sensor_msgs/PointCloud2, latched)
+Parameters: each option is one, too: --file is ~file
 Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
 
 Example: publish_cloud objects.pcd --frame base_link cloud:=/objects"
 )]
 struct PublishCloudArguments {
     /// The PCD file
-    file: PathBuf,
+    #[arg(value_name = "FILE")]
+    positional: Option<PathBuf>,
+    /// The PCD file, as an option
+    #[arg(long, conflicts_with = "positional")]
+    file: Option<PathBuf>,
     /// The topic; a remapping cloud:=/other does the same
     #[arg(long, default_value = "cloud")]
     topic: String,
@@ -42,20 +48,33 @@ struct PublishCloudArguments {
     rate: f64,
 }
 
+impl PublishCloudArguments {
+    fn path(&self) -> Option<&Path> {
+        self.positional.as_deref().or(self.file.as_deref())
+    }
+}
+
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     lifecycle::run_main(|arguments: PublishCloudArguments| run(&arguments))
 }
 
 fn run(arguments: &PublishCloudArguments) -> anyhow::Result<()> {
-    let message = read(&arguments.file, &arguments.frame)?;
-    lifecycle::with_node("publish_cloud", |node, end| publish(node, end, &with_parameters(node)?, message))
+    // An invalid file is reported at once, not when the master is up.
+    let message = arguments.path().map(|path| read(path, &arguments.frame)).transpose()?;
+    lifecycle::with_node("publish_cloud", |node, end| {
+        let arguments: PublishCloudArguments = with_parameters(node)?;
+        let path = arguments.path().context("no PCD file: give FILE, --file FILE or the parameter ~file")?;
+        let message = message.map_or_else(|| read(path, &arguments.frame), Ok)?;
+        publish(node, end, path, &arguments, message)
+    })
 }
 
 /// Publishes the cloud at the rate until the shutdown is requested.
 fn publish(
     node: &RosNode,
     end: &EndRequest,
+    path: &Path,
     arguments: &PublishCloudArguments,
     mut message: PointCloud2,
 ) -> anyhow::Result<()> {
@@ -64,7 +83,7 @@ fn publish(
     let PointCloud2 { width, height, .. } = message;
     log::info!(
         "{}: {width}x{height} points in frame {} on {} at {} Hz",
-        arguments.file.display(),
+        path.display(),
         arguments.frame,
         publisher.topic(),
         arguments.rate
