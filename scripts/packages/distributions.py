@@ -11,13 +11,10 @@ DEBIAN_NAMES = {
     'genpy': 'python3-genpy',
     'image_view': 'ros-image-view',
 }
-# What only one launch argument needs: installed with the package by default, which works without it.
-RECOMMENDED = {'image_view'}
-# What only rviz's plugin needs: a robot has neither.
-OF_THE_PLUGIN = {'image_transport', 'rviz'}
 LIBC = 'libc6 (>= 2.27)'
-# Videos, and drawing on a GPU.
-SUGGESTED = 'ffmpeg, libvulkan1, mesa-vulkan-drivers'
+# Videos, and drawing on a GPU; and the package of what only viewer:=image_view needs.
+SUGGESTED = ['ffmpeg', 'libvulkan1', 'mesa-vulkan-drivers']
+SUGGESTED_OF_ROS = 'image_view'
 
 
 @dataclass(frozen=True)
@@ -40,15 +37,15 @@ class Distribution:
         return DEBIAN_NAMES.get(ros_package) or 'python3-' + dashed
 
     def relations(self, package_xml):
-        """The fields Depends, Recommends and Suggests for what a package.xml says that the package runs with."""
+        """The fields Depends and Suggests for what a package.xml says that the programs run with. What has a condition is
+        the rviz plugin's, which is a package of its own."""
         root = ElementTree.parse(package_xml).getroot()
-        names = sorted({tag.text.strip() for kind in ('exec_depend', 'depend') for tag in root.findall(kind)})
-        depends = [LIBC] + [self.package_of(name) for name in names if name not in RECOMMENDED | OF_THE_PLUGIN]
+        tags = [tag for kind in ('exec_depend', 'depend') for tag in root.findall(kind) if 'condition' not in tag.attrib]
+        depends = [LIBC] + [self.package_of(name) for name in sorted({tag.text.strip() for tag in tags})]
         depends.append('python3' if self.python == '/usr/bin/python3' else 'python')
         return {
             'Depends': ', '.join(sorted(depends)),
-            'Recommends': ', '.join(self.package_of(name) for name in names if name in RECOMMENDED),
-            'Suggests': SUGGESTED,
+            'Suggests': ', '.join(sorted([*SUGGESTED, self.package_of(SUGGESTED_OF_ROS)])),
         }
 
 

@@ -28,6 +28,17 @@ fn the_programs_have_the_packages_version() {
 }
 
 #[test]
+fn rosdep_installs_neither_rviz_nor_image_view_unless_the_plugin_is_asked_for() {
+    let package = fs::read_to_string(repository().join("ros_pkg/package.xml")).unwrap();
+    for name in ["rviz", "image_view", "image_transport", "qtbase5-dev", "opengl"] {
+        let hard = ["build_depend", "exec_depend", "depend"].map(|kind| format!("<{kind}>{name}</{kind}>"));
+        assert!(hard.iter().all(|dependency| !package.contains(dependency)), "{name}");
+    }
+    // rviz finds the plugin by it.
+    assert!(package.contains("<build_depend condition=\"$RVIZ_CAMERA_STREAM_PLUGIN == ON\">rviz</build_depend>"));
+}
+
+#[test]
 fn every_config_is_understood() {
     for config in [files("config", "rviz"), files("rviz", "rviz")].concat() {
         let output = Command::new(program("camera_stream")).arg("check").arg(&config).output().unwrap();
