@@ -40,16 +40,7 @@ impl Roslaunch {
     /// With the package as it lies in the repository, and the programs that are built already in a devel space.
     fn start() -> Self {
         let space = Path::new(env!("CARGO_TARGET_TMPDIR")).join("launched");
-        let script = format!(
-            "mkdir -p {0}/lib && ln -sfn {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
-             {3}
-             export CMAKE_PREFIX_PATH={0}:${{CMAKE_PREFIX_PATH:-/usr}}
-             exec /usr/bin/python3 -c \"{ROSLAUNCH}\"",
-            space.display(),
-            target().join("release").display(),
-            repository().join("ros_pkg").display(),
-            from_source(),
-        );
+        let script = format!("{}\nexec /usr/bin/python3 -c \"{ROSLAUNCH}\"", devel_space(&space));
         let mut process = bash_command(&script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let printed = BufReader::new(process.stdout.take().unwrap());
         Self { process, printed }
@@ -80,6 +71,20 @@ fn nodes(launch: &str) -> Vec<String> {
     let mut nodes: Vec<_> = printed.lines().map(str::to_owned).collect();
     nodes.sort();
     nodes
+}
+
+/// Makes a devel space of the repository with the programs that are built already, and sources it.
+pub(crate) fn devel_space(space: &Path) -> String {
+    // roslaunch looks for programs in lib/PACKAGE of the workspaces on CMAKE_PREFIX_PATH; .catkin marks one.
+    format!(
+        "mkdir -p {0}/lib && ln -sfn {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
+         {3}
+         export CMAKE_PREFIX_PATH={0}:${{CMAKE_PREFIX_PATH:-/usr}}",
+        space.display(),
+        target().join("release").display(),
+        repository().join("ros_pkg").display(),
+        from_source(),
+    )
 }
 
 /// The package as it lies in the repository.
@@ -370,17 +375,7 @@ struct Launched {
 impl Launched {
     fn start(master: &RosMaster, launch: &str) -> Self {
         let space = tempfile::tempdir().unwrap();
-        // roslaunch looks for programs in lib/PACKAGE of the workspaces on CMAKE_PREFIX_PATH; .catkin marks one.
-        let script = format!(
-            "mkdir -p {0}/lib && ln -s {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
-             {3}
-             export CMAKE_PREFIX_PATH={0}:${{CMAKE_PREFIX_PATH:-/usr}}
-             exec roslaunch rviz_camera_stream {launch}",
-            space.path().display(),
-            target().join("release").display(),
-            repository().join("ros_pkg").display(),
-            from_source(),
-        );
+        let script = format!("{}\nexec roslaunch rviz_camera_stream {launch}", devel_space(space.path()));
         let roslaunch = Running::start(&mut master.environment(bash_command(&script))).unwrap();
         Self { roslaunch, _space: space }
     }

@@ -11,6 +11,7 @@ mod launch;
 mod options;
 mod packages;
 mod test_command;
+mod tutorials;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
