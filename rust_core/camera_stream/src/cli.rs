@@ -8,7 +8,9 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_files::picture_file::PictureFormat;
 use rcs_render::RendererChoice;
+use rcs_window::MonitorChoice;
 
+use crate::doctor::viewer::Viewer;
 use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
 use rcs_node_support::node_options::COMMAND_LINE_ONLY;
 
@@ -44,6 +46,7 @@ impl Cli {
         match &mut self.command {
             Some(Command::NewCamera(args)) => args.display_config.as_mut(),
             Some(Command::Check(args)) => args.config.as_mut().or(args.node.display_config.as_mut()),
+            Some(Command::Doctor(args)) => args.node.display_config.as_mut(),
             Some(Command::Render(args)) => Some(&mut args.display_config),
             None => self.node.display_config.as_mut(),
         }
@@ -51,13 +54,13 @@ impl Cli {
 
     /// Whether debug messages are logged.
     pub fn is_debug(&self) -> bool {
-        let of_check = matches!(&self.command, Some(Command::Check(args)) if args.node.log_level_debug);
-        self.node.log_level_debug || of_check
+        self.node.log_level_debug || self.node_args().log_level_debug
     }
 
     /// Whether pictures are drawn, perhaps with a GPU.
     pub fn may_use_gpu(&self) -> bool {
-        !matches!(self.command, Some(Command::Check(_) | Command::NewCamera(_))) && self.renderer != RendererChoice::Cpu
+        let draws = !matches!(self.command, Some(Command::Check(_) | Command::Doctor(_) | Command::NewCamera(_)));
+        draws && self.renderer != RendererChoice::Cpu
     }
 }
 
@@ -78,6 +81,13 @@ pub enum Command {
     /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
     /// 2 invalid arguments, an unreadable config or no ROS master.
     Check(CheckArgs),
+    /// Goes down the chain from the ROS master to the light and prints what is wrong and what to do about it
+    ///
+    /// It takes a folder that `camera_stream setup` wrote, arguments of the package's launch files (NAME:=VALUE), or all
+    /// arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known. It runs without a graphical session.
+    ///
+    /// Exit status: 0 nothing is wrong, 1 something is, 2 invalid arguments, an unreadable file or no ROS master.
+    Doctor(DoctorArgs),
     /// Prints a CameraPub display to paste below a config's Displays; with -d it is added to the config
     ///
     /// Everything else in the config keeps its bytes. A name, an image topic or a namespace that a camera of the config
@@ -178,6 +188,26 @@ pub struct CheckArgs {
     /// How long --live subscribes
     #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
     pub listen: Duration,
+}
+
+/// The arguments of `doctor`.
+#[derive(Args, Clone, Debug)]
+pub struct DoctorArgs {
+    /// The folder that `camera_stream setup` wrote
+    #[arg(value_name = "FOLDER")]
+    pub folder: Option<PathBuf>,
+    /// The arguments of the node that is examined.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// How long it listens
+    #[arg(long, value_name = "SECS", default_value = "5", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
+    pub listen: Duration,
+    /// Viewer of the launch file [default: the window that the node has or that runs beside it]
+    #[arg(long, value_enum, value_name = "VIEWER", help_heading = COMMAND_LINE_ONLY)]
+    pub(crate) viewer: Option<Viewer>,
+    /// Monitor of the viewer, by name or number, or auto [default: that of the running viewer, else auto]
+    #[arg(long, value_name = "MONITOR", help_heading = COMMAND_LINE_ONLY)]
+    pub(crate) monitor: Option<MonitorChoice>,
 }
 
 /// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.

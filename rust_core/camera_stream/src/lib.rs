@@ -5,6 +5,7 @@
 mod camera;
 mod check;
 pub mod cli;
+mod doctor;
 mod new_camera;
 pub mod offline;
 mod options;
@@ -26,7 +27,9 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
 
-use crate::cli::{CheckArgs, Cli, Command, RenderArgs};
+use crate::cli::{CheckArgs, Cli, Command, DoctorArgs, RenderArgs};
+use crate::doctor::launch::node_arguments;
+use crate::doctor::Verdict;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::options::config_file::find_config;
 use crate::options::Options;
@@ -75,6 +78,13 @@ pub fn main() -> ExitCode {
 /// # Errors
 /// Invalid arguments, or a config that cannot be read.
 fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
+    if let Some(Command::Doctor(args)) = &cli.command {
+        let arguments = std::env::args_os().skip(1);
+        if let Some(arguments) = node_arguments(arguments, args.folder.as_deref())? {
+            // Returns only if it fails. Remappings and private parameters are read from the process's arguments.
+            return Err(restart::<&str>(arguments, &[]).into());
+        }
+    }
     find_config(cli)?;
     if let Some(Command::NewCamera(args)) = &cli.command {
         return Ok(finished(new_camera::run(args)));
@@ -84,6 +94,7 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     let options = Options::of_command_line(cli, &camera_names(&config))?;
     let result = match &cli.command {
         Some(Command::Check(args)) if args.live => return check_live(words, args, &config),
+        Some(Command::Doctor(args)) => return examine(words, args, &config, &options),
         Some(Command::Check(_)) => check::print(&config, options.fixed_frame.as_deref(), &mut std::io::stdout().lock())
             .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
             .map_err(|error| anyhow!("standard output: {error}")),
@@ -141,6 +152,14 @@ fn print_error(text: &str, is_node: bool) {
 fn check_live(words: &[OsString], args: &CheckArgs, config: &Config) -> Result<ExitCode> {
     let is_ok = check::live::run(config, words, args.listen, &mut std::io::stdout().lock())?;
     Ok(if is_ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn examine(words: &[OsString], args: &DoctorArgs, config: &Config, options: &Options) -> Result<ExitCode> {
+    Ok(match doctor::run(config, words, args, options, &mut std::io::stdout().lock())? {
+        Verdict::Well => ExitCode::SUCCESS,
+        Verdict::Faulty => ExitCode::FAILURE,
+        Verdict::NoMaster => ExitCode::from(INVALID),
+    })
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {

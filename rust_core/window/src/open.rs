@@ -2,6 +2,7 @@
 
 use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorInfo};
+use crate::report::MonitorReport;
 use crate::run::{run as run_window, KeyHandler, UserEvent};
 use crate::sink::PictureSink;
 use crate::system_window::{SystemWindow, WindowOptions};
@@ -73,4 +74,17 @@ pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
         return wayland::monitors();
     }
     Ok(X11Session::open()?.monitors())
+}
+
+/// Inspects a monitor, and the windows of this package's programs, or those with a title. May wait for the window
+/// system without limit.
+///
+/// # Errors
+/// [`WindowError::NoDisplay`] when there is no display.
+pub fn inspect_monitor(monitor: &MonitorInfo, title: Option<&str>) -> Result<MonitorReport, WindowError> {
+    if wayland::is_named() {
+        let other_mode_px = wayland::other_mode(&monitor.name)?;
+        return Ok(MonitorReport { other_mode_px, ..MonitorReport::default() });
+    }
+    x11::inspect(monitor, title)
 }

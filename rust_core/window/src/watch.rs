@@ -141,7 +141,7 @@ impl DesktopRect {
         Self { position_px: Some(monitor.position_px), size_px: monitor.size_px }
     }
 
-    fn covers(self, monitor: &MonitorInfo) -> bool {
+    pub(crate) fn covers(self, monitor: &MonitorInfo) -> bool {
         self.size_px == monitor.size_px && self.position_px.is_none_or(|position| position == monitor.position_px)
     }
 }

@@ -26,6 +26,7 @@ mod command_line;
 mod compressed;
 mod depth;
 mod diagnostics;
+mod doctor;
 mod eye_safety;
 mod floods;
 mod frame_rate;

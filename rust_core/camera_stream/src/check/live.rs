@@ -3,27 +3,18 @@
 
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Error, Result};
-use rcs_displays::{time_from_stamp, Level, Status};
-use rcs_node_support::lifecycle::EndRequest;
-use rcs_node_support::node_options;
-use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::RosNode;
+use rcs_displays::{Level, Status};
+use rcs_ros::Parameters;
 use rcs_rviz_config::Config;
-use rcs_transforms::Time;
 
-use crate::camera_names;
-use crate::check::node_name::node_names;
+use crate::check::session::Session;
 use crate::check::table;
-use crate::options::Options;
 use crate::scene::status_tree::{self, StatusEntry};
-use crate::scene::subscriptions::Subscriptions;
-use crate::scene::visibility::{self, PlacedCamera, VISIBILITY};
-use crate::scene::SceneState;
+use crate::scene::visibility::VISIBILITY;
 
-const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
 /// Subscribes for a while and prints the table. Returns `true` if every status is Ok and the whole config is
@@ -32,14 +23,9 @@ const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 /// # Errors
 /// No master, an invalid parameter, or an output that cannot be written.
 pub(crate) fn run(config: &Config, words: &[OsString], listen: Duration, out: &mut dyn Write) -> Result<bool> {
-    // The master would end the running node if this one took its name.
-    let [own_name, checked_name] = node_names()?;
-    let end = EndRequest::watch_signals()?;
-    rcs_scene::name_threads();
-    let ros = RosNode::connect_now(&own_name, &|| end.is_requested())?;
-    let result = options(words, config, &checked_name, &ros)
-        .and_then(|options| check(config, &options, listen, &ros, &end, out));
-    ros.shutdown();
+    let session = Session::connect()?;
+    let result = check(config, &session, words, listen, out);
+    session.end();
     match result {
         // A closed pipe, as of `head`, is no error.
         Err(error) if is_closed_pipe(&error) => Ok(true),
@@ -49,64 +35,27 @@ pub(crate) fn run(config: &Config, words: &[OsString], listen: Duration, out: &m
 
 fn check(
     config: &Config,
-    options: &Options,
+    session: &Session,
+    words: &[OsString],
     listen: Duration,
-    ros: &RosNode,
-    end: &EndRequest,
     out: &mut dyn Write,
 ) -> Result<bool> {
-    let model = options.model;
-    let (events, resources) = (ros.events().clone(), options.resources.clone());
-    let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-    let mut scene = SceneState::new(config, options.fixed_frame.as_deref(), meshes);
+    let options = session.options(words, config, Parameters::new())?;
+    let mut scene = session.scene(config, &options);
     // Kept because they know their publishers.
-    let _subscriptions = receive(&mut scene, listen, ros, end)?;
-    ros.query_publications();
-    let mut entries = status_tree::scene(&scene, ros_time(ros));
-    let place = |view| PlacedCamera { view, camera: scene.camera(view, model).ok() };
-    let placed: Vec<_> = scene.cameras().iter().map(place).collect();
-    visibility::add(&mut entries, scene.displays(), &placed);
-    entries.extend(scene.cameras().iter().map(|view| status_tree::camera(&scene, view, model)));
-    status_tree::add_ros_graph(&mut entries, ros);
-    status_tree::add_unreachable_publishers(&mut entries, ros);
+    let _subscriptions = session.listen(&mut scene, listen, &mut ())?;
+    session.ros.query_publications();
+    let mut entries = session.display_entries(&scene, &options);
+    entries.extend(scene.cameras().iter().map(|view| status_tree::camera(&scene, view, options.model)));
+    session.add_graph(&mut entries);
     print(&entries, out)?;
     let is_understood = super::print_findings(config, out)?;
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
     Ok(is_ok && is_understood)
 }
 
-/// Options of the diagnosed node: the command line, then the parameters that a launch file set for it.
-fn options(words: &[OsString], config: &Config, checked_name: &str, ros: &RosNode) -> Result<Options> {
-    let mut parameters = ros.parameters_of(checked_name)?;
-    parameters.extend(ros.parameters().clone());
-    Ok(Options::of(&node_options::merge(words, &parameters)?, &camera_names(config))?)
-}
-
-fn is_closed_pipe(error: &Error) -> bool {
+pub(crate) fn is_closed_pipe(error: &Error) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
-}
-
-fn ros_time(ros: &RosNode) -> Time {
-    time_from_stamp(ros.now())
-}
-
-/// Applies received messages to the scene. Returns the subscriptions.
-fn receive(scene: &mut SceneState, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<Subscriptions> {
-    ros.subscribe_transforms()?;
-    let mut subscriptions = Subscriptions::default();
-    subscriptions.update(ros, scene.topics());
-    ros.follow_parameters(scene.parameters());
-    let started = Instant::now();
-    loop {
-        let left = listen.saturating_sub(started.elapsed());
-        for event in ros.events().wait(left.min(LONGEST_SLEEP)) {
-            subscriptions.apply(event, scene, ros_time(ros));
-        }
-        scene.update(ros_time(ros));
-        if left.is_zero() || end.is_requested() {
-            return Ok(subscriptions);
-        }
-    }
 }
 
 /// One row for each status that is not Ok, and for the Visibility, the worst first; an entry whose statuses are all Ok
@@ -132,7 +81,7 @@ fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
 const MAX_SUMMARY_CHARS: usize = 100;
 
 /// The texts in one line, or the first of them and their number.
-fn summary(texts: impl Iterator<Item = String>) -> String {
+pub(crate) fn summary(texts: impl Iterator<Item = String>) -> String {
     let texts: Vec<String> = texts.collect();
     let mut line = String::new();
     for (index, text) in texts.iter().enumerate() {

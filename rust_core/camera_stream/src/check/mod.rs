@@ -2,6 +2,7 @@
 
 pub(crate) mod live;
 mod node_name;
+pub(crate) mod session;
 mod table;
 
 use std::io::{self, Write};
@@ -43,20 +44,19 @@ fn print_all(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
 
 /// Prints problems of cameras and settings, and each finding. Returns `true` if there are only notes.
 fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
-    let camera_problems = camera_problems(config);
-    for problem in &camera_problems {
+    let problems = problems(config);
+    for (problem, _) in &problems {
         writeln!(out, "{}: {problem}", config.source)?;
     }
-    let setting_problems = setting_problems(config);
-    for problem in &setting_problems {
-        writeln!(out, "{}: {problem}", config.source)?;
-    }
-    for finding in &config.findings {
-        writeln!(out, "{}: {finding}", config.source)?;
-    }
-    let is_all_notes =
-        setting_problems.iter().all(|problem| problem.is_note) && config.findings.iter().all(|finding| finding.is_note);
-    Ok(camera_problems.is_empty() && is_all_notes)
+    Ok(problems.iter().all(|(_, is_note)| *is_note))
+}
+
+/// Problems of cameras and settings and findings of a config, each with `true` for a note, which changes no image.
+pub(crate) fn problems(config: &Config) -> Vec<(String, bool)> {
+    let cameras = camera_problems(config).into_iter().map(|problem| (problem.to_string(), false));
+    let settings = setting_problems(config).into_iter().map(|problem| (problem.to_string(), problem.is_note));
+    let findings = config.findings.iter().map(|finding| (finding.to_string(), finding.is_note));
+    cameras.chain(settings).chain(findings).collect()
 }
 
 #[cfg(test)]

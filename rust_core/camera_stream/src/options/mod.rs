@@ -141,10 +141,11 @@ fn parse_all<T>(
 }
 
 impl Cli {
-    /// The arguments of the node: its own, or those that `check` diagnoses.
+    /// The arguments of the node: its own, or those that `check` or `doctor` diagnoses.
     pub(crate) fn node_args(&self) -> &NodeArgs {
         match &self.command {
             Some(Command::Check(args)) => &args.node,
+            Some(Command::Doctor(args)) => &args.node,
             _ => &self.node,
         }
     }

@@ -43,11 +43,8 @@ pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, Mask
         Ok(ForCamera { camera: camera.clone(), value: Arc::new(painted_mask(path)?) })
     };
     let blend = |file: &ForCamera<PathBuf>| read_blend(file, options.blend_gamma);
-    let mut limits = AgeLimits::off();
-    limits.has_note = options.stale_note;
-    options.stale_timeouts.iter().cloned().try_for_each(|timeout| limits.set(timeout, |topic| ros.resolve(topic)))?;
     let rules = Rules {
-        limits,
+        limits: age_limits(ros, options)?,
         orientations: options.orientations.clone(),
         blends: options.blends.iter().map(blend).collect::<Result<_>>()?,
         painted_masks: options.masks.iter().map(read_mask).collect::<Result<_>>()?,
@@ -56,6 +53,17 @@ pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, Mask
         is_required: options.mask_required,
     };
     Ok((rules, MaskTopics(subscriptions)))
+}
+
+/// The limits of the age of data, with the topics' whole names.
+///
+/// # Errors
+/// A topic whose name ROS does not allow.
+pub(crate) fn age_limits(ros: &RosNode, options: &LightOptions) -> Result<AgeLimits> {
+    let mut limits = AgeLimits::off();
+    limits.has_note = options.stale_note;
+    options.stale_timeouts.iter().cloned().try_for_each(|timeout| limits.set(timeout, |topic| ros.resolve(topic)))?;
+    Ok(limits)
 }
 
 /// Reads a camera's weights.

@@ -251,7 +251,7 @@ impl SceneState {
     }
 
     /// The transforms, and the frame in which the scene is built.
-    pub(super) fn frames(&self) -> (&TransformTree, &str) {
+    pub(crate) fn frames(&self) -> (&TransformTree, &str) {
         (&self.context.transforms, &self.context.fixed_frame)
     }
 

@@ -26,3 +26,11 @@ pub(crate) fn is_named() -> bool {
 pub(crate) fn monitors() -> Result<Vec<MonitorInfo>, WindowError> {
     Ok(state::WaylandSession::open()?.state.outputs.monitors())
 }
+
+/// Native and current mode, pixels, of a monitor that runs another mode than its native one.
+///
+/// # Errors
+/// [`WindowError::NoDisplay`].
+pub(crate) fn other_mode(name: &str) -> Result<Option<[(u32, u32); 2]>, WindowError> {
+    Ok(state::WaylandSession::open()?.state.outputs.other_mode(name))
+}

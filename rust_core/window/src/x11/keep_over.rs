@@ -98,11 +98,11 @@ impl X11Session {
         windows.into_iter().rev().find(|window| self.is_viewable(*window) && self.has_title(*window, title))
     }
 
-    fn is_viewable(&self, window: Window) -> bool {
+    pub(super) fn is_viewable(&self, window: Window) -> bool {
         self.map_state(window) == Some(MapState::VIEWABLE)
     }
 
-    fn has_title(&self, window: Window, title: &str) -> bool {
+    pub(super) fn has_title(&self, window: Window, title: &str) -> bool {
         let is_title = |property: u32| {
             let cookie = self.connection.get_property(false, window, property, AtomEnum::ANY, 0, 1024).ok()?;
             Some(cookie.reply().ok()?.value == title.as_bytes())

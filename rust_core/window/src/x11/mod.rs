@@ -4,6 +4,7 @@
 //! open it again. The connection needs no main thread.
 
 mod awake;
+mod inspect;
 mod keep_over;
 mod keyboard;
 mod modes;
@@ -15,6 +16,7 @@ mod session;
 mod transfer;
 mod window;
 
+pub(crate) use inspect::inspect;
 pub(crate) use keep_over::keep_over;
 pub(crate) use session::X11Session;
 pub(crate) use window::X11Window;

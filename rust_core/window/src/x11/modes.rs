@@ -34,17 +34,17 @@ pub(super) struct OutputModes {
     native: ModeInfo,
     current: ModeInfo,
     /// `true` if the server scales the output.
-    is_scaled: bool,
+    pub(super) is_scaled: bool,
 }
 
 impl OutputModes {
     /// `true` if the output runs its native mode.
-    fn is_native(&self) -> bool {
+    pub(super) fn is_native(&self) -> bool {
         self.current.id == self.native.id || Self::size(&self.current) == Self::size(&self.native)
     }
 
     /// Width and height of the native and of the current mode, pixels.
-    fn native_and_current_px(&self) -> [(u16, u16); 2] {
+    pub(super) fn native_and_current_px(&self) -> [(u16, u16); 2] {
         [Self::size(&self.native), Self::size(&self.current)]
     }
 

@@ -20,6 +20,9 @@ use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
 use crate::watch::DesktopRect;
 
+/// Instance and class of this package's windows (ICCCM's `WM_CLASS`).
+pub(super) const WINDOW_CLASS: &[u8] = b"projector_window\0projector_window\0";
+
 /// Actions of a message that changes `_NET_WM_STATE` (EWMH).
 const REMOVE: u32 = 0;
 const ADD: u32 = 1;
@@ -81,8 +84,7 @@ impl X11Session {
         let replace = PropMode::REPLACE;
         connection.change_property8(replace, window, AtomEnum::WM_NAME, AtomEnum::STRING, title.as_bytes())?;
         connection.change_property8(replace, window, net_name, utf8, title.as_bytes())?;
-        let class = b"projector_window\0projector_window\0";
-        connection.change_property8(replace, window, AtomEnum::WM_CLASS, AtomEnum::STRING, class)?;
+        connection.change_property8(replace, window, AtomEnum::WM_CLASS, AtomEnum::STRING, WINDOW_CLASS)?;
         connection.change_property32(replace, window, protocols, AtomEnum::ATOM, &[delete])?;
         // Flags: only the decorations are set, to none.
         connection.change_property32(replace, window, motif, motif, &[2, 0, 0, 0, 0])?;

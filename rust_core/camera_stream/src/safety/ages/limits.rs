@@ -102,12 +102,12 @@ impl AgeLimits {
     }
 
     /// `true` if nothing becomes stale.
-    pub(super) fn is_off(&self) -> bool {
+    pub(crate) fn is_off(&self) -> bool {
         self.general == AgeLimit::Never && self.by_topic.values().all(|limit| *limit == AgeLimit::Never)
     }
 
     /// The strictest limit of these topics, by whole names, and whether one of them has a limit of its own.
-    pub(super) fn of<'t>(&self, topics: impl IntoIterator<Item = &'t str>) -> (AgeLimit, bool) {
+    pub(crate) fn of<'t>(&self, topics: impl IntoIterator<Item = &'t str>) -> (AgeLimit, bool) {
         let rank = |limit: &AgeLimit| match limit {
             AgeLimit::After(duration) => *duration,
             AgeLimit::Held => Duration::MAX - Duration::from_nanos(1),
@@ -118,7 +118,7 @@ impl AgeLimits {
     }
 
     /// Limit of frames that are not static.
-    pub(super) fn of_transforms(&self) -> Option<Duration> {
+    pub(crate) fn of_transforms(&self) -> Option<Duration> {
         match self.of([TRANSFORMS]).0 {
             AgeLimit::After(limit) => Some(limit),
             AgeLimit::Held | AgeLimit::Never => None,

@@ -1,0 +1,132 @@
+//! A look at a running ROS: subscribes for a while as the node would, and gives the statuses that it would have.
+
+use std::ffi::OsString;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use rcs_displays::time_from_stamp;
+use rcs_node_support::lifecycle::EndRequest;
+use rcs_node_support::node_options;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_ros::{NodeEvent, Parameters, RosNode};
+use rcs_rviz_config::Config;
+use rcs_transforms::Time;
+
+use crate::camera_names;
+use crate::check::node_name::node_names;
+use crate::options::Options;
+use crate::scene::status_tree::{self, StatusEntry};
+use crate::scene::subscriptions::Subscriptions;
+use crate::scene::visibility::{self, PlacedCamera};
+use crate::scene::SceneState;
+
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);
+
+/// Something that follows a session.
+pub(crate) trait Observer {
+    /// Called for each event before it is applied. `now` is ROS time.
+    fn event(&mut self, _event: &NodeEvent, _now: Time) {}
+
+    /// Called after each update of the scene.
+    fn updated(&mut self, _scene: &SceneState, _now: Time) {}
+}
+
+/// Observes nothing.
+impl Observer for () {}
+
+/// A node beside the one that is examined.
+pub(crate) struct Session {
+    pub(crate) ros: RosNode,
+    /// Name of the examined node.
+    pub(crate) checked_name: String,
+    end: EndRequest,
+}
+
+impl Session {
+    /// Connects to the master, with a name that the examined node does not have: the master would end that node.
+    ///
+    /// # Errors
+    /// No master, or why the node cannot start.
+    pub(crate) fn connect() -> Result<Self> {
+        let [own_name, checked_name] = node_names()?;
+        let end = EndRequest::watch_signals()?;
+        rcs_scene::name_threads();
+        let ros = RosNode::connect_now(&own_name, &|| end.is_requested())?;
+        Ok(Self { ros, checked_name, end })
+    }
+
+    /// Options of the examined node: the command line, the parameters that a launch file set for it, then `defaults`.
+    ///
+    /// # Errors
+    /// An invalid parameter.
+    pub(crate) fn options(&self, words: &[OsString], config: &Config, defaults: Parameters) -> Result<Options> {
+        let mut parameters = defaults;
+        parameters.extend(self.ros.parameters_of(&self.checked_name)?);
+        parameters.extend(self.ros.parameters().clone());
+        Ok(Options::of(&node_options::merge(words, &parameters)?, &camera_names(config))?)
+    }
+
+    /// The scene of a config, without messages.
+    pub(crate) fn scene(&self, config: &Config, options: &Options) -> SceneState {
+        let (events, resources) = (self.ros.events().clone(), options.resources.clone());
+        let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
+        SceneState::new(config, options.fixed_frame.as_deref(), meshes)
+    }
+
+    /// Applies received messages to the scene for a while. Returns the subscriptions, which know their publishers.
+    ///
+    /// # Errors
+    /// Transforms cannot be subscribed to.
+    pub(crate) fn listen(
+        &self,
+        scene: &mut SceneState,
+        listen: Duration,
+        observer: &mut dyn Observer,
+    ) -> Result<Subscriptions> {
+        let ros = &self.ros;
+        ros.subscribe_transforms()?;
+        let mut subscriptions = Subscriptions::default();
+        subscriptions.update(ros, scene.topics());
+        ros.follow_parameters(scene.parameters());
+        let started = Instant::now();
+        loop {
+            let left = listen.saturating_sub(started.elapsed());
+            for event in ros.events().wait(left.min(LONGEST_SLEEP)) {
+                let now = self.now();
+                observer.event(&event, now);
+                subscriptions.apply(event, scene, now);
+            }
+            scene.update(self.now());
+            observer.updated(scene, self.now());
+            if left.is_zero() || self.end.is_requested() {
+                return Ok(subscriptions);
+            }
+        }
+    }
+
+    /// The statuses of everything but the cameras.
+    pub(crate) fn display_entries<'s>(&self, scene: &'s SceneState, options: &Options) -> Vec<StatusEntry<'s>> {
+        let mut entries = status_tree::scene(scene, self.now());
+        let place = |view| PlacedCamera { view, camera: scene.camera(view, options.model).ok() };
+        let placed: Vec<_> = scene.cameras().iter().map(place).collect();
+        visibility::add(&mut entries, scene.displays(), &placed);
+        entries
+    }
+
+    /// Adds what the master knows about the topics of entries.
+    pub(crate) fn add_graph(&self, entries: &mut [StatusEntry<'_>]) {
+        status_tree::add_ros_graph(entries, &self.ros);
+        status_tree::add_unreachable_publishers(entries, &self.ros);
+    }
+
+    /// ROS time.
+    pub(crate) fn now(&self) -> Time {
+        time_from_stamp(self.ros.now())
+    }
+
+    /// Ends the node, and deletes the parameters that the arguments set for it: nobody uses its name again.
+    pub(crate) fn end(&self) {
+        self.ros.delete_parameters();
+        self.ros.shutdown();
+    }
+}

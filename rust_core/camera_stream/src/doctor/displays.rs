@@ -1,0 +1,92 @@
+//! Checks of the config and of each display, with the statuses of `check --live`.
+
+use rcs_displays::{Level, Status, Statuses};
+use rcs_rviz_config::Config;
+
+use super::finding::Finding;
+use super::look::Look;
+use crate::check::live::summary;
+use crate::check::problems;
+use crate::scene::status_tree::{StatusEntry, FIXED_FRAME, PUBLISHER};
+use crate::scene::visibility::VISIBILITY;
+
+/// The config's problems, and each display.
+pub(super) fn all(look: &Look<'_>, config: &Config) -> Vec<Finding> {
+    let mut entries = look.session.display_entries(look.scene, look.options);
+    look.session.add_graph(&mut entries);
+    of_config(config).into_iter().chain(entries.iter().map(display)).collect()
+}
+
+/// One finding for each problem of the config; none if it has only notes.
+pub(super) fn of_config(config: &Config) -> Vec<Finding> {
+    let wrong = problems(config).into_iter().filter(|(_, is_note)| !is_note);
+    wrong.map(|(problem, _)| Finding::bad("config", format!("{}: {problem}", config.source), "")).collect()
+}
+
+/// A display, by its worst statuses.
+fn display(entry: &StatusEntry<'_>) -> Finding {
+    let name = format!("display {}", entry.path);
+    let text = |(name, status): (&str, &Status)| format!("{name}: {}", status.one_line());
+    if entry.level() == Level::Ok {
+        return Finding::good(name, summary(entry.statuses.iter().map(text)));
+    }
+    let mut wrong: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
+    wrong.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
+    let advice = wrong.iter().find_map(|(name, status)| advice(name, &status.text)).unwrap_or_default();
+    Finding::bad(name, summary(wrong.into_iter().map(text)), advice)
+}
+
+/// What to do about a status.
+fn advice(name: &str, text: &str) -> Option<&'static str> {
+    Some(match name {
+        PUBLISHER if text.contains(" is published as ") => "choose a display of that type, or correct the topic",
+        PUBLISHER if text.contains("Failed to contact") => {
+            "end what the dead node left (rosnode cleanup), and set ROS_IP on its computer"
+        }
+        PUBLISHER => "start the publisher, or correct the topic in the config",
+        FIXED_FRAME => "set fixed_frame to a frame of TF (rosrun tf tf_monitor lists them)",
+        VISIBILITY => "aim the projector at it: it lies outside the image",
+        Statuses::TRANSFORM => "publish that frame, or correct its name in the message",
+        _ if text.contains("For frame [") => "publish that frame, or correct its name in the message",
+        _ if text.contains("No messages received") => "see whether its publisher sends (rostopic hz)",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use super::*;
+    use crate::scene::status_tree::EntryKind;
+
+    #[test]
+    fn a_display_is_a_line_with_its_problems_the_worst_first() {
+        let line = |list: &[(Level, &str, &str)]| {
+            let mut statuses = Statuses::default();
+            list.iter().for_each(|(level, name, text)| statuses.set(*level, name, *text));
+            let entry = StatusEntry {
+                kind: EntryKind::Display,
+                display: Some(0),
+                path: "group / cloud".to_owned(),
+                class: "rviz/PointCloud2".to_owned(),
+                topic: "/cloud".to_owned(),
+                subscriptions: Vec::new(),
+                has_received: true,
+                statuses: Cow::Owned(statuses),
+                values: Vec::new(),
+            };
+            display(&entry).to_string()
+        };
+        assert_eq!(line(&[(Level::Ok, "Topic", "3 messages")]), "✓ display group / cloud: Topic: 3 messages");
+        let wrong = line(&[
+            (Level::Warn, "Topic", "No messages received"),
+            (Level::Ok, "Points", "Showing 3 points"),
+            (Level::Error, Statuses::TRANSFORM, "For frame [x]: no such frame"),
+        ]);
+        let expected =
+            "✗ display group / cloud: Transform: For frame [x]: no such frame, Topic: No messages received; \
+                        publish that frame, or correct its name in the message";
+        assert_eq!(wrong, expected);
+    }
+}
