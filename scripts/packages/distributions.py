@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 # Debian's Debian packages, where their names do not follow from ROS's: programs and Python modules of ROS's tools.
 DEBIAN_NAMES = {
+    'rosbash': 'rosbash',
     'roslaunch': 'python3-roslaunch',
     'rostopic': 'python3-rostopic',
     'rospy': 'python3-rospy',
