@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::process::ExitCode;
 
+use rcs_node_support::dialog::DialogError;
 use rcs_scan::ScanFailure;
 
 /// The reason why nothing was written; one line is printed.
@@ -42,6 +43,15 @@ impl From<ScanFailure> for Failure {
             Self::refused(failure)
         } else {
             Self::unreadable(failure)
+        }
+    }
+}
+
+impl From<DialogError> for Failure {
+    fn from(error: DialogError) -> Self {
+        match error {
+            DialogError::Ended | DialogError::Output(_) => Self::refused(error),
+            DialogError::Unusable(_) | DialogError::Input(_) => Self::unreadable(error),
         }
     }
 }

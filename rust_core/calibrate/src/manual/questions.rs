@@ -1,18 +1,12 @@
 //! The dialog that asks for the measures on the terminal. It repeats a question after an unusable answer, and those of
-//! a distance whose measures contradict each other. The end of the input (Ctrl-D) and Ctrl-C end the program, before
-//! anything is written.
-//!
-//! Questions go to standard error, since the file may go to standard output.
+//! a distance whose measures contradict each other.
 
-use std::io::{self, BufRead, Read as _, Write};
+use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::thread;
-use std::time::Duration;
 
 use anyhow::{anyhow, Context as _};
 use rcs_calibration::manual::{solve, ManualMeasures, WallMeasures};
-use rcs_node_support::lifecycle::EndRequest;
+use rcs_node_support::dialog::{end_on_signals, Dialog, MAX_ATTEMPTS};
 
 use crate::arguments::{length_m, size_px, two_lengths_m};
 use crate::Failure;
@@ -40,32 +34,11 @@ With a second distance it does not matter where in the projector the light comes
 or forth, by as much as there is room, and measure everything again, the distance from the same place of the projector.
 ";
 
-/// Length limit of an answer, bytes.
-const MAX_BYTES: u64 = 1000;
-/// Unusable answers in a row until the dialog gives up: more are no person's.
-const MAX_ATTEMPTS: u32 = 30;
-
 /// Asks on the terminal for measures that determine a lens, and for the file to write unless `output` names it.
 #[expect(clippy::disallowed_methods, reason = "a signal ends the program while it waits for an answer")]
 pub(super) fn ask_user(tape_error_m: f64, output: Option<&Path>) -> Result<(ManualMeasures, PathBuf), Failure> {
-    end_on_signals().context("cannot handle signals").map_err(Failure::Refused)?;
+    end_on_signals("projector_calibrate").context("cannot handle signals").map_err(Failure::Refused)?;
     ask(&mut io::stdin().lock(), &mut io::stderr(), tape_error_m, output)
-}
-
-/// Ends the program on Ctrl-C while it waits for an answer.
-fn end_on_signals() -> io::Result<()> {
-    let end = EndRequest::watch_signals()?;
-    let waiting = move || {
-        end.wait_for(Duration::MAX);
-        eprintln!();
-        let _: ExitCode = interrupted().report();
-        std::process::exit(1);
-    };
-    thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
-}
-
-fn interrupted() -> Failure {
-    Failure::Refused(anyhow!("ended before the last answer; nothing written"))
 }
 
 /// Asks until the measures determine a lens.
@@ -75,103 +48,58 @@ fn ask(
     tape_error_m: f64,
     output: Option<&Path>,
 ) -> Result<(ManualMeasures, PathBuf), Failure> {
-    let mut dialog = Dialog { input, terminal };
+    let mut dialog = Dialog::new(input, terminal);
     dialog.say(INTRODUCTION)?;
     let size_px = dialog.answer("Width and height of the picture in pixels, such as 1280x800: ", size_px)?;
     let measures = |first, second| ManualMeasures { size_px, first, second, tape_error_m };
-    let first = dialog.wall(&|wall| solve(&measures(wall, None)).map(drop))?;
+    let first = wall(&mut dialog, &|wall| solve(&measures(wall, None)).map(drop))?;
     dialog.say(SECOND)?;
     let second = if dialog.agrees("Measure at a second distance? [Y/n] ", true)? {
-        Some(dialog.wall(&|wall| solve(&measures(first, Some(wall))).map(drop))?)
+        Some(wall(&mut dialog, &|wall| solve(&measures(first, Some(wall))).map(drop))?)
     } else {
         None
     };
     let output = match output {
         Some(path) => path.to_owned(),
-        None => dialog.file()?,
+        None => file(&mut dialog)?,
     };
     Ok((measures(first, second), output))
 }
 
-/// Questions and answers.
-struct Dialog<'a, I, T> {
-    input: &'a mut I,
-    terminal: &'a mut T,
+/// Asks for the measures at one distance until `check` accepts them.
+fn wall<E: std::fmt::Display>(
+    dialog: &mut Dialog<'_>,
+    check: &dyn Fn(WallMeasures) -> Result<(), E>,
+) -> Result<WallMeasures, Failure> {
+    for _ in 0..MAX_ATTEMPTS {
+        let distance_m = dialog.answer("Distance from the lens to the wall, Z: ", |text| positive(length_m(text)?))?;
+        let picture_m = dialog.answer("Width and height of the picture on the wall, W x H: ", |text| {
+            let [width, height] = two_lengths_m(text)?;
+            Ok([positive(width)?, positive(height)?])
+        })?;
+        let axis_m = dialog.answer("Where the optical axis meets the wall, X, Y: ", |text| {
+            let place = two_lengths_m(text)?;
+            place.iter().all(|length| length.is_finite()).then_some(place).ok_or_else(not_finite)
+        })?;
+        let wall = WallMeasures { distance_m, picture_m, axis_m: Some(axis_m) };
+        match check(wall) {
+            Ok(()) => return Ok(wall),
+            Err(error) => dialog.say(&format!("  {error}: measure this distance again"))?,
+        }
+    }
+    Err(Failure::Unreadable(anyhow!("no usable measures")))
 }
 
-impl<I: BufRead, T: Write> Dialog<'_, I, T> {
-    fn say(&mut self, text: &str) -> Result<(), Failure> {
-        let said = writeln!(self.terminal, "{text}").and_then(|()| self.terminal.flush());
-        said.map_err(Failure::refused)
-    }
-
-    /// Asks until `read` accepts the answer.
-    fn answer<A>(&mut self, question: &str, read: impl Fn(&str) -> Result<A, String>) -> Result<A, Failure> {
-        for _ in 0..MAX_ATTEMPTS {
-            write!(self.terminal, "{question}").and_then(|()| self.terminal.flush()).map_err(Failure::refused)?;
-            let mut line = String::new();
-            match self.input.by_ref().take(MAX_BYTES).read_line(&mut line) {
-                Ok(0) => {
-                    self.say("")?;
-                    return Err(interrupted());
-                }
-                Ok(_) => {}
-                Err(error) if error.kind() == io::ErrorKind::InvalidData => line.clear(),
-                Err(error) => return Err(Failure::unreadable(error)),
-            }
-            match read(line.trim()) {
-                Ok(answer) => return Ok(answer),
-                Err(reason) => self.say(&format!("  {reason}"))?,
-            }
-        }
-        Err(Failure::Unreadable(anyhow!("no usable answer to: {}", question.trim())))
-    }
-
-    /// Asks for the measures at one distance until `check` accepts them.
-    fn wall<E: std::fmt::Display>(
-        &mut self,
-        check: &dyn Fn(WallMeasures) -> Result<(), E>,
-    ) -> Result<WallMeasures, Failure> {
-        for _ in 0..MAX_ATTEMPTS {
-            let distance_m =
-                self.answer("Distance from the lens to the wall, Z: ", |text| positive(length_m(text)?))?;
-            let picture_m = self.answer("Width and height of the picture on the wall, W x H: ", |text| {
-                let [width, height] = two_lengths_m(text)?;
-                Ok([positive(width)?, positive(height)?])
-            })?;
-            let axis_m = self.answer("Where the optical axis meets the wall, X, Y: ", |text| {
-                let place = two_lengths_m(text)?;
-                place.iter().all(|length| length.is_finite()).then_some(place).ok_or_else(not_finite)
-            })?;
-            let wall = WallMeasures { distance_m, picture_m, axis_m: Some(axis_m) };
-            match check(wall) {
-                Ok(()) => return Ok(wall),
-                Err(error) => self.say(&format!("  {error}: measure this distance again"))?,
-            }
-        }
-        Err(Failure::Unreadable(anyhow!("no usable measures")))
-    }
-
-    fn agrees(&mut self, question: &str, default: bool) -> Result<bool, Failure> {
-        self.answer(question, |text| match text.to_lowercase().as_str() {
-            "" => Ok(default),
-            "y" | "yes" => Ok(true),
-            "n" | "no" => Ok(false),
-            _ => Err("answer y or n".to_owned()),
-        })
-    }
-
-    /// The file to write.
-    fn file(&mut self) -> Result<PathBuf, Failure> {
-        loop {
-            let path = self.answer("File to write [projector.yaml]: ", |text| match text {
-                "" => Ok(PathBuf::from("projector.yaml")),
-                _ if Path::new(text).is_dir() => Err(format!("{text} is a folder")),
-                _ => Ok(PathBuf::from(text)),
-            })?;
-            if !path.exists() || self.agrees(&format!("{} exists. Replace it? [y/N] ", path.display()), false)? {
-                return Ok(path);
-            }
+/// Asks for the file to write.
+fn file(dialog: &mut Dialog<'_>) -> Result<PathBuf, Failure> {
+    loop {
+        let path = dialog.answer("File to write [projector.yaml]: ", |text| match text {
+            "" => Ok(PathBuf::from("projector.yaml")),
+            _ if Path::new(text).is_dir() => Err(format!("{text} is a folder")),
+            _ => Ok(PathBuf::from(text)),
+        })?;
+        if !path.exists() || dialog.agrees(&format!("{} exists. Replace it? [y/N] ", path.display()), false)? {
+            return Ok(path);
         }
     }
 }
