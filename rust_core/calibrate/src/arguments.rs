@@ -4,22 +4,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::anyhow;
-use rcs_files::capture::MOST_PIXELS;
+use rcs_files::sizes::pair;
+pub(super) use rcs_files::sizes::size_px;
 
 use super::Failure;
 
 /// The longest time that can be given, seconds.
 const MAX_SECONDS: f64 = 1e6;
-
-/// Width and height, pixels: `1280x800`.
-pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
-    let [width, height] = pair(text).ok_or("not a size such as 1280x800")?;
-    let side = |text: &str| match text.parse() {
-        Ok(side) if (1..=MOST_PIXELS).contains(&side) => Ok(side),
-        _ => Err(format!("'{text}' is not a number of pixels from 1 to {MOST_PIXELS}")),
-    };
-    Ok([side(width)?, side(height)?])
-}
 
 /// Two lengths, metres: `0.9x0.56`, `0.45,0.6`, `90cm x 56cm`.
 pub(super) fn two_lengths_m(text: &str) -> Result<[f64; 2], String> {
@@ -36,13 +27,6 @@ pub(super) fn length_m(text: &str) -> Result<f64, String> {
     // Dividing is exact where multiplying by 0.001 is not: 250 mm is 0.25 m.
     let length: f64 = number.trim().parse().map_err(|_| format!("'{text}' is not a length in metres such as 1.25"))?;
     Ok(length / units_in_metre)
-}
-
-/// The two sides of an x, a comma or white space.
-fn pair(text: &str) -> Option<[&str; 2]> {
-    let (first, second) =
-        text.trim().split_once(['x', 'X', '×', ',', ';']).or_else(|| text.trim().split_once(char::is_whitespace))?;
-    Some([first.trim(), second.trim()])
 }
 
 /// A time in seconds.
@@ -71,16 +55,6 @@ pub(super) fn check_folder(path: &Path) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_whole_pixels() {
-        for text in ["1280x800", " 1280 x 800 ", "1280×800", "1280,800", "1280 800", "1280X800"] {
-            assert_eq!(size_px(text), Ok([1280, 800]), "{text}");
-        }
-        for text in ["", "1280", "1280x", "0x800", "1280x-8", "1280x800x3", "1e3x8", "99999x800", "1280.5x800"] {
-            assert!(size_px(text).is_err(), "{text}");
-        }
-    }
 
     #[test]
     fn lengths_are_metres_unless_they_have_a_unit() {

@@ -12,6 +12,7 @@ use rcs_window::MonitorChoice;
 
 use crate::doctor::viewer::Viewer;
 use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
+use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::node_options::COMMAND_LINE_ONLY;
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
@@ -256,18 +257,6 @@ fn video_file(text: &str) -> Result<PathBuf, String> {
         Some(_) => Ok(text.into()),
         None => Err("a video's name has the ending of its format, such as .mp4".to_owned()),
     }
-}
-
-/// A name of the ROS graph: words of letters, digits and `_`, with `/` between them; begins with a letter, `/` or `~`.
-pub(super) fn graph_name(text: &str) -> Result<String, String> {
-    let words = text.strip_prefix(['/', '~']).unwrap_or(text);
-    let words = if text.starts_with('~') { words.strip_prefix('/').unwrap_or(words) } else { words };
-    let is_word = |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
-    let begins_well = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '/' || c == '~');
-    if begins_well && words.split('/').all(is_word) {
-        return Ok(text.to_owned());
-    }
-    Err("a ROS name: letters, digits, _ and /, and a letter, / or ~ first".to_owned())
 }
 
 /// Validates a namespace: empty, or a ROS name with an optional `/` at the end.

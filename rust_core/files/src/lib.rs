@@ -1,6 +1,6 @@
 //! File formats: a projector's geometry ([`projector`]), the calibration's input and output ([`capture`],
-//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]) and pictures
-//! ([`picture_file`], [`canvas`]).
+//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]), pictures
+//! ([`picture_file`], [`canvas`]) and sizes as a user types them ([`sizes`]).
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -15,6 +15,7 @@ pub mod limited_read;
 pub mod pcd;
 pub mod picture_file;
 pub mod projector;
+pub mod sizes;
 mod text;
 pub mod verification;
 mod yaml_text;

@@ -6,6 +6,7 @@
 
 pub mod dialog;
 pub mod frames;
+pub mod graph_name;
 pub mod key_value;
 pub mod lifecycle;
 pub mod monitor_arguments;

@@ -16,6 +16,7 @@ use rcs_bag::{full_name, Bag};
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
 use rcs_files::limited_read::read_limited;
+use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
 use rcs_render::{LastStep, Orientation, Renderer};
 use rcs_resources::PackageIndex;
@@ -23,7 +24,6 @@ use rcs_scene::Picture;
 use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use crate::cli;
 use crate::outputs::{Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
 use crate::projection_warning::ProjectionWarning;
 use crate::safety::names::{of_camera, ForCamera};
@@ -238,7 +238,7 @@ impl RenderTarget {
 pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, String>> {
     let whole = |(from, to): &(String, String)| {
         for name in [from, to] {
-            cli::graph_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))?;
+            graph_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))?;
         }
         Ok((full_name(from), full_name(to)))
     };
