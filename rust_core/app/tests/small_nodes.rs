@@ -103,9 +103,9 @@ fn a_wrong_file_is_one_line_that_names_it_and_exits_with_1_without_a_master() {
     let (_other, cloud) = file("cloud.pcd", &CLOUD_FILE.replace("1 2 3", "1 two 3"));
     let cases = [
         (PROJECTOR, projector, "line 4"),
-        (PROJECTOR, "missing.yaml".to_owned(), "No such file"),
+        (PROJECTOR, "missing.yaml".to_owned(), "no such file; relative to the folder"),
         (CLOUD, cloud, "line 7"),
-        (CLOUD, "missing.pcd".to_owned(), "No such file"),
+        (CLOUD, "missing.pcd".to_owned(), "no such file; relative to the folder"),
     ];
     for (path, file, reason) in cases {
         let output = program(path).arg(&file).output().unwrap();

@@ -22,7 +22,7 @@ use std::process::ExitCode;
 use anyhow::{anyhow, Context, Result};
 use clap::Parser;
 use rcs_node_support::lifecycle::{self, own_arguments};
-use rcs_node_support::old_spellings;
+use rcs_node_support::{old_spellings, user_file};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
@@ -90,6 +90,7 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
         return Ok(finished(new_camera::run(args)));
     }
     let file = cli.config_mut().cloned().context("no config: name one with -d FILE.rviz (see --help)")?;
+    user_file::check(&file)?;
     let config = rcs_rviz_config::load(&file)?;
     let options = Options::of_command_line(cli, &camera_names(&config))?;
     let result = match &cli.command {

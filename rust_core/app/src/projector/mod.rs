@@ -14,6 +14,7 @@ use rcs_ros::{Publisher, RosNode};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::with_parameters;
+use rcs_node_support::user_file;
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -90,6 +91,7 @@ fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &
 
 /// Reads the file and applies the arguments.
 fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<ProjectorFile> {
+    user_file::check(path)?;
     let mut file = ProjectorFile::read(path)?;
     if let Some(frame_id) = arguments.frame_id.as_ref().filter(|frame_id| *frame_id != "none") {
         file.camera_info.header.frame_id.clone_from(frame_id);

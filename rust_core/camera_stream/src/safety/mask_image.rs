@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use rcs_files::blend_file::BlendFile;
 use rcs_messages::Image;
+use rcs_node_support::user_file;
 use rcs_render::LightMask;
 
 /// Reads a mask from an image message.
@@ -32,6 +33,7 @@ pub fn light_mask(image: &Image) -> Result<LightMask, String> {
 /// # Errors
 /// A file that cannot be read, or no PNG.
 pub(crate) fn painted_mask(path: &Path) -> Result<LightMask> {
+    user_file::check(path)?;
     let BlendFile { size_px, weights, lifts } = BlendFile::read(path)?;
     let level = |(light, transparency): (u16, u16)| {
         let opaque = u32::from(light) * u32::from(u16::MAX - transparency) / u32::from(u16::MAX);

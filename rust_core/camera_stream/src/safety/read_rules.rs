@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use rcs_files::blend_file::BlendFile;
 use rcs_messages::MessageKind;
+use rcs_node_support::user_file;
 use rcs_render::Blend;
 use rcs_ros::{RosNode, TopicSubscription};
 
@@ -68,6 +69,7 @@ pub(crate) fn age_limits(ros: &RosNode, options: &LightOptions) -> Result<AgeLim
 
 /// Reads a camera's weights.
 fn read_blend(ForCamera { camera, value: path }: &ForCamera<PathBuf>, gamma: f32) -> Result<ForCamera<Arc<Blend>>> {
+    user_file::check(path)?;
     let BlendFile { size_px, weights, lifts } = BlendFile::read(path)?;
     let blend = Blend::new(size_px, &weights, &lifts, gamma).with_context(|| path.display().to_string())?;
     Ok(ForCamera { camera: camera.clone(), value: Arc::new(blend) })

@@ -12,6 +12,7 @@ use rcs_ros::RosNode;
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{with_parameters, within};
+use rcs_node_support::user_file;
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -61,13 +62,19 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &PublishCloudArguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
-    let message = arguments.path().map(|path| read(path, &arguments.frame)).transpose()?;
+    let message = arguments.path().map(|path| read_users(path, &arguments.frame)).transpose()?;
     lifecycle::with_node("publish_cloud", |node, end| {
         let arguments: PublishCloudArguments = with_parameters(node)?;
         let path = arguments.path().context("no PCD file: give FILE, --file FILE or the parameter ~file")?;
-        let message = message.map_or_else(|| read(path, &arguments.frame), Ok)?;
+        let message = message.map_or_else(|| read_users(path, &arguments.frame), Ok)?;
         publish(node, end, path, &arguments, message)
     })
+}
+
+/// [`read`] of a file that a user names.
+fn read_users(path: &Path, frame: &str) -> anyhow::Result<PointCloud2> {
+    user_file::check(path)?;
+    Ok(read(path, frame)?)
 }
 
 /// Publishes the cloud at the rate until the shutdown is requested.
