@@ -367,15 +367,20 @@ fn the_nodes_that_are_scripts_have_help() {
 }
 
 /// A devel space with the programs that are built already, and roslaunch in it; ended when it is dropped.
-struct Launched {
-    roslaunch: Running,
+pub(crate) struct Launched {
+    pub(crate) roslaunch: Running,
     _space: tempfile::TempDir,
 }
 
 impl Launched {
     fn start(master: &RosMaster, launch: &str) -> Self {
+        Self::run(master, &format!("rviz_camera_stream {launch}"))
+    }
+
+    /// Runs roslaunch with these arguments.
+    pub(crate) fn run(master: &RosMaster, arguments: &str) -> Self {
         let space = tempfile::tempdir().unwrap();
-        let script = format!("{}\nexec roslaunch rviz_camera_stream {launch}", devel_space(space.path()));
+        let script = format!("{}\nexec roslaunch {arguments}", devel_space(space.path()));
         let roslaunch = Running::start(&mut master.environment(bash_command(&script))).unwrap();
         Self { roslaunch, _space: space }
     }
@@ -390,7 +395,7 @@ impl Drop for Launched {
 }
 
 /// Waits for one picture and returns what rostopic prints of it without its data.
-fn picture(master: &RosMaster, topic: &str, launched: &Launched) -> String {
+pub(crate) fn picture(master: &RosMaster, topic: &str, launched: &Launched) -> String {
     let printed = master.output("rostopic", &["echo", "-n", "1", "--noarr", topic]).unwrap();
     assert!(!printed.is_empty(), "{topic}: {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
     printed

@@ -8,6 +8,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_files::picture_file::PictureFormat;
 use rcs_render::RendererChoice;
+use rcs_setup::SetupArgs;
 use rcs_window::MonitorChoice;
 
 use crate::doctor::viewer::Viewer;
@@ -49,6 +50,7 @@ impl Cli {
             Some(Command::Check(args)) => args.config.as_mut().or(args.node.display_config.as_mut()),
             Some(Command::Doctor(args)) => args.node.display_config.as_mut(),
             Some(Command::Render(args)) => Some(&mut args.display_config),
+            Some(Command::Setup(_)) => None,
             None => self.node.display_config.as_mut(),
         }
     }
@@ -60,8 +62,11 @@ impl Cli {
 
     /// Whether pictures are drawn, perhaps with a GPU.
     pub fn may_use_gpu(&self) -> bool {
-        let draws = !matches!(self.command, Some(Command::Check(_) | Command::Doctor(_) | Command::NewCamera(_)));
-        draws && self.renderer != RendererChoice::Cpu
+        let draws_nothing = matches!(
+            self.command,
+            Some(Command::Check(_) | Command::Doctor(_) | Command::NewCamera(_) | Command::Setup(_))
+        );
+        !draws_nothing && self.renderer != RendererChoice::Cpu
     }
 }
 
@@ -94,6 +99,14 @@ pub enum Command {
     /// Everything else in the config keeps its bytes. A name, an image topic or a namespace that a camera of the config
     /// has already is refused.
     NewCamera(NewCameraArgs),
+    /// Writes a folder with a first projector file, scene, launch file and the next commands
+    ///
+    /// Asks on the terminal for what the options leave open, and offers what it finds: the robot's description, TF, the
+    /// topics that are published, the monitors. Without a terminal, the options and what is found are the answers, and
+    /// all that is missing is one error. Nothing is written until all answers are valid.
+    ///
+    /// Exit status: 0 written, 1 refused (the folder has files, say), 2 invalid or missing answers.
+    Setup(SetupArgs),
 }
 
 /// The arguments of `new-camera`.

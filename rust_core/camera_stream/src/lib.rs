@@ -26,6 +26,7 @@ use rcs_node_support::{old_spellings, user_file};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
+use rcs_setup::SetupError;
 
 use crate::cli::{CheckArgs, Cli, Command, DoctorArgs, RenderArgs};
 use crate::doctor::launch::node_arguments;
@@ -89,6 +90,13 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     if let Some(Command::NewCamera(args)) = &cli.command {
         return Ok(finished(new_camera::run(args)));
     }
+    if let Some(Command::Setup(args)) = &cli.command {
+        return match rcs_setup::run(args) {
+            Ok(()) => Ok(ExitCode::SUCCESS),
+            Err(SetupError::Refused(error)) => Ok(finished(Err(error))),
+            Err(SetupError::Invalid(error)) => Err(anyhow!(rcs_logging::one_line(&error))),
+        };
+    }
     let file = cli.config_mut().cloned().context("no config: name one with -d FILE.rviz (see --help)")?;
     user_file::check(&file)?;
     let config = rcs_rviz_config::load(&file)?;
@@ -101,7 +109,7 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
             .map_err(|error| anyhow!("standard output: {error}")),
         Some(Command::Render(args)) => render(cli, args, &config).map(|()| ExitCode::SUCCESS),
         None => return Ok(lifecycle::finish(&runtime::run(words, &file, &config))),
-        Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
+        Some(Command::NewCamera(_) | Command::Setup(_)) => Ok(ExitCode::SUCCESS),
     };
     Ok(finished(result))
 }

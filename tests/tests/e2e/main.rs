@@ -50,6 +50,7 @@ mod recorded;
 mod render;
 mod samples;
 mod settings;
+mod setup;
 mod simulated_time;
 mod soak;
 mod thread_names;
