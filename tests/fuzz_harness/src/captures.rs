@@ -119,6 +119,7 @@ fn files() -> &'static Files {
             ("other_size.png", png(&grey(width + 1, height))),
             ("depth_of_field.png", png(&depth.clone().into())),
             ("depth.png", png(&depth.into())),
+            ("robot.urdf", b"<robot name='r'/>".to_vec()),
             camera_info("camera_info.yaml", SIZE_PX),
             camera_info("wide.yaml", [16_384, 16_384]),
         ]
