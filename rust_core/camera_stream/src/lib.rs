@@ -24,7 +24,6 @@ use clap::Parser;
 use rcs_node_support::lifecycle::{self, own_arguments};
 use rcs_node_support::{old_spellings, user_file};
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::restart;
 use rcs_rviz_config::{Config, DisplaySettings, Finding};
 use rcs_setup::SetupError;
 
@@ -59,14 +58,14 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }
     };
+    if cli.may_use_gpu() {
+        quiet_graphics_libraries();
+    }
     let flush = cli.command.is_none().then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
     }
     warnings.iter().for_each(|warning| log::warn!("{warning}"));
-    if cli.may_use_gpu() {
-        quiet_graphics_libraries();
-    }
     let is_node = cli.command.is_none();
     run(&words, &mut cli).unwrap_or_else(|error| {
         print_error(&error.to_string(), is_node);
@@ -131,13 +130,11 @@ fn finished(result: Result<ExitCode>) -> ExitCode {
 
 /// Without a session there is no XDG_RUNTIME_DIR, and then libwayland prints errors when a GL driver is probed,
 /// although no window is opened. Where the variable names an existing folder, it finds no socket there and prints
-/// nothing.
+/// nothing. To be called before a thread starts, because others may read the environment at the same time.
 fn quiet_graphics_libraries() {
     const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
     if std::env::var_os(RUNTIME_FOLDER).is_none() {
-        let folder = std::env::temp_dir();
-        let error = restart(std::env::args_os().skip(1), &[(RUNTIME_FOLDER, folder.as_os_str())]);
-        log::debug!("cannot restart with {RUNTIME_FOLDER}: {error}");
+        std::env::set_var(RUNTIME_FOLDER, std::env::temp_dir());
     }
 }
 

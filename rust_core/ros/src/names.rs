@@ -17,12 +17,13 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    /// The names of this process; `default_name` is the node's unless `__name:=` gives another.
+    /// The names of this process; `default_name` is the node's unless `__name:=` gives another. `suffix` is added to
+    /// either.
     ///
     /// # Errors
     /// [`NodeError::Name`], of a node or a remapping.
-    pub(crate) fn of_process(default_name: &str) -> Result<Self, NodeError> {
-        Self::new(&resolve::namespace(), &resolve::name(default_name), &resolve::mappings())
+    pub(crate) fn of_process(default_name: &str, suffix: &str) -> Result<Self, NodeError> {
+        Self::new(&resolve::namespace(), &(resolve::name(default_name) + suffix), &resolve::mappings())
     }
 
     fn new(namespace: &str, name: &str, mappings: &[(String, String)]) -> Result<Self, NodeError> {

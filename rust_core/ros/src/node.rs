@@ -115,7 +115,7 @@ impl RosNode {
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         wait_for_master(&master_uri(), cancelled)?;
         let default_name = default_name.to_owned();
-        unless_cancelled(cancelled, move |given_up| Self::start(&default_name, given_up))
+        unless_cancelled(cancelled, move |given_up| Self::start(&default_name, "", given_up))
     }
 
     /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
@@ -123,15 +123,28 @@ impl RosNode {
     /// # Errors
     /// [`NodeError::NoMaster`] if no master answers at its address, else as [`connect`](Self::connect).
     pub fn connect_now(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let default_name = default_name.to_owned();
+        Self::connect_beside(default_name, "", cancelled)
+    }
+
+    /// Starts the node as [`connect_now`](Self::connect_now) does, with `suffix` after its name: for a launch line whose
+    /// own node may be running, which the master would end if another took its name.
+    ///
+    /// # Errors
+    /// As [`connect_now`](Self::connect_now).
+    pub fn connect_beside(
+        default_name: &str,
+        suffix: &str,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<Self, NodeError> {
+        let (default_name, suffix) = (default_name.to_owned(), suffix.to_owned());
         unless_cancelled(cancelled, move |given_up| {
             check_master(&master_uri())?;
-            Self::start(&default_name, given_up)
+            Self::start(&default_name, &suffix, given_up)
         })
     }
 
-    fn start(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let (names, arguments) = (Names::of_process(default_name)?, private_arguments()?);
+    fn start(default_name: &str, suffix: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
+        let (names, arguments) = (Names::of_process(default_name, suffix)?, private_arguments()?);
         let events: Arc<EventQueue> = Arc::default();
         let sender = events.sender(0);
         let on_publisher_left = move |topic: &str| sender.push(NodeEvent::PublisherLeft { topic: topic.into() });

@@ -103,7 +103,7 @@ fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
     }
 }
 
-/// Such a program starts itself again with the folder for which graphics libraries look, and with the same arguments.
+/// Such a program sets the folder for which graphics libraries look.
 #[test]
 fn without_a_runtime_folder_the_picture_is_drawn_all_the_same() {
     let render = Render::with_scene();

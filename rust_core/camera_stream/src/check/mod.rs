@@ -1,8 +1,6 @@
 //! `camera_stream check`: the parts of a config that are understood and drawn.
 
 pub(crate) mod live;
-mod node_name;
-pub(crate) mod session;
 mod table;
 
 use std::io::{self, Write};
