@@ -85,8 +85,17 @@ impl Drop for Acceptor {
     }
 }
 
-/// Counts a connection while it lives.
-struct Counted(Arc<AtomicUsize>);
+/// Counts a connection or a thread while it lives.
+pub(crate) struct Counted(Arc<AtomicUsize>);
+
+impl Counted {
+    /// Counts on, unless there are `most` already.
+    pub(crate) fn new(count: &Arc<AtomicUsize>, most: usize) -> Option<Self> {
+        let is_within = count.fetch_add(1, Ordering::AcqRel) < most;
+        let counted = Self(Arc::clone(count));
+        is_within.then_some(counted)
+    }
+}
 
 impl Drop for Counted {
     fn drop(&mut self) {
@@ -134,14 +143,12 @@ where
                 continue;
             }
         };
-        let is_one_too_many = open.fetch_add(1, Ordering::AcqRel) >= limits.connections;
-        let counted = Counted(Arc::clone(&open));
-        if is_one_too_many {
+        let Some(counted) = Counted::new(&open, limits.connections) else {
             if warned.is_due(Instant::now()) {
                 log::warn!("{name}: more than {} connections at a time, further ones are closed", limits.connections);
             }
             continue;
-        }
+        };
         let (serve, own_name) = (Arc::clone(serve), name.to_owned());
         let serving = move || {
             let _counted = counted;

@@ -145,11 +145,6 @@ fn from_yaml(value: serde_yaml_ng::Value) -> Option<Value> {
     })
 }
 
-/// The process's arguments without the program's name and without those that are for ROS (`a:=b`).
-pub fn plain_args() -> Vec<String> {
-    resolve::get_unused_args().into_iter().skip(1).collect()
-}
-
 /// The right side of the remapping `name:=other` among the program's arguments, if there is one.
 pub fn remapping_of(name: &str) -> Option<String> {
     std::env::args_os().skip(1).find_map(|argument| {

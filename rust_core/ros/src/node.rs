@@ -113,9 +113,11 @@ impl RosNode {
     /// # Errors
     /// [`NodeError::Cancelled`], or why the node cannot start.
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        wait_for_master(&master_uri(), cancelled)?;
         let default_name = default_name.to_owned();
-        unless_cancelled(cancelled, move |given_up| Self::start(&default_name, "", given_up))
+        unless_cancelled(cancelled, move |given_up| {
+            wait_for_master(&master_uri(), given_up)?;
+            Self::start(&default_name, "", given_up)
+        })
     }
 
     /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
@@ -131,11 +133,7 @@ impl RosNode {
     ///
     /// # Errors
     /// As [`connect_now`](Self::connect_now).
-    pub fn connect_beside(
-        default_name: &str,
-        suffix: &str,
-        cancelled: &dyn Fn() -> bool,
-    ) -> Result<Self, NodeError> {
+    pub fn connect_beside(default_name: &str, suffix: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let (default_name, suffix) = (default_name.to_owned(), suffix.to_owned());
         unless_cancelled(cancelled, move |given_up| {
             check_master(&master_uri())?;

@@ -11,10 +11,7 @@ use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor};
 use rcs_scene::lock;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, Weak};
-use std::time::{Duration, Instant};
-
-/// Shortest time between warnings of a topic's undecodable messages.
-const WARN_PERIOD: Duration = Duration::from_secs(5);
+use std::time::Instant;
 
 /// Listener, called with the topic's name and a message.
 pub(crate) type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
@@ -53,9 +50,6 @@ struct State {
     latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
     /// Number of connected publishers.
     connections: usize,
-    warned: Option<Instant>,
-    /// Messages dropped since the last warning.
-    unlogged: u64,
 }
 
 /// The type, checksum and definition of the visited type.
@@ -160,13 +154,7 @@ impl Handler for Receiver {
                     listener(&self.name, &Received { message: &message, publisher, at });
                 }
             }
-            Err(error) if state.warned.is_none_or(|last| last.elapsed() >= WARN_PERIOD) => {
-                let more = std::mem::take(&mut state.unlogged);
-                let more = if more == 0 { String::new() } else { format!(" ({more} more since the last such line)") };
-                log::warn!("{}: message of {publisher} dropped: {error}{more}", self.name);
-                state.warned = Some(at);
-            }
-            Err(_) => state.unlogged += 1,
+            Err(error) => log::warn!("{}: message of {publisher} dropped: {error}", self.name),
         }
     }
 }

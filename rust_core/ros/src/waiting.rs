@@ -1,6 +1,5 @@
 //! Waiting for a ROS master: the node starts once one answers.
 
-use std::sync::mpsc::{sync_channel, RecvTimeoutError};
 use std::time::Duration;
 
 use crate::error::NodeError;
@@ -23,59 +22,30 @@ pub(crate) fn check_master(uri: &str) -> Result<(), NodeError> {
     ping(uri).map_err(|error| NodeError::NoMaster { uri: uri.to_owned(), reason: error.to_string() })
 }
 
-/// Waits until a ROS master answers, or `cancelled` returns `true`. Each reason is logged once. The master is called on
-/// another thread, so that cancelling never waits for the network.
+/// Waits until a ROS master answers, or `cancelled` returns `true`. Each reason is logged once.
 pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
     check_uri(uri)?;
-    let (found, is_found) = sync_channel(1);
-    let uri_of_thread = uri.to_owned();
-    let trying = move || {
-        let mut logged = Vec::new();
-        loop {
-            let result = ping(&uri_of_thread);
-            // Sending fails once the caller has given up.
-            if found.send(result.is_ok()).is_err() {
-                return;
-            }
-            let Err(error) = result else { return };
-            let reason = error.to_string();
-            if logged.contains(&reason) || logged.len() >= MOST_REASONS {
-                log::debug!("still no ROS master at {uri_of_thread}: {reason}");
-            } else {
-                log::warn!("no ROS master at {uri_of_thread} yet, waiting for it: {reason}");
-                logged.push(reason);
-            }
-            std::thread::sleep(WAIT_PERIOD);
-        }
-    };
-    let no_thread =
-        |error: std::io::Error| NodeError::Start { what: "the search for a master", reason: error.to_string() };
-    std::thread::Builder::new().name("ros-wait".to_owned()).spawn(trying).map_err(no_thread)?;
-    loop {
-        match is_found.recv_timeout(Duration::from_millis(50)) {
-            Ok(true) => return Ok(()),
-            Ok(false) | Err(RecvTimeoutError::Timeout) if !cancelled() => {}
-            _ => return Err(NodeError::Cancelled(uri.to_owned())),
-        }
-    }
+    ask_until_answered(uri, cancelled, || ping(uri))
 }
 
-/// Calls until the master answers, or `cancelled` returns `true`. A silent master is logged once.
+/// Calls until the master answers, or `cancelled` returns `true`. Each reason is logged once.
 pub(crate) fn ask_until_answered<T>(
     uri: &str,
     cancelled: &dyn Fn() -> bool,
     ask: impl Fn() -> Result<T, CallError>,
 ) -> Result<T, NodeError> {
-    let mut is_logged = false;
+    let mut logged = Vec::new();
     loop {
-        match ask() {
+        let reason = match ask() {
             Ok(answer) => return Ok(answer),
             Err(_) if cancelled() => return Err(NodeError::Cancelled(uri.to_owned())),
-            Err(error) if is_logged => log::debug!("the ROS master at {uri} still does not answer: {error}"),
-            Err(error) => {
-                log::warn!("the ROS master at {uri} does not answer, waiting for it: {error}");
-                is_logged = true;
-            }
+            Err(error) => error.to_string(),
+        };
+        if logged.contains(&reason) || logged.len() >= MOST_REASONS {
+            log::debug!("still no answer of a ROS master at {uri}: {reason}");
+        } else {
+            log::warn!("no ROS master at {uri} yet, waiting for it: {reason}");
+            logged.push(reason);
         }
         std::thread::sleep(WAIT_PERIOD);
     }

@@ -9,7 +9,7 @@
 
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, MessageKind};
-use rcs_ros::{plain_args, Change, NodeEvent, RosNode, ServiceCall, TopicSubscription};
+use rcs_ros::{Change, NodeEvent, RosNode, ServiceCall, TopicSubscription};
 use rcs_scene::{Encoding, Picture};
 use std::error::Error;
 use std::io::Write;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let is_ended = || ended.load(Ordering::Relaxed);
     let node = RosNode::connect("probe", &is_ended)?;
-    let args = plain_args();
+    let args: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.contains(":=")).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     match args.as_slice() {
         ["listen", topics @ ..] => listen(&node, topics, &is_ended)?,

@@ -30,8 +30,8 @@ pub(crate) fn run(config: &Config, words: &[OsString], listen: Duration, out: &m
     rcs_scene::name_threads();
     let ros = RosNode::connect_beside(NODE_NAME, &suffix, &|| end.is_requested())?;
     let checked_name = ros.name().strip_suffix(&suffix).unwrap_or_default();
-    let result = options(words, config, checked_name, &ros)
-        .and_then(|options| check(config, &options, listen, &ros, &end, out));
+    let result =
+        options(words, config, checked_name, &ros).and_then(|options| check(config, &options, listen, &ros, &end, out));
     ros.shutdown();
     match result {
         // A closed pipe, as of `head`, is no error.

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use rcs_scene::{lock, IDLE_PERIOD};
 
 use super::header::Header;
+use crate::acceptor::Counted;
 use crate::socket::keep_alive;
 use crate::xmlrpc::client::{connect, in_order};
 use crate::xmlrpc::{call, CallError, Value};
@@ -221,10 +222,7 @@ impl Subscription {
     }
 
     fn start(&self, uri: &str) -> Option<Arc<Link>> {
-        let counted = Counted::new(&self.threads);
-        if self.threads.load(Ordering::Acquire) > MOST_THREADS {
-            return None;
-        }
+        let counted = Counted::new(&self.threads, MOST_THREADS)?;
         let link = Arc::new(Link {
             uri: uri.to_owned(),
             received_bytes: AtomicU64::new(0),
@@ -256,22 +254,6 @@ impl Drop for Subscription {
         for link in self.links() {
             link.end();
         }
-    }
-}
-
-/// One of the threads of a subscription.
-struct Counted(Arc<AtomicUsize>);
-
-impl Counted {
-    fn new(threads: &Arc<AtomicUsize>) -> Self {
-        threads.fetch_add(1, Ordering::AcqRel);
-        Self(Arc::clone(threads))
-    }
-}
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::AcqRel);
     }
 }
 
