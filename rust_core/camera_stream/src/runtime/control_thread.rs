@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, Context, Result};
 use rcs_logging::one_line;
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_ros::{RosNode, ServiceCall, TriggerReply};
+use rcs_ros::{ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 use rcs_scene::join_within;
 
@@ -20,8 +20,7 @@ use crate::camera::plan;
 use crate::log_findings;
 use crate::options::Options;
 use crate::runtime::activity::Busy;
-use crate::runtime::config_reader::{self, ConfigReader};
-use crate::runtime::file_watch::FileWatch;
+use crate::runtime::config_reader::{ConfigRead, ConfigReader};
 use crate::runtime::shared::{NodeState, Reload};
 use crate::runtime::watchdog::Task;
 
@@ -48,11 +47,8 @@ pub(crate) struct ControlThread {
     reader: ConfigReader,
     /// The caller of `reload_config` for whom the config is being read.
     reload_reply: Option<TriggerReply>,
-    /// `true` if the file has changed since the config was last read.
-    has_changed: bool,
     /// The whole name of the service that reloads the config.
     reload_service: Arc<str>,
-    watch: Option<FileWatch>,
     /// Latest time of an answer to the caller of `reload_config`.
     answer_reload_at: Option<Instant>,
     task: Arc<Task>,
@@ -64,17 +60,14 @@ impl ControlThread {
     /// # Errors
     /// One line that names what failed.
     pub(crate) fn start(options: &Options, file: &Path, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
-        let watch = options.watches_config.then(|| watch(file, &shared.ros)).transpose()?;
-        let file = file.to_owned();
         let calls = Arc::clone(shared.ros.calls());
+        let reader = ConfigReader::start(file.to_owned(), options.watches_config, move || calls.wake());
         Ok(Self {
             shared: Arc::clone(shared),
             config: config.clone(),
-            reader: ConfigReader::new(move || config_reader::load(&file), move || calls.wake()),
+            reader: reader.context("cannot start the thread that reads the config")?,
             reload_reply: None,
-            has_changed: false,
             reload_service: shared.ros.serve_trigger("~reload_config")?,
-            watch,
             answer_reload_at: None,
             task: Task::watched("answering calls"),
         })
@@ -98,10 +91,6 @@ impl ControlThread {
             self.task.begin();
             for call in calls {
                 self.answer(call);
-            }
-            if self.watch.as_ref().is_some_and(FileWatch::take_change) {
-                self.has_changed = true;
-                self.reader.request();
             }
             self.take_config();
         }
@@ -156,16 +145,9 @@ impl ControlThread {
 
     /// Hands over a config that was read. An error is answered to the caller, and logged if the file had changed.
     fn take_config(&mut self) {
-        if let Some(lasts) = self.reader.take_slow() {
-            let source = &self.config.source;
-            log::warn!(
-                "{source}: reading it has taken {:.0} s so far; the previous config is kept",
-                lasts.as_secs_f64()
-            );
-        }
-        let Some(read) = self.reader.take() else { return };
-        let (reply, has_changed) = (self.reload_reply.take(), std::mem::take(&mut self.has_changed));
-        match read.map_err(anyhow::Error::from).and_then(|config| self.check(config)) {
+        let Some(ConfigRead { config, has_changed }) = self.reader.take() else { return };
+        let reply = self.reload_reply.take();
+        match config.map_err(anyhow::Error::from).and_then(|config| self.check(config)) {
             Ok(Some(config)) => {
                 self.answer_reload_at = reply.as_ref().map(|_| Instant::now() + RELOAD_PATIENCE);
                 self.hand_over(Reload { config, reply });
@@ -226,10 +208,4 @@ impl ControlThread {
             reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
         }
     }
-}
-
-/// Watches the config's file.
-fn watch(file: &Path, ros: &RosNode) -> Result<FileWatch> {
-    let calls = Arc::clone(ros.calls());
-    FileWatch::start(file.to_owned(), move || calls.wake()).context("cannot watch the config")
 }

@@ -16,7 +16,6 @@ mod activity;
 mod config_reader;
 mod control_thread;
 mod diagnostics;
-mod file_watch;
 mod frame_renderer;
 mod scene_thread;
 mod shared;
