@@ -27,7 +27,7 @@ struct MessageTimes {
 }
 
 /// The figures of a camera's last new images.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Latency {
     /// The messages that are new since the last image, one for each display, with their stamps.
     messages: Vec<(DisplayId, MessageTimes, Time)>,
@@ -38,14 +38,6 @@ pub(crate) struct Latency {
     age_ms: RollingWindow<PICTURES>,
     /// From looking up frames to publishing, of predicted images; milliseconds of ROS time.
     lookup_to_publish_ms: RollingWindow<PICTURES>,
-}
-
-impl Default for Latency {
-    fn default() -> Self {
-        let none = RollingWindow::new;
-        let steps = StepTimes::default();
-        Self { messages: Vec::new(), transforms: None, steps, age_ms: none(), lookup_to_publish_ms: none() }
-    }
 }
 
 /// The news of an update of the scene.

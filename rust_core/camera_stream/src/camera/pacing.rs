@@ -14,15 +14,9 @@ const FRAMES: usize = 30;
 const MARGIN: Duration = Duration::from_millis(3);
 
 /// The time that a camera's frames take.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Pacing {
     took_secs: RollingWindow<FRAMES>,
-}
-
-impl Default for Pacing {
-    fn default() -> Self {
-        Self { took_secs: RollingWindow::new() }
-    }
 }
 
 impl Pacing {

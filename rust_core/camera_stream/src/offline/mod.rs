@@ -7,7 +7,6 @@ mod ros_time;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
 use anyhow::{anyhow, bail, Context, Error, Result};
@@ -18,11 +17,11 @@ use rcs_displays::CameraView;
 use rcs_files::limited_read::read_limited;
 use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
+use rcs_node_support::lifecycle::EndRequest;
 use rcs_render::{LastStep, Orientation, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
 use rcs_transforms::Time;
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::outputs::{Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
 use crate::projection_warning::ProjectionWarning;
@@ -103,13 +102,14 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     }
     let mut player = Player::new(scene, &bag, times, projector);
     let moments = job.moments(&mut player, scene, &view)?;
-    let interrupted = Interrupted::watch()?;
+    // At the next image, so that unfinished files are removed.
+    let end = EndRequest::watch_signals()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
     let (mut picture, mut turned) = (Arc::new(Picture::default()), Picture::default());
     let mut projection = ProjectionWarning::default();
     for moment in moments.iter() {
-        if interrupted.is_set() {
+        if end.is_requested() {
             bail!("interrupted at {moment}");
         }
         player.play_until(scene, moment).with_context(|| job.name())?;
@@ -199,25 +199,6 @@ impl RenderJob<'_> {
             }
             None => Error::new(problem).context(bag),
         }
-    }
-}
-
-/// Set by a signal that asks the program to end: at the next image, so that unfinished files are removed. A second
-/// signal ends it at once.
-struct Interrupted(Arc<AtomicBool>);
-
-impl Interrupted {
-    fn watch() -> Result<Self> {
-        let flag = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            signal_hook::flag::register_conditional_default(signal, Arc::clone(&flag))?;
-            signal_hook::flag::register(signal, Arc::clone(&flag))?;
-        }
-        Ok(Self(flag))
-    }
-
-    fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
     }
 }
 
