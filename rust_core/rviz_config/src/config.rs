@@ -11,7 +11,7 @@ use crate::displays::{self, DisplayConfig, DisplaySettings};
 use crate::error::{ConfigError, MAX_FILE_BYTES};
 use crate::finding::Finding;
 use crate::global_options::GlobalOptions;
-use crate::node::{self, Content, Node};
+use crate::node::{self, Content, Node, SyntaxError};
 use crate::one_line::one_line;
 use crate::report::Report;
 use crate::section::Section;
@@ -92,7 +92,7 @@ fn place<'a>(
 /// The sections about rviz's windows, of present and old versions.
 const WINDOW_SECTIONS: [&str; 5] = ["Panels", "Custom Panels", "Preferences", "Toolbars", "Window Geometry"];
 
-const MANAGER: &str = "Visualization Manager";
+pub(crate) const MANAGER: &str = "Visualization Manager";
 
 /// Prefixes of rviz's own classes in ROS 2.
 const ROS2_PACKAGES: [&str; 2] = ["rviz_default_plugins/", "rviz_common/"];
@@ -102,16 +102,9 @@ const ROS1_PACKAGE: &str = "rviz/";
 /// The first class of ROS 2's rviz, if the file has such classes and none of ROS 1's rviz.
 fn ros2_class<'a>(root: &'a Node, manager: &'a Node) -> Option<&'a str> {
     let lists = [manager.get("Displays"), manager.get("Tools"), root.get("Panels")];
-    let items = lists.into_iter().flatten().filter_map(|list| match &list.content {
-        Content::List(items) => Some(items.iter().map(|item| &**item)),
-        _ => None,
-    });
+    let items = lists.into_iter().flatten().flat_map(Node::items).map(|item| &**item);
     let view = manager.get("Views").and_then(|views| views.get("Current"));
-    let classes = items.flatten().chain(view).filter_map(|item| match &item.get("Class")?.content {
-        Content::Scalar(class) => Some(class.as_str()),
-        _ => None,
-    });
-    let classes: Vec<&str> = classes.collect();
+    let classes: Vec<&str> = items.chain(view).filter_map(|item| item.get("Class")?.scalar()).collect();
     let is_ros2 = |class: &&&str| ROS2_PACKAGES.iter().any(|package| class.starts_with(package));
     let found = classes.iter().find(is_ros2).copied()?;
     (!classes.iter().any(|class| class.starts_with(ROS1_PACKAGE))).then_some(found)
@@ -135,9 +128,10 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
     let source = path.display().to_string();
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
-    read.map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
+    read.map_err(|error| ConfigError::unreadable(path, &error))?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(ConfigError::TooLarge { file: source });
+        let problem = format!("larger than {} MB, so this is not a .rviz file", MAX_FILE_BYTES >> 20);
+        return Err(ConfigError::new(source, problem));
     }
     parse_bytes(&bytes, &source)
 }
@@ -146,14 +140,14 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 ///
 /// # Errors
 ///
-/// [`ConfigError::NotUtf8`] and those of [`parse`].
+/// [`ConfigError`] for bytes that are no text in UTF-8, and as of [`parse`].
 pub fn parse_bytes(bytes: &[u8], source_name: &str) -> Result<Config, ConfigError> {
     match std::str::from_utf8(bytes) {
         Ok(text) => parse(text, source_name),
         Err(error) => {
             let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
             let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-            Err(ConfigError::NotUtf8 { file: source_name.to_owned(), line })
+            Err(ConfigError::new(format_args!("{source_name}:{line}"), "not UTF-8 text"))
         }
     }
 }
@@ -178,21 +172,24 @@ pub fn parse_bytes(bytes: &[u8], source_name: &str) -> Result<Config, ConfigErro
 ///
 /// # Errors
 ///
-/// [`ConfigError::NotYaml`] and [`ConfigError::NoVisualizationManager`].
+/// [`ConfigError`] if the text is no YAML, has no map `Visualization Manager`, or was written by ROS 2's rviz.
 pub fn parse(text: &str, source_name: &str) -> Result<Config, ConfigError> {
-    let file = || source_name.to_owned();
-    let root = node::parse(text).map_err(|error| ConfigError::NotYaml {
-        file: file(),
-        line: error.line,
-        column: error.column,
-        reason: error.reason,
+    let root = node::parse(text).map_err(|SyntaxError { line, column, reason }| {
+        ConfigError::new(format_args!("{source_name}:{line}:{column}"), format_args!("not YAML: {reason}"))
     })?;
     let manager = match root.get(MANAGER) {
         Some(manager) if matches!(manager.content, Content::Map(_)) => manager,
-        _ => return Err(ConfigError::NoVisualizationManager { file: file() }),
+        _ => {
+            let problem = "no \"Visualization Manager\" section, so this is not a .rviz file";
+            return Err(ConfigError::new(source_name, problem));
+        }
     };
     if let Some(ros2) = ros2_class(&root, manager) {
-        return Err(ConfigError::Ros2 { file: file(), class: one_line(ros2) });
+        let problem = format!(
+            "this is a ROS 2 config ({}); save the scene with ROS 1's rviz, or name ROS 1's classes, such as rviz/Grid",
+            one_line(ros2)
+        );
+        return Err(ConfigError::new(source_name, problem));
     }
     let report = Report::default();
     time_panel::check(root.get("Panels"), &report);
@@ -227,15 +224,8 @@ const INTERACT: &str = "rviz/Interact";
 
 /// Tells the InteractiveMarkers displays whether rviz starts with its Interact tool, by the list under `Tools`.
 fn apply_tools(displays: &mut [DisplayConfig], tools: Option<&Node>) {
-    let class_of = |tool: &Node| match tool.get("Class").map(|class| &class.content) {
-        Some(Content::Scalar(class)) => Some(class.clone()),
-        _ => None,
-    };
-    let class = match tools.map(|tools| &tools.content) {
-        Some(Content::List(items)) => items.iter().find_map(|tool| class_of(tool)),
-        _ => None,
-    };
-    set_interaction(displays, class.as_deref() == Some(INTERACT));
+    let class = tools.and_then(|tools| tools.items().iter().find_map(|tool| tool.get("Class")?.scalar()));
+    set_interaction(displays, class == Some(INTERACT));
 }
 
 fn set_interaction(displays: &mut [DisplayConfig], enabled: bool) {

@@ -1,14 +1,13 @@
 //! Adding a camera to the text of a config; all other bytes stay.
 //!
-//! The parser's events tell where the list of displays begins. The camera is written there in the style of its
+//! The parsed tree tells where the list of displays begins. The camera is written there in the style of its
 //! surroundings: as a block with the list's indentation, or between braces where the list is in brackets.
 
-use saphyr_parser::{Event, Parser, ScalarStyle, Span};
-
-use crate::config::{parse, Config};
+use crate::config::{parse, Config, MANAGER};
 use crate::displays::DisplaySettings;
 use crate::error::ConfigError;
 use crate::finding::FindingKind;
+use crate::node::{self, Content, MapEntry, Node};
 use crate::one_line::one_line;
 
 /// A camera for a config.
@@ -44,32 +43,12 @@ pub enum InsertError {
     /// The text is no config.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// A camera of the config has the same name, image topic or namespace.
-    #[error(
-        "{file}: line {line}: the CameraPub {camera} has the {what} {value} already; choose another with {option}"
-    )]
-    Taken {
-        /// The file's name.
-        file: String,
-        /// The camera's line.
-        line: usize,
-        /// The camera's name, in one line.
-        camera: String,
-        /// The property.
-        what: &'static str,
-        /// The value, in one line.
-        value: String,
-        /// The option that gives another.
-        option: &'static str,
-    },
+    /// A camera of the config has the same name, image topic or namespace: which one, and the option for another.
+    #[error("{0}")]
+    Taken(String),
     /// The list of displays is written in a way that cannot be extended safely.
-    #[error("{file}: cannot add to the list of displays: {reason}; print the block without -d and paste it")]
-    Place {
-        /// The file's name.
-        file: String,
-        /// The obstacle.
-        reason: &'static str,
-    },
+    #[error("{0}: cannot add to the list of displays: {1}; print the block without -d and paste it")]
+    Place(String, &'static str),
 }
 
 impl NewCamera {
@@ -137,7 +116,7 @@ fn yaml_text(text: &str) -> String {
 pub fn insert_camera(text: &str, source_name: &str, camera: &NewCamera) -> Result<String, InsertError> {
     let before = parse(text, source_name)?;
     check_is_own(&before, camera)?;
-    let failed = |reason| InsertError::Place { file: source_name.to_owned(), reason };
+    let failed = |reason| InsertError::Place(source_name.to_owned(), reason);
     let extended = extend(text, camera).map_err(failed)?;
     // Everything but the camera must be as before.
     let after = parse(&extended, source_name).map_err(|_| failed("its YAML is written in an unusual way"))?;
@@ -159,14 +138,11 @@ fn check_is_own(config: &Config, camera: &NewCamera) -> Result<(), InsertError> 
         ];
         let taken = values.into_iter().find(|(_, theirs, own, _)| theirs == own && !own.is_empty());
         if let Some((what, _, value, option)) = taken {
-            return Err(InsertError::Taken {
-                file: config.source.clone(),
-                line: display.line,
-                camera: one_line(&display.name),
-                what,
-                value: one_line(value),
-                option,
-            });
+            let (camera, value) = (one_line(&display.name), one_line(value));
+            return Err(InsertError::Taken(format!(
+                "{}: line {}: the CameraPub {camera} has the {what} {value} already; choose another with {option}",
+                config.source, display.line
+            )));
         }
     }
     Ok(())
@@ -199,24 +175,6 @@ fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
         && findings(before) == findings(after)
         && before.global == after.global
         && before.view == after.view
-}
-
-/// The parts of a config that the insertion depends on.
-#[derive(Default)]
-struct ConfigLayout {
-    /// The first event inside the map of the manager.
-    manager: Option<Span>,
-    /// The key `Displays`.
-    key: Option<Span>,
-    list: Option<List>,
-}
-
-enum List {
-    /// `- ` at the beginning of lines, or `[`.
-    Sequence(Span),
-    /// A plain or quoted text, which may be empty, without tag and anchor: an empty text's may be lines away.
-    Scalar(Span, ScalarStyle, String),
-    Other,
 }
 
 /// A text with the byte offsets of its characters: the parser counts characters.
@@ -258,15 +216,20 @@ fn extend(text: &str, camera: &NewCamera) -> Result<String, &'static str> {
     let mark = text.strip_prefix('\u{feff}').map_or("", |_| "\u{feff}");
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
-    let places = places(text).ok_or("the text cannot be parsed")?;
+    let root = node::parse(text).map_err(|_| "the text cannot be parsed")?;
+    let manager = root.get(MANAGER).ok_or("the section is empty")?;
     let text = IndexedText::new(text);
-    let extended = match (places.key, places.list) {
-        (Some(key), Some(List::Sequence(span))) => extend_list(&text, &key, &span, camera, line_end)?,
-        (Some(key), Some(List::Scalar(span, ScalarStyle::Plain, value))) if matches!(&*value, "" | "~" | "null") => {
-            fill(&text, &key, &span, &value, camera, line_end)?
+    let extended = match manager.entry("Displays") {
+        None => add_list(&text, manager, camera, line_end)?,
+        // A value before its key is an alias's.
+        Some(MapEntry { place, value, .. }) if value.start < place.start => {
+            return Err("what is below Displays is no list")
         }
-        (Some(_), _) => return Err("what is below Displays is no list"),
-        (None, _) => add_list(&text, &places.manager.ok_or("the section is empty")?, camera, line_end)?,
+        Some(entry) => match entry.value.content {
+            Content::List(_) => extend_list(&text, entry, camera, line_end)?,
+            Content::Null => fill(&text, entry, camera, line_end)?,
+            Content::Scalar(_) | Content::Map(_) => return Err("what is below Displays is no list"),
+        },
     };
     Ok(format!("{mark}{extended}"))
 }
@@ -274,19 +237,18 @@ fn extend(text: &str, camera: &NewCamera) -> Result<String, &'static str> {
 /// Adds to a list that has entries, or to an empty one in brackets.
 fn extend_list(
     text: &IndexedText<'_>,
-    key: &Span,
-    list: &Span,
+    entry: &MapEntry,
     camera: &NewCamera,
     line_end: &str,
 ) -> Result<String, &'static str> {
-    let at = text.byte(list.start.index());
+    let at = text.byte(entry.value.start);
     if text.after(at).starts_with('[') {
         let is_empty = text.after(at + 1).trim_start().starts_with(']');
         let comma = if is_empty { "" } else { ", " };
         return Ok(text.with(at + 1, 0, &format!("{}{comma}", camera.flow())));
     }
     // The parser does not say where the first dash is.
-    let mut start = text.next_line(text.byte(key.start.index()));
+    let mut start = text.next_line(text.byte(entry.place.start));
     loop {
         let line = text.after(start).lines().next().ok_or("its beginning was not found")?;
         let entry = line.trim_start_matches(' ');
@@ -301,33 +263,37 @@ fn extend_list(
 }
 
 /// Fills a list that is a key without value, or `~`.
-fn fill(
-    text: &IndexedText<'_>,
-    key: &Span,
-    value_span: &Span,
-    value: &str,
-    camera: &NewCamera,
-    line_end: &str,
-) -> Result<String, &'static str> {
-    if !value.is_empty() {
-        return Ok(text.with(text.byte(value_span.start.index()), value.len(), &format!("[{}]", camera.flow())));
-    }
-    let colon = text.byte(key.end.index());
+fn fill(text: &IndexedText<'_>, entry: &MapEntry, camera: &NewCamera, line_end: &str) -> Result<String, &'static str> {
+    let (start, colon) = (text.byte(entry.place.start), text.byte(entry.place.end));
     let rest = text.after(colon).strip_prefix(':').ok_or("its key is written in an unusual way")?;
-    let line = rest.lines().next().unwrap_or_default().trim();
-    if !(line.is_empty() || line.starts_with('#')) {
+    let line = rest.lines().next().unwrap_or_default();
+    let value = line.trim();
+    if let Some(null) = ["~", "null", "Null", "NULL"].into_iter().find(|null| value.starts_with(null)) {
+        let at = text.byte(entry.value.start);
+        return Ok(text.with(at, null.len(), &format!("[{}]", camera.flow())));
+    }
+    if !(value.is_empty() || value.starts_with('#')) {
         // Inside of braces.
         return Ok(text.with(colon + 1, 0, &format!(" [{}]", camera.flow())));
     }
     let next = text.next_line(colon);
     let missing_end = if text.text.get(..next).is_some_and(|before| before.ends_with('\n')) { "" } else { line_end };
-    let block = camera.block(key.start.col() + 2, line_end);
+    let block = camera.block(start - text.line_start(start) + 2, line_end);
     Ok(text.with(next, 0, &format!("{missing_end}{block}")))
 }
 
 /// Adds a list as the first entry of the section.
-fn add_list(text: &IndexedText<'_>, first: &Span, camera: &NewCamera, line_end: &str) -> Result<String, &'static str> {
-    let at = text.byte(first.start.index());
+fn add_list(
+    text: &IndexedText<'_>,
+    manager: &Node,
+    camera: &NewCamera,
+    line_end: &str,
+) -> Result<String, &'static str> {
+    let begin = text.byte(manager.start);
+    let at = match manager.entries() {
+        [first, ..] => text.byte(first.place.start),
+        [] => begin + text.after(begin).find('}').ok_or("the section is empty")?,
+    };
     let start = text.line_start(at);
     let indentation = text.text.get(start..at).ok_or("its indentation")?;
     if indentation.bytes().all(|byte| byte == b' ') && !text.after(at).starts_with('}') {
@@ -337,67 +303,4 @@ fn add_list(text: &IndexedText<'_>, first: &Span, camera: &NewCamera, line_end: 
     // Inside of braces.
     let comma = if text.after(at).starts_with('}') { "" } else { ", " };
     Ok(text.with(at, 0, &format!("Displays: [{}]{comma}", camera.flow())))
-}
-
-/// Finds the list of displays among the parser's events; `None` where the text is no YAML.
-fn places(text: &str) -> Option<ConfigLayout> {
-    let mut found = ConfigLayout::default();
-    let mut depth = 0_usize;
-    // The keys of the maps that lead here: the root's, and the manager's.
-    let mut keys: [Option<String>; 2] = [None, None];
-    let mut is_key = [true; 2];
-    let mut parser = Parser::new_from_str(text);
-    while let Some(event) = parser.next_event() {
-        let (event, span) = event.ok()?;
-        let is_manager = keys[0].as_deref() == Some("Visualization Manager") && !is_key[0];
-        if depth == 2 && is_manager && found.manager.is_none() {
-            found.manager = Some(span);
-        }
-        // A value of the manager, or a key of it.
-        if depth == 2 && is_manager && !is_key[1] && keys[1].as_deref() == Some("Displays") {
-            found.list = match &event {
-                Event::SequenceStart(..) => Some(List::Sequence(span)),
-                Event::Scalar(value, style, 0, None) => Some(List::Scalar(span, *style, value.to_string())),
-                Event::SequenceEnd | Event::MappingEnd => None,
-                _ => Some(List::Other),
-            };
-        }
-        match event {
-            Event::SequenceStart(..) | Event::MappingStart(..) => {
-                if depth == 0 && matches!(event, Event::SequenceStart(..)) {
-                    return None;
-                }
-                depth += 1;
-                if let Some(state) = is_key.get_mut(depth - 1) {
-                    *state = true;
-                }
-            }
-            Event::SequenceEnd | Event::MappingEnd => {
-                depth = depth.checked_sub(1)?;
-                step(depth, &mut is_key);
-            }
-            Event::Scalar(value, ..) => {
-                if let (1..=2, true) = (depth, is_key.get(depth.wrapping_sub(1)).copied().unwrap_or(false)) {
-                    if depth == 2 && is_manager && value == "Displays" {
-                        found.key = Some(span);
-                    }
-                    if let Some(key) = keys.get_mut(depth - 1) {
-                        *key = Some(value.to_string());
-                    }
-                }
-                step(depth, &mut is_key);
-            }
-            Event::Alias(_) => step(depth, &mut is_key),
-            Event::DocumentEnd | Event::StreamEnd => break,
-            _ => {}
-        }
-    }
-    Some(found)
-}
-
-/// Toggles between key and value of the map at this depth.
-fn step(depth: usize, is_key: &mut [bool; 2]) {
-    if let Some(state) = depth.checked_sub(1).and_then(|index| is_key.get_mut(index)) {
-        *state = !*state;
-    }
 }

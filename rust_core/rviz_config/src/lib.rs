@@ -58,4 +58,4 @@ pub use insert::{insert_camera, InsertError, NewCamera};
 pub use problems::{camera_problems, setting_problems, SettingProblem};
 pub use qt_value::color;
 pub use report::{Property, ENTRY};
-pub use view::{FreeView, OrbitView, TopDownView, ViewConfig, ViewController};
+pub use view::{FreeView, OrbitView, ViewConfig, ViewController};

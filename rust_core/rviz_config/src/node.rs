@@ -8,6 +8,7 @@
 //! carries its height and its expanded size, and a text that passes [`MAX_DEPTH`] or [`MAX_VALUES`] is refused.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::rc::Rc;
 
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
@@ -23,6 +24,8 @@ pub(crate) const MAX_VALUES: usize = 1_000_000;
 pub(crate) struct Node {
     /// Line of the value's first character, from 1.
     pub(crate) line: usize,
+    /// Index of that character in the text.
+    pub(crate) start: usize,
     pub(crate) content: Content,
     /// Levels of lists and maps from here down; 0 for a scalar.
     height: usize,
@@ -45,6 +48,8 @@ pub(crate) struct MapEntry {
     pub(crate) key: String,
     /// Line of the key, from 1.
     pub(crate) line: usize,
+    /// The key's characters in the text.
+    pub(crate) place: Range<usize>,
     pub(crate) value: Rc<Node>,
 }
 
@@ -58,17 +63,46 @@ pub(crate) struct SyntaxError {
 
 impl Node {
     /// The value of a key without one.
-    pub(crate) const NO_VALUE: Node = Node { line: 0, content: Content::Null, height: 0, size: 1 };
+    pub(crate) const NO_VALUE: Node = Node { line: 0, start: 0, content: Content::Null, height: 0, size: 1 };
 
-    fn leaf(line: usize, content: Content) -> Node {
-        Node { line, content, height: 0, size: 1 }
+    fn leaf(line: usize, start: usize, content: Content) -> Node {
+        Node { line, start, content, height: 0, size: 1 }
     }
 
-    /// The value under `key` when this is a map that has it; of repeated keys the last.
-    pub(crate) fn get(&self, key: &str) -> Option<&Node> {
+    /// The entry of `key` when this is a map that has it; of repeated keys the last.
+    pub(crate) fn entry(&self, key: &str) -> Option<&MapEntry> {
         match &self.content {
-            Content::Map(entries) => entries.iter().rev().find(|entry| entry.key == key).map(|entry| &*entry.value),
+            Content::Map(entries) => entries.iter().rev().find(|entry| entry.key == key),
             _ => None,
+        }
+    }
+
+    /// The value under `key` when this is a map that has it.
+    pub(crate) fn get(&self, key: &str) -> Option<&Node> {
+        self.entry(key).map(|entry| &*entry.value)
+    }
+
+    /// The text of a scalar.
+    pub(crate) fn scalar(&self) -> Option<&str> {
+        match &self.content {
+            Content::Scalar(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The items of a list; none of another value.
+    pub(crate) fn items(&self) -> &[Rc<Node>] {
+        match &self.content {
+            Content::List(items) => items,
+            _ => &[],
+        }
+    }
+
+    /// The entries of a map; none of another value.
+    pub(crate) fn entries(&self) -> &[MapEntry] {
+        match &self.content {
+            Content::Map(entries) => entries,
+            _ => &[],
         }
     }
 }
@@ -78,22 +112,18 @@ struct Open {
     anchor: usize,
     node: Node,
     /// The key whose value comes next, in a map.
-    key: Option<(String, usize)>,
+    key: Option<(String, usize, Range<usize>)>,
 }
 
 impl Open {
-    fn new(anchor: usize, line: usize, content: Content) -> Open {
-        Open { anchor, node: Node::leaf(line, content), key: None }
-    }
-
-    fn add(&mut self, child: Rc<Node>, line: usize) {
+    fn add(&mut self, child: Rc<Node>, line: usize, place: Range<usize>) {
         self.node.height = self.node.height.max(child.height + 1);
         self.node.size = self.node.size.saturating_add(child.size);
         match &mut self.node.content {
             Content::List(items) => items.push(child),
             Content::Map(entries) => match self.key.take() {
-                None => self.key = Some((key_text(&child), line)),
-                Some((key, line)) => entries.push(MapEntry { key, line, value: child }),
+                None => self.key = Some((key_text(&child), line, place)),
+                Some((key, line, place)) => entries.push(MapEntry { key, line, place, value: child }),
             },
             Content::Null | Content::Scalar(_) => {}
         }
@@ -136,16 +166,14 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
         let (event, span) = event.map_err(|error| error_at(*error.marker(), error.info()))?;
         let at = span.start;
         let line = at.line().min(last_line);
+        let leaf = |content| Node::leaf(line, at.index(), content);
         let (node, anchor) = match event {
             Event::Nothing | Event::StreamStart | Event::DocumentStart(_) => continue,
             Event::StreamEnd | Event::DocumentEnd => break,
-            Event::SequenceStart(anchor, _) => {
-                open.push(Open::new(anchor, line, Content::List(Vec::new())));
-                check_depth(open.len(), at)?;
-                continue;
-            }
-            Event::MappingStart(anchor, _) => {
-                open.push(Open::new(anchor, line, Content::Map(Vec::new())));
+            Event::SequenceStart(anchor, _) | Event::MappingStart(anchor, _) => {
+                let is_list = matches!(event, Event::SequenceStart(..));
+                let content = if is_list { Content::List(Vec::new()) } else { Content::Map(Vec::new()) };
+                open.push(Open { anchor, node: leaf(content), key: None });
                 check_depth(open.len(), at)?;
                 continue;
             }
@@ -160,7 +188,7 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
             Event::Scalar(text, style, anchor, tag) => {
                 let null = style == ScalarStyle::Plain && tag.is_none() && is_null(&text);
                 let content = if null { Content::Null } else { Content::Scalar(text.into_owned()) };
-                (Rc::new(Node::leaf(line, content)), anchor)
+                (Rc::new(leaf(content)), anchor)
             }
         };
         if anchor != 0 {
@@ -170,12 +198,12 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
         let Some(parent) = open.last_mut() else {
             return Ok(node);
         };
-        parent.add(node, line);
+        parent.add(node, line, at.index()..span.end.index());
         if parent.node.size > MAX_VALUES {
             return Err(error_at(at, format!("more than {MAX_VALUES} values")));
         }
     }
-    Ok(Rc::new(Node::leaf(1, Content::Null)))
+    Ok(Rc::new(Node::leaf(1, 0, Content::Null)))
 }
 
 fn check_depth(depth: usize, at: Marker) -> Result<(), SyntaxError> {

@@ -4,8 +4,10 @@
 //! last message (exact), earlier by these messages' delay (approximate), or now (frame). This is unsupported, and
 //! reported.
 
+use std::rc::Rc;
+
 use crate::finding::FindingKind;
-use crate::node::{Content, Node};
+use crate::node::Node;
 use crate::qt_value;
 use crate::report::Report;
 
@@ -14,17 +16,13 @@ const MODES: [&str; 3] = ["Exact", "Approximate", "Frame"];
 
 /// Reports the synchronization of a Time panel among `panels`.
 pub(crate) fn check(panels: Option<&Node>, report: &Report) {
-    let Some(Content::List(panels)) = panels.map(|panels| &panels.content) else { return };
-    let text = |node: &Node| match &node.content {
-        Content::Scalar(text) => Some(text.clone()),
-        _ => None,
-    };
-    for panel in panels.iter().filter(|panel| panel.get("Class").and_then(text).as_deref() == Some("rviz/Time")) {
+    let is_time = |panel: &&Rc<Node>| panel.get("Class").and_then(Node::scalar) == Some("rviz/Time");
+    for panel in panels.map(Node::items).unwrap_or_default().iter().filter(is_time) {
         let Some(node) = panel.get("SyncMode") else { continue };
-        let number = text(node).and_then(|text| qt_value::to_int(&text)).and_then(|mode| usize::try_from(mode).ok());
+        let number = node.scalar().and_then(qt_value::to_int).and_then(|mode| usize::try_from(mode).ok());
         let mode = number.and_then(|number| MODES.get(number.checked_sub(1)?));
         let Some(mode) = mode else { continue };
-        let source = panel.get("SyncSource").and_then(text).unwrap_or_default();
+        let source = panel.get("SyncSource").and_then(Node::scalar).unwrap_or_default().to_owned();
         report.add(node.line, "Panels / Time / SyncMode", FindingKind::TimeSync { mode, source });
     }
 }

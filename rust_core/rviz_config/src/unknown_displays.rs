@@ -3,7 +3,7 @@
 use crate::displays::visibility::Visibility;
 use crate::displays::{label, DisplayConfig, DisplaySettings};
 use crate::finding::FindingKind;
-use crate::node::{Content, Node};
+use crate::node::Node;
 use crate::report::Report;
 use crate::section::{join, Properties, Section, OWN_VALUE};
 
@@ -16,8 +16,7 @@ pub(crate) fn check_visibilities(
     path: &str,
     report: &Report,
 ) {
-    let Some(Content::List(items)) = node.map(|node| &node.content) else { return };
-    for (item, display) in items.iter().zip(displays) {
+    for (item, display) in node.map(Node::items).unwrap_or_default().iter().zip(displays) {
         let path = join(path, label(&display.name, &display.class));
         report.with_notes(!display.enabled, || match &display.settings {
             DisplaySettings::CameraPub(_) => {
@@ -35,8 +34,7 @@ pub(crate) fn check_visibilities(
 
 /// Reports the names in a camera's Visibility that none of `displays` has. A name that would hide nothing is a note.
 fn check(node: &Node, path: &str, displays: &[&DisplayConfig], report: &Report) {
-    let Content::Map(entries) = &node.content else { return };
-    for entry in entries.iter().filter(|entry| entry.key != OWN_VALUE) {
+    for entry in node.entries().iter().filter(|entry| entry.key != OWN_VALUE) {
         let path = join(path, &entry.key);
         let mut named = displays.iter().filter(|display| display.name == entry.key).peekable();
         if named.peek().is_none() {

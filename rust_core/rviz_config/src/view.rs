@@ -1,14 +1,13 @@
 //! The view of rviz's main window, section `Views: Current`.
 //!
 //! Virtual cameras do not use it, but the default light shines in its direction,
-//! [`ViewConfig::direction_in_target_frame`]. Each view controller of rviz 1.14 is read with the properties that place
-//! its camera.
+//! [`ViewConfig::direction_in_target_frame`]. Each view controller of rviz 1.14 is read with the angles of its camera.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::RangeInclusive;
 
 use crate::finding::FindingKind;
-use crate::section::{at_least, Properties, Section, ANY};
+use crate::section::{Properties, Section, ANY};
 
 /// The main view of a config.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,28 +20,24 @@ pub struct ViewConfig {
     pub controller: ViewController,
 }
 
-/// A view controller by class, with the pose of its camera in the view's frame.
+/// A view controller by class, with the angles of its camera.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ViewController {
-    /// `rviz/Orbit`: around a focal point.
+    /// `rviz/Orbit` and `rviz/XYOrbit`: around a focal point.
     Orbit(OrbitView),
-    /// `rviz/XYOrbit`: around a focal point in the plane Z = 0, raised above it a little.
-    XyOrbit(OrbitView),
-    /// `rviz/ThirdPersonFollower`: as XYOrbit, and turns with the frame's heading.
+    /// `rviz/ThirdPersonFollower`: around a focal point, and turns with the frame's heading.
     ThirdPersonFollower(OrbitView),
     /// `rviz/FPS`: free in space.
     Fps(FreeView),
     /// `rviz/FrameAligned`: as FPS, and fixed to the frame. The angles begin along the axis "Point towards".
     FrameAligned(FreeView),
     /// `rviz/TopDownOrtho`: from above, without perspective.
-    TopDownOrtho(TopDownView),
+    TopDownOrtho,
 }
 
 properties! {
     /// The camera of a view that is free in space.
     pub struct FreeView {
-        /// Position of the camera in metres.
-        position_m: [f32; 3] = [0.0; 3] => vector("Position");
         /// Radians around Z; 0 looks along X; -π to π.
         yaw_rad: f32 = 0.0 => float("Yaw", -PI..=PI);
         /// Radians downwards from the horizon; -π to π.
@@ -50,20 +45,7 @@ properties! {
         /// Radians around the direction of view; -π to π.
         roll_rad: f32 = 0.0 => float("Roll", -PI..=PI);
     }
-}
-
-properties! {
-    /// The camera of a view from above.
-    pub struct TopDownView {
-        /// Radians around Z.
-        angle_rad: f32 = 0.0 => float("Angle", ANY);
-        /// Pixels a metre.
-        scale_px_per_m: f32 = 10.0 => float("Scale", ANY);
-        /// Position of the image's centre in metres.
-        x_m: f32 = 0.0 => float("X", ANY);
-        /// Position of the image's centre in metres.
-        y_m: f32 = 0.0 => float("Y", ANY);
-    }
+    skip ["Position"];
 }
 
 /// The names of axes in a config, with yaw and pitch in radians along them. Once the user has turned the camera, the
@@ -89,16 +71,12 @@ fn orbit_pitches() -> RangeInclusive<f32> {
 properties! {
     /// The camera of a view that orbits.
     pub struct OrbitView {
-        /// Metres from the focal point to the camera; at least 0.001.
-        distance_m: f32 = 10.0 => float("Distance", at_least(0.001));
-        /// The point that the camera looks at, in metres.
-        focal_point_m: [f32; 3] = [0.0; 3] => vector("Focal Point");
         /// Radians around Z from X to the camera, as seen from the focal point.
         yaw_rad: f32 = FRAC_PI_4 => float("Yaw", ANY);
         /// Radians upwards from the horizon to the camera, as seen from the focal point; short of ±π/2.
         pitch_rad: f32 = FRAC_PI_4 => float("Pitch", orbit_pitches());
     }
-    skip ["Focal Shape Size", "Focal Shape Fixed Size", "Field of View"];
+    skip ["Distance", "Focal Point", "Focal Shape Size", "Focal Shape Fixed Size", "Field of View"];
 }
 
 impl Default for ViewController {
@@ -111,8 +89,7 @@ impl ViewController {
     /// The controller of `class`; `None` if there is no such class.
     fn read(class: &str, section: &mut Section<'_>) -> Option<Self> {
         match class {
-            "rviz/Orbit" => Some(ViewController::Orbit(OrbitView::read(section))),
-            "rviz/XYOrbit" => Some(ViewController::XyOrbit(OrbitView::read(section))),
+            "rviz/Orbit" | "rviz/XYOrbit" => Some(ViewController::Orbit(OrbitView::read(section))),
             "rviz/ThirdPersonFollower" => Some(ViewController::ThirdPersonFollower(OrbitView::read(section))),
             "rviz/FPS" => Some(ViewController::Fps(FreeView::read(section))),
             "rviz/FrameAligned" => {
@@ -124,7 +101,10 @@ impl ViewController {
                 section.properties(&mut view);
                 Some(ViewController::FrameAligned(view))
             }
-            "rviz/TopDownOrtho" => Some(ViewController::TopDownOrtho(TopDownView::read(section))),
+            "rviz/TopDownOrtho" => {
+                section.skip(&["Angle", "Scale", "X", "Y"]);
+                Some(ViewController::TopDownOrtho)
+            }
             _ => None,
         }
     }

@@ -16,16 +16,14 @@ impl ViewConfig {
     /// part of the target frame's rotation, as in [`Self::direction_in_fixed_frame`].
     pub fn direction_in_target_frame(&self) -> [f64; 3] {
         match &self.controller {
-            ViewController::Orbit(orbit)
-            | ViewController::XyOrbit(orbit)
-            | ViewController::ThirdPersonFollower(orbit) => self.orbit_direction(orbit),
+            ViewController::Orbit(orbit) | ViewController::ThirdPersonFollower(orbit) => self.orbit_direction(orbit),
             // rviz turns the camera only when an angle changes, so that one left at all zeros keeps Ogre's rest pose.
             ViewController::Fps(view) if [view.yaw_rad, view.pitch_rad, view.roll_rad] == [0.0; 3] => [0.0, 0.0, -1.0],
             ViewController::Fps(view) | ViewController::FrameAligned(view) => {
                 let (yaw, pitch) = (f64::from(view.yaw_rad), f64::from(view.pitch_rad));
                 [yaw.cos() * pitch.cos(), yaw.sin() * pitch.cos(), -pitch.sin()]
             }
-            ViewController::TopDownOrtho(_) => [0.0, 0.0, -1.0],
+            ViewController::TopDownOrtho => [0.0, 0.0, -1.0],
         }
     }
 
@@ -47,10 +45,7 @@ impl ViewConfig {
                 rotate([0.0, 0.0, heading.sin(), heading.cos()], direction)
             }
             ViewController::FrameAligned(_) => rotate(fixed_from_target, direction),
-            ViewController::Orbit(_)
-            | ViewController::XyOrbit(_)
-            | ViewController::Fps(_)
-            | ViewController::TopDownOrtho(_) => direction,
+            ViewController::Orbit(_) | ViewController::Fps(_) | ViewController::TopDownOrtho => direction,
         }
     }
 }
@@ -66,7 +61,7 @@ fn rotate([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::{FreeView, TopDownView};
+    use crate::view::FreeView;
 
     const IDENTITY: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
@@ -76,7 +71,7 @@ mod tests {
     }
 
     fn orbit(yaw_rad: f32, pitch_rad: f32) -> OrbitView {
-        OrbitView { distance_m: 4.0, yaw_rad, pitch_rad, ..OrbitView::default() }
+        OrbitView { yaw_rad, pitch_rad }
     }
 
     fn view(controller: ViewController) -> ViewConfig {
@@ -84,7 +79,7 @@ mod tests {
     }
 
     fn fps(yaw_rad: f32, pitch_rad: f32, roll_rad: f32) -> ViewConfig {
-        view(ViewController::Fps(FreeView { yaw_rad, pitch_rad, roll_rad, ..FreeView::default() }))
+        view(ViewController::Fps(FreeView { yaw_rad, pitch_rad, roll_rad }))
     }
 
     #[test]
@@ -138,12 +133,7 @@ mod tests {
 
     #[test]
     fn from_above_is_downwards() {
-        let above = view(ViewController::TopDownOrtho(TopDownView {
-            angle_rad: 1.0,
-            x_m: 1.0,
-            y_m: 2.0,
-            ..TopDownView::default()
-        }));
+        let above = view(ViewController::TopDownOrtho);
         assert_close(above.direction_in_fixed_frame([0.0, 0.0, 1.0, 0.0]), [0.0, 0.0, -1.0]);
     }
 }

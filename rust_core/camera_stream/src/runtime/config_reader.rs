@@ -83,7 +83,7 @@ pub(crate) struct ConfigRead {
 fn load(file: &Path) -> ReadResult {
     match read_regular_file(file, MAX_FILE_BYTES) {
         Ok(bytes) => parse_bytes(&bytes, &file.display().to_string()),
-        Err(error) => Err(ConfigError::Unreadable { file: file.display().to_string(), error }),
+        Err(error) => Err(ConfigError::unreadable(file, &error)),
     }
 }
 

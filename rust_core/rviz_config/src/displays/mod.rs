@@ -232,10 +232,7 @@ pub(crate) fn read_list(section: &mut Section<'_>, path: &str) -> Vec<DisplayCon
 
 /// Reads what every display has, then hands over to the class.
 fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig {
-    let plain = |key| match node.get(key).map(|value| &value.content) {
-        Some(Content::Scalar(text)) => text.clone(),
-        _ => String::new(),
-    };
+    let plain = |key| node.get(key).and_then(Node::scalar).unwrap_or_default().to_owned();
     let (name, class) = (plain("Name"), plain("Class"));
     let path = join(group_path, label(&name, &class));
     let mut section = Section::new(node, path, report);
@@ -281,8 +278,7 @@ fn read_unknown(class: &str, display: &Node, section: &mut Section<'_>) -> Displ
 /// Adds the topics of a display of an unknown class: plain values of keys that end with "Topic", each once, the value
 /// of `Topic` first. Plugins put some of their topics into sections.
 fn add_topics(node: &Node, topics: &mut Vec<String>) {
-    let Content::Map(entries) = &node.content else { return };
-    for entry in entries {
+    for entry in node.entries() {
         if topics.len() == MAX_TOPICS {
             return;
         }

@@ -88,8 +88,7 @@ fn report_unread_tree(section: &mut Section<'_>, key: &str) {
 
 /// Adds the settings of a link or joint, and of those below it, that are not the defaults.
 fn add_changed(node: &Node, name: &str, changed: &mut Vec<String>) {
-    let Content::Map(entries) = &node.content else { return };
-    for entry in entries {
+    for entry in node.entries() {
         if changed.len() >= MOST_LISTED {
             return;
         }

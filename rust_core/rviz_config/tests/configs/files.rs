@@ -1,10 +1,6 @@
 //! Sections of a file, and unreadable files.
 
-use std::path::Path;
-
-use rcs_rviz_config::{
-    load, parse, ConfigError, DisplaySettings, FreeView, GridSettings, PlacedDisplay, Role, ViewConfig, ViewController,
-};
+use rcs_rviz_config::{parse, DisplaySettings, FreeView, GridSettings, Role, ViewConfig, ViewController};
 
 use super::messages;
 
@@ -237,10 +233,7 @@ fn a_file_as_rviz_saves_it_is_understood() {
     assert_eq!(visible, [false, true, true, true, false, true, true, true, true]);
 
     assert_eq!(config.view.target_frame.as_deref(), Some("gripper_link"));
-    let ViewController::XyOrbit(orbit) = &config.view.controller else {
-        panic!("an XYOrbit");
-    };
-    assert_eq!(orbit.focal_point_m, [0.5, 0.25, 0.0]);
+    assert!(matches!(config.view.controller, ViewController::Orbit(_)));
 }
 
 #[test]
@@ -282,7 +275,7 @@ fn views_of_each_class_are_read() {
     let free = "Position: {X: 1, Y: 2, Z: 3}, Yaw: 1, Pitch: 0.5, Roll: 0.1, Target Frame: base";
     let fps = view(&format!("{{Class: rviz/FPS, {free}}}"));
     assert_eq!(fps.target_frame.as_deref(), Some("base"));
-    let free = FreeView { position_m: [1.0, 2.0, 3.0], yaw_rad: 1.0, pitch_rad: 0.5, roll_rad: 0.1 };
+    let free = FreeView { yaw_rad: 1.0, pitch_rad: 0.5, roll_rad: 0.1 };
     assert_eq!(fps.controller, ViewController::Fps(free));
     let aligned = view("{Class: rviz/FrameAligned, Point towards: +y axis, Lock Camera: true}");
     let [x, y, z] = aligned.direction_in_target_frame();
@@ -319,13 +312,9 @@ fn an_unknown_key_of_a_view_changes_no_picture() {
 #[test]
 fn files_that_are_no_rviz_files_are_errors_that_say_where() {
     let yaml = parse("a: 1\nb: [1, 2\nc: }\n", "broken.rviz").unwrap_err();
-    let ConfigError::NotYaml { file, line, .. } = &yaml else {
-        panic!("not YAML, but {yaml}");
-    };
-    assert_eq!((file.as_str(), *line), ("broken.rviz", 3));
-    assert!(yaml.to_string().starts_with("broken.rviz:3:"));
+    assert!(yaml.place.starts_with("broken.rviz:3:") && yaml.problem.starts_with("not YAML: "), "{yaml}");
     for text in ["", "x: 1", "- 1", "Visualization Manager: ~", "Visualization Manager: 3"] {
-        assert!(matches!(parse(text, "t"), Err(ConfigError::NoVisualizationManager { .. })));
+        assert!(parse(text, "t").unwrap_err().to_string().starts_with("t: no \"Visualization Manager\" section"));
     }
 }
 
@@ -335,7 +324,6 @@ fn a_config_of_ros_2_is_refused_in_one_sentence() {
                 - {Class: rviz_default_plugins/Grid, Name: g, Enabled: true, Reference Frame: <Fixed Frame>}\n  \
                 Tools: [{Class: rviz_default_plugins/MoveCamera}]\n";
     let error = parse(ros2, "two.rviz").unwrap_err();
-    assert!(matches!(&error, ConfigError::Ros2 { .. }), "{error}");
     let text = error.to_string();
     assert!(text.starts_with("two.rviz: this is a ROS 2 config (rviz_default_plugins/Grid)"), "{text}");
     // A ROS 1 config into which one such display was pasted is read.
@@ -348,8 +336,7 @@ fn files_that_cannot_be_read_are_errors_that_name_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.rviz");
     let missing = rcs_rviz_config::load(&path).unwrap_err();
-    assert!(matches!(missing, ConfigError::Unreadable { .. }));
-    assert!(missing.to_string().contains("a.rviz"));
+    assert!(missing.to_string().contains("a.rviz: cannot be read: "), "{missing}");
     for (endless, len) in [(std::path::Path::new("/dev/zero"), None), (path.as_path(), Some(40 << 30))] {
         if let Some(len) = len {
             std::fs::File::create(endless).unwrap().set_len(len).unwrap();
@@ -359,7 +346,7 @@ fn files_that_cannot_be_read_are_errors_that_name_them() {
     }
     std::fs::write(&path, b"Visualization Manager:\n  Name: \xff\n").unwrap();
     let bytes = rcs_rviz_config::load(&path).unwrap_err();
-    assert!(matches!(bytes, ConfigError::NotUtf8 { line: 2, .. }));
+    assert_eq!(bytes.to_string(), format!("{}:2: not UTF-8 text", path.display()));
     std::fs::write(&path, PROJECTOR.replace('\n', "\r\n")).unwrap();
     let config = rcs_rviz_config::load(&path).unwrap();
     assert_eq!(config.source, path.display().to_string());
