@@ -115,6 +115,6 @@ fn open_file(path: &Path) -> Result<(Box<dyn Chunked>, Index), BagError> {
         let (file, index) = McapFile::open(file)?;
         Ok((Box::new(file), index))
     } else {
-        Err(BagError::NotABag { path: file.path })
+        Err(BagError::no_bag(&file.path))
     }
 }

@@ -22,11 +22,9 @@ impl BoundedFile {
     pub(crate) fn open(path: PathBuf) -> Result<Self, BagError> {
         let opened = File::open(&path).and_then(|file| Ok((file.metadata()?, file)));
         match opened {
-            Ok((metadata, _)) if metadata.is_dir() => {
-                Err(BagError::File { path, source: io::ErrorKind::IsADirectory.into() })
-            }
+            Ok((metadata, _)) if metadata.is_dir() => Err(BagError::new(&path, io::ErrorKind::IsADirectory)),
             Ok((metadata, file)) => Ok(Self { len: metadata.len(), file, path }),
-            Err(source) => Err(BagError::File { path, source }),
+            Err(error) => Err(BagError::new(&path, error)),
         }
     }
 
@@ -42,6 +40,6 @@ impl BoundedFile {
     }
 
     pub(crate) fn damaged(&self, at: u64, reason: &dyn std::fmt::Display) -> BagError {
-        BagError::Damaged { path: self.path.clone(), at, reason: reason.to_string() }
+        BagError::new(&self.path, format_args!("damaged at byte {at}: {reason}"))
     }
 }

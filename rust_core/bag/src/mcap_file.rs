@@ -43,7 +43,7 @@ struct Summary {
 
 impl McapFile {
     pub(crate) fn open(file: BoundedFile) -> Result<(Self, Index), BagError> {
-        let no_index = || BagError::NoIndex { path: file.path.clone(), remedy: "mcap recover" };
+        let no_index = || BagError::no_index(&file.path, "mcap recover");
         let footer_at = file.len.checked_sub(FOOTER_LEN).ok_or_else(no_index)?;
         let footer = file.read(footer_at, FOOTER_LEN).map_err(|error| file.damaged(footer_at, &error))?;
         let summary_at = footer.get(9..17).and_then(|bytes| bytes.try_into().ok()).map_or(0, u64::from_le_bytes);
@@ -56,7 +56,10 @@ impl McapFile {
         match summary.channels.first() {
             Some(_) if summary.chunks.is_empty() => return Err(no_index()),
             Some(first) if !summary.channels.iter().any(is_ros1) => {
-                return Err(BagError::NotRos1 { encoding: first.message_encoding.clone(), path: file.path });
+                let encoding = &first.message_encoding;
+                let problem =
+                    format!("all messages are encoded as {encoding}, but only those of ROS 1 (ros1) are read");
+                return Err(BagError::new(&file.path, problem));
             }
             _ => {}
         }

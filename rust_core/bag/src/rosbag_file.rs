@@ -60,22 +60,22 @@ impl Record {
 
 impl RosbagFile {
     pub(crate) fn open(file: BoundedFile) -> Result<(Self, Index), BagError> {
-        let path = || file.path.clone();
-        let header = record(&file, MAGIC.len() as u64).map_err(|_| BagError::NotABag { path: path() })?;
+        let header = record(&file, MAGIC.len() as u64).map_err(|_| BagError::no_bag(&file.path))?;
         match field(&header.fields, b"encryptor") {
             None | Some(b"" | NO_ENCRYPTOR) => {}
             Some(encryptor) => {
-                let encryptor = String::from_utf8_lossy(encryptor).into_owned();
-                return Err(BagError::Encrypted { path: path(), encryptor });
+                let encryptor = String::from_utf8_lossy(encryptor);
+                let problem = format!("encrypted by {encryptor}: run `rosbag decrypt` on it");
+                return Err(BagError::new(&file.path, problem));
             }
         }
         let index_at = field(&header.fields, b"index_pos").and_then(|value| value.try_into().ok());
-        let index_at = u64::from_le_bytes(index_at.ok_or_else(|| BagError::NotABag { path: path() })?);
+        let index_at = u64::from_le_bytes(index_at.ok_or_else(|| BagError::no_bag(&file.path))?);
         if index_at < header.end() || index_at > file.len {
-            return Err(BagError::NoIndex { path: path(), remedy: "rosbag reindex" });
+            return Err(BagError::no_index(&file.path, "rosbag reindex"));
         }
         // It was checked that the header points into the file.
-        let bag = RosBag::new(&file.path).map_err(|source| BagError::File { path: path(), source })?;
+        let bag = RosBag::new(&file.path).map_err(|error| BagError::new(&file.path, error))?;
         let opened = Self { file, bag };
         let index = opened.read_index(index_at).map_err(|error| opened.file.damaged(index_at, &error))?;
         Ok((opened, index))

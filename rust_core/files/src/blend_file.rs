@@ -5,13 +5,13 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
-use thiserror::Error;
 
 use crate::atomic_file::write_atomically;
+use crate::FileError;
 
 /// Memory of the decoder, bytes: a picture of 16384×16384 pixels needs more.
 const MOST_BYTES: u64 = 1 << 30;
@@ -31,35 +31,6 @@ pub struct BlendFile {
     pub lifts: Vec<u16>,
 }
 
-/// Weights cannot be read or written.
-#[derive(Debug, Error)]
-pub enum BlendFileError {
-    /// The file cannot be read.
-    #[error("{}: cannot read it: {source}", .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// Not a valid PNG of weights.
-    #[error("{}: not a PNG of weights: {source}", .path.display())]
-    Decode {
-        /// The file.
-        path: PathBuf,
-        /// Reason.
-        source: ImageError,
-    },
-    /// The file cannot be written.
-    #[error("{}: cannot write it: {source}", .path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: ImageError,
-    },
-}
-
 impl BlendFile {
     /// Converts weights and lifts from 0 to 1, clamping others.
     pub fn new(size_px: [u32; 2], weights: &[f32], lifts: &[f32]) -> Self {
@@ -70,10 +41,10 @@ impl BlendFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`BlendFileError`], naming the file.
-    pub fn read(path: &Path) -> Result<Self, BlendFileError> {
-        let decode_error = |source| BlendFileError::Decode { path: path.to_owned(), source };
-        let file = File::open(path).map_err(|source| BlendFileError::Read { path: path.to_owned(), source })?;
+    /// [`FileError`], naming the file.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let decode_error = |error: ImageError| FileError::new(path, format_args!("not a PNG of weights: {error}"));
+        let file = File::open(path).map_err(|error| FileError::new(path, format_args!("cannot read it: {error}")))?;
         let mut limits = Limits::default();
         limits.max_alloc = Some(MOST_BYTES);
         (limits.max_image_width, limits.max_image_height) = (Some(MOST_SIDE_PX), Some(MOST_SIDE_PX));
@@ -88,20 +59,21 @@ impl BlendFile {
     /// Writes a file.
     ///
     /// # Errors
-    /// [`BlendFileError`], naming the file.
-    pub fn write(&self, path: &Path) -> Result<(), BlendFileError> {
+    /// [`FileError`], naming the file.
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
         let opacity = |lift: &u16| u16::MAX - lift;
         let pixels = self.weights.iter().zip(&self.lifts).flat_map(|(weight, lift)| [*weight, opacity(lift)]);
         let bytes: Vec<u8> = pixels.flat_map(u16::to_ne_bytes).collect();
         let [width, height] = self.size_px;
-        let failed = |source| BlendFileError::Write { path: path.to_owned(), source };
         write_atomically(
             path,
             |file| {
                 let encoder = PngEncoder::new(file);
-                encoder.write_image(&bytes, width, height, ExtendedColorType::La16).map_err(failed)
+                encoder
+                    .write_image(&bytes, width, height, ExtendedColorType::La16)
+                    .map_err(|error| FileError::writing(path, error))
             },
-            |source| failed(ImageError::IoError(source)),
+            |error| FileError::writing(path, error),
         )
     }
 }

@@ -11,6 +11,7 @@ pub mod calibration_report;
 pub mod canvas;
 pub mod capture;
 pub mod correspondences;
+mod file_error;
 pub mod limited_read;
 pub mod pcd;
 pub mod picture_file;
@@ -19,3 +20,5 @@ pub mod sizes;
 mod text;
 pub mod verification;
 mod yaml_text;
+
+pub use file_error::FileError;

@@ -1,7 +1,7 @@
 //! Writing pictures as PNG and JPEG files, by the name's extension.
 
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -10,47 +10,7 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rcs_scene::{Encoding, Picture};
 
 use crate::atomic_file::write_atomically;
-
-/// A picture cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PictureFileError {
-    /// Unknown extension.
-    #[error("{}: a picture's name ends with {}", path.display(), PictureFormat::ENDINGS)]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The data's length does not fit the size.
-    #[error("{}: a picture of {width_px}x{height_px} pixels needs {needed_bytes} bytes, but there are {got_bytes}", path.display())]
-    WrongLength {
-        /// The file.
-        path: PathBuf,
-        /// Columns.
-        width_px: u32,
-        /// Rows.
-        height_px: u32,
-        /// Bytes that the size needs.
-        needed_bytes: u64,
-        /// Bytes given.
-        got_bytes: usize,
-    },
-    /// The file cannot be written.
-    #[error("{}: cannot write: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The encoder refused the picture.
-    #[error("{}: cannot encode: {source}", path.display())]
-    Encode {
-        /// The file.
-        path: PathBuf,
-        /// The encoder's error.
-        source: image::ImageError,
-    },
-}
+use crate::FileError;
 
 /// Format of a picture file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,13 +31,13 @@ impl PictureFormat {
     /// Format by a name's extension.
     ///
     /// # Errors
-    /// [`PictureFileError::UnknownFormat`].
-    pub fn of(path: &Path) -> Result<Self, PictureFileError> {
+    /// [`FileError`] for another extension.
+    pub fn of(path: &Path) -> Result<Self, FileError> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("jpg" | "jpeg") => Ok(Self::Jpeg),
-            _ => Err(PictureFileError::UnknownFormat { path: path.to_owned() }),
+            _ => Err(FileError::new(path, format_args!("a picture's name ends with {}", Self::ENDINGS))),
         }
     }
 }
@@ -97,25 +57,23 @@ impl PictureFormat {
 /// ```
 ///
 /// # Errors
-/// [`PictureFileError`], naming the file, if the picture's data have the wrong length or the file cannot be written.
-pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
+/// [`FileError`], naming the file, if the picture's data have the wrong length or the file cannot be written.
+pub fn write(path: &Path, picture: &Picture) -> Result<(), FileError> {
     let format = PictureFormat::of(path)?;
     let Picture { width_px, height_px, encoding, data } = picture;
     let (width_px, height_px) = (*width_px, *height_px);
     let needed_bytes = u64::from(width_px) * u64::from(height_px) * encoding.bytes_per_pixel() as u64;
     if data.len() as u64 != needed_bytes {
-        return Err(PictureFileError::WrongLength {
-            path: path.to_owned(),
-            width_px,
-            height_px,
-            needed_bytes,
-            got_bytes: data.len(),
-        });
+        let problem = format!(
+            "a picture of {width_px}x{height_px} pixels needs {needed_bytes} bytes, but there are {}",
+            data.len()
+        );
+        return Err(FileError::new(path, problem));
     }
     let (color_type, bytes) = pixels_for(format, *encoding, data);
     let failed = |error| match error {
-        ImageError::IoError(source) => PictureFileError::Write { path: path.to_owned(), source },
-        source => PictureFileError::Encode { path: path.to_owned(), source },
+        ImageError::IoError(error) => FileError::writing(path, error),
+        error => FileError::new(path, format_args!("cannot encode: {error}")),
     };
     write_atomically(
         path,
@@ -129,7 +87,7 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
             };
             written.map_err(failed)
         },
-        |source| PictureFileError::Write { path: path.to_owned(), source },
+        |error| FileError::writing(path, error),
     )
 }
 
@@ -278,7 +236,6 @@ mod tests {
         }
         for name in ["a", "a.bmp", "png", ".png"] {
             let error = write(&folder.path().join(name), &grey).unwrap_err();
-            assert!(matches!(error, PictureFileError::UnknownFormat { .. }), "{error}");
             assert!(error.to_string().contains(".png, .jpg or .jpeg"), "{error}");
         }
     }
@@ -288,7 +245,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
         let error = write(&path, &picture(Encoding::Rgb8, 4, &[0; 11])).unwrap_err();
-        assert!(matches!(error, PictureFileError::WrongLength { needed_bytes: 12, got_bytes: 11, .. }));
+        assert!(error.to_string().ends_with("needs 12 bytes, but there are 11"), "{error}");
         assert!(!path.exists());
         let lost = folder.path().join("missing").join("picture.png");
         let error = write(&lost, &picture(Encoding::Mono8, 1, &[0])).unwrap_err();

@@ -214,7 +214,7 @@ impl MeshTextures<'_> {
     fn load(&mut self, name: &str) -> Result<Arc<Texture>, ResourceError> {
         let MeshSource { path, options } = self.source;
         if name.is_empty() {
-            return Err(ResourceError::NoDiffuseTexture { path: path.to_owned() });
+            return Err(ResourceError::NoDiffuseTexture(path.to_owned()));
         }
         if self.texels >= MAX_TEXELS || self.loaded.len() >= MAX_TEXTURES {
             return Err(self.too_many(name));

@@ -20,11 +20,8 @@ pub enum ResourceError {
         scheme: String,
     },
     /// Not an address: neither a scheme nor an absolute path.
-    #[error("{url:?} is neither a package:// or file:// address nor an absolute path")]
-    BadUrl {
-        /// The address as it was given.
-        url: String,
-    },
+    #[error("{0:?} is neither a package:// or file:// address nor an absolute path")]
+    BadUrl(String),
     /// No such package on the search path.
     #[error("{url}: package {package:?} is not on the search path ({})", list(.searched))]
     NoSuchPackage {
@@ -89,11 +86,8 @@ pub enum ResourceError {
         limit: usize,
     },
     /// The reader of a file panicked.
-    #[error("{url}: the file's reader failed: please report this with the file")]
-    ReaderFailed {
-        /// The address as it was given.
-        url: String,
-    },
+    #[error("{0}: the file's reader failed: please report this with the file")]
+    ReaderFailed(String),
     /// A mesh format that is not supported.
     #[error("{}: mesh format {format} is not supported, only STL, COLLADA (.dae), OBJ, PLY and glTF (.gltf, .glb)", path.display())]
     UnsupportedFormat {
@@ -111,11 +105,8 @@ pub enum ResourceError {
         fault: MeshFault,
     },
     /// A material names textures, none of them for its diffuse colour; rviz then requests one without a name.
-    #[error("{}: a material names textures, but none for its diffuse colour", path.display())]
-    NoDiffuseTexture {
-        /// The mesh file.
-        path: PathBuf,
-    },
+    #[error("{0}: a material names textures, but none for its diffuse colour")]
+    NoDiffuseTexture(PathBuf),
     /// An image that cannot be decoded.
     #[error("{}: not a readable image: {reason}", path.display())]
     BadImage {

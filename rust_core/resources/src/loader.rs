@@ -101,8 +101,8 @@ impl Loader {
             ResourceKind::Texture => texture::load(&self.options, &path).map(Resource::Texture),
         };
         // Unwind safe: a partial result is dropped.
-        let outcome = catch_unwind(AssertUnwindSafe(load))
-            .unwrap_or_else(|_| Err(ResourceError::ReaderFailed { url: key.url.clone() }));
+        let outcome =
+            catch_unwind(AssertUnwindSafe(load)).unwrap_or_else(|_| Err(ResourceError::ReaderFailed(key.url.clone())));
         Some((outcome, stamp))
     }
 

@@ -113,7 +113,7 @@ impl PackageIndex {
     /// [`ResourceError::NoSuchPackage`]; [`ResourceError::UnsupportedScheme`] for `http://` and others;
     /// [`ResourceError::LeavesPackage`]; [`ResourceError::BadUrl`] for anything that is not an address.
     pub fn resolve(&self, url: &str) -> Result<PathBuf, ResourceError> {
-        let bad = || ResourceError::BadUrl { url: url.to_owned() };
+        let bad = || ResourceError::BadUrl(url.to_owned());
         if url.starts_with('/') {
             return Ok(PathBuf::from(url));
         }

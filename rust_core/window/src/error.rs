@@ -1,6 +1,6 @@
 //! Errors of the window.
 
-use rcs_files::picture_file::PictureFileError;
+use rcs_files::FileError;
 
 use crate::monitor::{MonitorError, MonitorInfo};
 
@@ -26,7 +26,7 @@ pub enum WindowError {
     },
     /// The screenshot cannot be written.
     #[error(transparent)]
-    Screenshot(#[from] PictureFileError),
+    Screenshot(#[from] FileError),
     /// The system has no descriptor or no memory left.
     #[error("no window: {0}")]
     System(#[from] std::io::Error),

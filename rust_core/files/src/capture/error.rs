@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use rcs_camera::LensProblem;
 
-use crate::picture_file::PictureFileError;
-use crate::projector::ProjectorFileError;
 use crate::yaml_text::brief;
+use crate::FileError;
 
 /// A capture folder or a list of patterns cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -41,9 +40,9 @@ pub enum CaptureError {
         /// Reason, with key, line and column.
         source: serde_yaml_ng::Error,
     },
-    /// The camera's CameraInfo cannot be read.
+    /// The camera's CameraInfo or a picture cannot be read or written.
     #[error(transparent)]
-    CameraInfo(#[from] ProjectorFileError),
+    File(#[from] FileError),
     /// The camera's CameraInfo describes no lens.
     #[error("{}: {problem}", path.display())]
     Lens {
@@ -124,7 +123,4 @@ pub enum CaptureError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// A picture cannot be written.
-    #[error(transparent)]
-    Picture(#[from] PictureFileError),
 }

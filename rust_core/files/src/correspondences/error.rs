@@ -13,14 +13,6 @@ pub enum PointsError {
         /// System error.
         source: std::io::Error,
     },
-    /// The file is too long.
-    #[error("{}: longer than {} GiB", path.display(), most_bytes >> 30)]
-    TooLong {
-        /// File.
-        path: PathBuf,
-        /// Maximum number of bytes.
-        most_bytes: u64,
-    },
     /// There are too many points.
     #[error("{}: with this file there are more than {most} points", path.display())]
     TooMany {
@@ -30,11 +22,8 @@ pub enum PointsError {
         most: usize,
     },
     /// The file has no header.
-    #[error("{}: it is empty; a header is needed: u_px,v_px,x_m,y_m,z_m", path.display())]
-    Empty {
-        /// File.
-        path: PathBuf,
-    },
+    #[error("{0}: it is empty; a header is needed: u_px,v_px,x_m,y_m,z_m")]
+    Empty(PathBuf),
     /// The header or a row is invalid.
     #[error("{}:{line}: {problem}", path.display())]
     Row {
@@ -46,11 +35,8 @@ pub enum PointsError {
         problem: RowProblem,
     },
     /// The scan numbers overflow when they are shifted past those of the files before.
-    #[error("{}: the numbers of its scans are too large to follow those of the files before", path.display())]
-    ScanNumbers {
-        /// File.
-        path: PathBuf,
-    },
+    #[error("{0}: the numbers of its scans are too large to follow those of the files before")]
+    ScanNumbers(PathBuf),
     /// The file cannot be written.
     #[error("{}: cannot write: {source}", path.display())]
     Write {

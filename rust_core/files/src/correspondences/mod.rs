@@ -20,13 +20,12 @@ mod parse;
 mod write;
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 use rcs_calibration::Sample;
 
+use crate::limited_read::read_limited;
 pub use error::{PointsError, RowProblem};
 pub use write::{write_pixels, write_points, PointColumns};
 
@@ -98,7 +97,7 @@ impl Correspondences {
             return Err(PointsError::TooMany { path: path.to_owned(), most: MOST_POINTS });
         }
         let numbers: BTreeSet<u32> = distinct_scans(&samples);
-        let shift = self.shift_of(&numbers).ok_or_else(|| PointsError::ScanNumbers { path: path.to_owned() })?;
+        let shift = self.shift_of(&numbers).ok_or_else(|| PointsError::ScanNumbers(path.to_owned()))?;
         samples.iter_mut().for_each(|sample| sample.scan += shift);
         self.scans.extend(numbers.into_iter().map(|number_in_file| Scan {
             number: number_in_file + shift,
@@ -133,15 +132,7 @@ fn distinct_scans(samples: &[Sample]) -> BTreeSet<u32> {
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, PointsError> {
-    let read_error = |source| PointsError::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(read_error)?;
-    let size = file.metadata().map_err(read_error)?.len();
-    let mut bytes = Vec::with_capacity(size.min(MOST_BYTES) as usize);
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(read_error)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(PointsError::TooLong { path: path.to_owned(), most_bytes: MOST_BYTES });
-    }
-    Ok(bytes)
+    read_limited(path, MOST_BYTES).map_err(|source| PointsError::Read { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

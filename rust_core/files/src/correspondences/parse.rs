@@ -44,7 +44,7 @@ pub(super) fn parse(path: &Path, text: &[u8], needed: Range<usize>) -> Result<Pa
     // Blank lines and comments are skipped.
     let mut lines = lines.filter(|(_, line)| !matches!(line.trim_ascii_start().first(), None | Some(b'#')));
     let row_error = |line, problem| PointsError::Row { path: path.to_owned(), line, problem };
-    let (number, line) = lines.next().ok_or_else(|| PointsError::Empty { path: path.to_owned() })?;
+    let (number, line) = lines.next().ok_or_else(|| PointsError::Empty(path.to_owned()))?;
     let header = CsvHeader::parse(line, needed).map_err(|problem| row_error(number, problem))?;
     // A row of five columns has some forty bytes.
     let mut samples = Vec::with_capacity(text.len() / 36);

@@ -2,18 +2,20 @@
 
 use std::str::FromStr;
 
-use super::{BodyReader, PcdError, PcdType};
+use super::{BodyReader, PcdType};
+use crate::FileError;
 
 impl BodyReader<'_> {
     /// Parses a line for each point and a word for each element. Lines with another number of words are skipped.
     /// Returns the points and the number of skipped lines, empty ones not counted.
-    pub(super) fn ascii(&self, body: &[u8]) -> Result<(Vec<u8>, u32), PcdError> {
+    pub(super) fn ascii(&self, body: &[u8]) -> Result<(Vec<u8>, u32), FileError> {
         let points = self.header.points();
+        let wanted: usize = self.header.fields.iter().map(|field| field.count).sum();
         let mut data = Vec::with_capacity(self.header.total_bytes().min(body.len().saturating_mul(8)));
         let mut found = 0usize;
         let mut last_line = self.header.data_line;
         let (mut skipped, mut first_skipped) = (0, None);
-        let line_error = |line, reason| PcdError::Line { path: self.path.to_owned(), line, reason };
+        let line_error = |line, reason: String| FileError::new(self.path, format_args!("line {line}: {reason}"));
         for (index, text) in body.split(|byte| *byte == b'\n').enumerate() {
             let line = self.header.data_line + index;
             if text.trim_ascii().is_empty() {
@@ -24,13 +26,13 @@ impl BodyReader<'_> {
                 break;
             }
             let text = std::str::from_utf8(text).map_err(|_| line_error(line, "not text".to_owned()))?;
-            match self.ascii_point(text, &mut data).map_err(|reason| line_error(line, reason))? {
-                RowLength::Right => {}
-                RowLength::Wrong(values) => {
-                    self.skip_point(&mut data);
-                    first_skipped.get_or_insert((line, values));
-                    skipped += 1;
-                }
+            let values = text.split_ascii_whitespace().count();
+            if values == wanted {
+                self.ascii_point(text, &mut data).map_err(|reason| line_error(line, reason))?;
+            } else {
+                self.skip_point(&mut data);
+                first_skipped.get_or_insert((line, values));
+                skipped += 1;
             }
             found += 1;
             last_line = line;
@@ -39,7 +41,6 @@ impl BodyReader<'_> {
             return Err(line_error(last_line, format!("the file ends after {found} of {points} points")));
         }
         if let Some((line, values)) = first_skipped {
-            let wanted: usize = self.header.fields.iter().map(|field| field.count).sum();
             let reason = format!("{values} values for the {wanted} of the header's fields");
             if skipped as usize == points {
                 return Err(line_error(line, format!("{reason}, and no line has as many")));
@@ -50,26 +51,15 @@ impl BodyReader<'_> {
     }
 
     /// Appends the point of a line with the right number of values.
-    fn ascii_point(&self, text: &str, data: &mut Vec<u8>) -> Result<RowLength, String> {
-        let start = data.len();
-        let mut words = text.split_ascii_whitespace();
-        for field in &self.header.fields {
-            for _ in 0..field.count {
-                let Some(word) = words.next() else {
-                    data.truncate(start);
-                    return Ok(RowLength::Wrong(text.split_ascii_whitespace().count()));
-                };
-                push_value(field.kind, word, data).ok_or_else(|| {
-                    let word: String = word.chars().take(40).collect();
-                    format!("field '{}': '{word}' is no value of type {:?}", field.name, field.kind)
-                })?;
-            }
+    fn ascii_point(&self, text: &str, data: &mut Vec<u8>) -> Result<(), String> {
+        let fields = self.header.fields.iter().flat_map(|field| std::iter::repeat_n(field, field.count));
+        for (field, word) in fields.zip(text.split_ascii_whitespace()) {
+            push_value(field.kind, word, data).ok_or_else(|| {
+                let word: String = word.chars().take(40).collect();
+                format!("field '{}': '{word}' is no value of type {:?}", field.name, field.kind)
+            })?;
         }
-        if words.next().is_some() {
-            data.truncate(start);
-            return Ok(RowLength::Wrong(text.split_ascii_whitespace().count()));
-        }
-        Ok(RowLength::Right)
+        Ok(())
     }
 
     /// Appends an invalid point, which keeps the place in an organised cloud.
@@ -87,13 +77,6 @@ impl BodyReader<'_> {
             }
         }
     }
-}
-
-/// Result of parsing a row of text.
-enum RowLength {
-    Right,
-    /// Number of values in a row of another length.
-    Wrong(usize),
 }
 
 /// Appends the bytes of a value. An integer's decimals are dropped, as in PCL.
@@ -132,9 +115,10 @@ fn push_value(kind: PcdType, word: &str, data: &mut Vec<u8>) -> Option<()> {
 mod tests {
     use std::path::Path;
 
-    use super::super::{PcdCloud, PcdError};
+    use super::super::PcdCloud;
+    use crate::FileError;
 
-    fn parse(bytes: &[u8]) -> Result<PcdCloud, PcdError> {
+    fn parse(bytes: &[u8]) -> Result<PcdCloud, FileError> {
         PcdCloud::parse(Path::new("cloud.pcd"), bytes)
     }
 

@@ -33,7 +33,7 @@ impl PcdCloud {
     /// assert_eq!(cloud.coordinates_to_f32(), Some(0.0));
     /// assert_eq!(cloud.fields[0].datatype, PointField::FLOAT32);
     /// assert_eq!(cloud.data, [0, 0, 0, 0x3f, 7]);
-    /// # Ok::<(), rcs_files::pcd::PcdError>(())
+    /// # Ok::<(), rcs_files::FileError>(())
     /// ```
     pub fn coordinates_to_f32(&mut self) -> Option<f64> {
         let is_converted = |field: &PointField| {

@@ -145,7 +145,7 @@ pub(super) struct PcdHeader {
 
 /// A header is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct HeaderError {
+pub(super) struct HeaderError {
     /// Line, from 1; `None` for a missing line.
     pub line: Option<usize>,
     /// Reason.

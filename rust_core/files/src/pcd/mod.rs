@@ -14,12 +14,13 @@ mod coordinates;
 mod header;
 mod lzf;
 
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
+use std::path::Path;
 
 use rcs_messages::sensor_msgs::PointField;
 
 use crate::limited_read::read_limited;
-pub use header::HeaderError;
+use crate::FileError;
 use header::{PcdEncoding, PcdField, PcdHeader, PcdType};
 
 /// Largest file that is read: more than a message holds.
@@ -35,7 +36,7 @@ const MOST_FILE_BYTES: u64 = 8 << 30;
 /// let cloud = PcdCloud::parse(Path::new("one.pcd"), file)?;
 /// assert_eq!((cloud.width, cloud.height, cloud.point_step_bytes), (1, 1, 12));
 /// assert_eq!(cloud.data[4..8], (-1.0_f32).to_le_bytes());
-/// # Ok::<(), rcs_files::pcd::PcdError>(())
+/// # Ok::<(), rcs_files::FileError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PcdCloud {
@@ -53,64 +54,22 @@ pub struct PcdCloud {
     pub data: Vec<u8>,
 }
 
-/// A PCD file cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum PcdError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The header is invalid.
-    #[error("{}: {error}", path.display())]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// Line and reason.
-        error: HeaderError,
-    },
-    /// A line of an ascii file is invalid.
-    #[error("{}: line {line}: {reason}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// Reason.
-        reason: String,
-    },
-    /// The points of a binary file are invalid.
-    #[error("{}: at byte {offset}: {reason}", path.display())]
-    Data {
-        /// The file.
-        path: PathBuf,
-        /// Offset in the file, bytes.
-        offset: usize,
-        /// Reason.
-        reason: String,
-    },
-}
-
 impl PcdCloud {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`PcdError`] with the file and the line or offset.
-    pub fn read(path: &Path) -> Result<Self, PcdError> {
-        let read = read_limited(path, MOST_FILE_BYTES);
-        let bytes = read.map_err(|source| PcdError::Read { path: path.to_owned(), source })?;
+    /// [`FileError`] with the file and the line or offset.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let bytes = read_limited(path, MOST_FILE_BYTES).map_err(|error| FileError::new(path, error))?;
         Self::parse(path, &bytes)
     }
 
     /// Parses the contents of a file; `path` is for errors.
     ///
     /// # Errors
-    /// [`PcdError`] with the file and the line or offset.
-    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, PcdError> {
-        let header = PcdHeader::parse(bytes).map_err(|error| PcdError::Header { path: path.to_owned(), error })?;
+    /// [`FileError`] with the file and the line or offset.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
+        let header = PcdHeader::parse(bytes).map_err(|error| FileError::new(path, error))?;
         let body = bytes.get(header.data_offset_bytes..).unwrap_or(&[]);
         let reader = BodyReader { path, header: &header };
         let (mut data, skipped) = match header.encoding {
@@ -197,12 +156,13 @@ struct BodyReader<'a> {
 }
 
 impl BodyReader<'_> {
-    fn data_error(&self, offset_in_body: usize, reason: String) -> PcdError {
-        PcdError::Data { path: self.path.to_owned(), offset: self.header.data_offset_bytes + offset_in_body, reason }
+    fn data_error(&self, offset_in_body: usize, reason: impl Display) -> FileError {
+        let offset = self.header.data_offset_bytes + offset_in_body;
+        FileError::new(self.path, format_args!("at byte {offset}: {reason}"))
     }
 
     /// Bytes after the last point are ignored, because PCL pads its files to whole pages.
-    fn binary(&self, body: &[u8]) -> Result<Vec<u8>, PcdError> {
+    fn binary(&self, body: &[u8]) -> Result<Vec<u8>, FileError> {
         let needed = self.header.total_bytes();
         let points = body.get(..needed).ok_or_else(|| {
             let reason = format!(
@@ -216,9 +176,9 @@ impl BodyReader<'_> {
         Ok(points.to_vec())
     }
 
-    fn binary_compressed(&self, body: &[u8]) -> Result<Vec<u8>, PcdError> {
+    fn binary_compressed(&self, body: &[u8]) -> Result<Vec<u8>, FileError> {
         let Some((&[a, b, c, d, e, f, g, h], rest)) = body.split_first_chunk::<8>() else {
-            return Err(self.data_error(body.len(), "the file ends before the sizes of its data".to_owned()));
+            return Err(self.data_error(body.len(), "the file ends before the sizes of its data"));
         };
         let compressed_bytes = u32::from_le_bytes([a, b, c, d]) as usize;
         let uncompressed_bytes = u32::from_le_bytes([e, f, g, h]) as usize;
@@ -232,7 +192,7 @@ impl BodyReader<'_> {
                 format!("the file ends: {compressed_bytes} compressed bytes are announced, there are {}", rest.len());
             self.data_error(body.len(), reason)
         })?;
-        let by_field = lzf::decompress(compressed, total).map_err(|error| self.data_error(8, error.to_string()))?;
+        let by_field = lzf::decompress(compressed, total).map_err(|error| self.data_error(8, error))?;
         Ok(self.points_from_fields(&by_field))
     }
 
@@ -260,7 +220,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn parse(bytes: &[u8]) -> Result<PcdCloud, PcdError> {
+    fn parse(bytes: &[u8]) -> Result<PcdCloud, FileError> {
         PcdCloud::parse(Path::new("cloud.pcd"), bytes)
     }
 

@@ -2,6 +2,7 @@
 
 use rcs_calibration::DistortionModel;
 
+use super::file::KeyError;
 use crate::yaml_text::one_line;
 
 /// The message's name of a tool's distortion model.
@@ -11,7 +12,7 @@ pub(super) fn distortion_model(
     named: Option<String>,
     camera_model: Option<&str>,
     fisheye_model: Option<u64>,
-) -> Result<String, (&'static str, String)> {
+) -> Result<String, KeyError> {
     use DistortionModel::{Equidistant, PlumbBob, RationalPolynomial};
     // OpenCV's alias is not a name in a message.
     let named = named.map(|name| if name == "fisheye" { Equidistant.name().to_owned() } else { name });

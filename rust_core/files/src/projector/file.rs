@@ -1,6 +1,6 @@
 //! Reading a projector's file.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rcs_calibration::Distortion;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -11,9 +11,17 @@ use super::other_tools;
 use super::raw_file::RawFile;
 use crate::limited_read::read_limited;
 use crate::yaml_text::{brief, one_line};
+use crate::FileError;
 
 /// Largest file that is read.
 const MOST_BYTES: u64 = 4 << 20;
+
+/// An invalid key and the reason.
+pub(super) type KeyError = (&'static str, String);
+
+pub(super) fn key_error(path: &Path, (key, reason): KeyError) -> FileError {
+    FileError::new(path, format_args!("{key}: {reason}"))
+}
 
 /// Contents of a projector's file.
 ///
@@ -45,58 +53,18 @@ pub struct ProjectorFile {
     pub ignored_keys: Vec<String>,
 }
 
-/// A projector's file cannot be read or written.
-#[derive(Debug, thiserror::Error)]
-pub enum ProjectorFileError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The file cannot be written.
-    #[error("{}: cannot write: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// Invalid value, or not YAML; the message names key, line and column.
-    #[error("{}: {}", path.display(), brief(source))]
-    Yaml {
-        /// The file.
-        path: PathBuf,
-        /// Reason, with key, line and column.
-        source: serde_yaml_ng::Error,
-    },
-    /// Keys are missing or contradict each other, or a value cannot be written.
-    #[error("{}: {key}: {reason}", path.display())]
-    Key {
-        /// The file.
-        path: PathBuf,
-        /// The key.
-        key: String,
-        /// Reason.
-        reason: String,
-    },
-}
-
 impl ProjectorFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`ProjectorFileError`] with the file and, where there is one, key and line.
-    pub fn read(path: &Path) -> Result<Self, ProjectorFileError> {
-        let bytes = read_limited(path, MOST_BYTES)
-            .map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
+    /// [`FileError`] with the file and, where there is one, key and line.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let bytes = read_limited(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
             let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is not text in UTF-8" };
-            let reason = format!("{what}: write the projector's size, K and D as text");
-            ProjectorFileError::Key { path: path.to_owned(), key: "the file".to_owned(), reason }
+            let problem = format!("the file: {what}: write the projector's size, K and D as text");
+            FileError::new(path, problem)
         })?;
         Self::parse(path, &text)
     }
@@ -105,13 +73,9 @@ impl ProjectorFile {
     /// `rostopic echo` ends each message with `---`.
     ///
     /// # Errors
-    /// [`ProjectorFileError`] with the file and, where there is one, key and line.
-    pub fn parse(path: &Path, text: &str) -> Result<Self, ProjectorFileError> {
-        let key_error = |(key, reason): (&str, String)| ProjectorFileError::Key {
-            path: path.to_owned(),
-            key: key.to_owned(),
-            reason,
-        };
+    /// [`FileError`] with the file and, where there is one, key and line.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        let key_error = |error| key_error(path, error);
         let text = text.trim_start_matches('\u{feff}');
         // OpenCV writes this directive, which is not YAML; camera_calibration's files carry it at times.
         let text = match text.split_once('\n') {
@@ -129,7 +93,7 @@ impl ProjectorFile {
                 serde_ignored::deserialize(document, ignore)
             }
         };
-        let raw = raw.map_err(|source| ProjectorFileError::Yaml { path: path.to_owned(), source })?;
+        let raw = raw.map_err(|error| FileError::new(path, brief(&error)))?;
         let camera_info_topic = raw.camera_info_topic.clone();
         let frames = raw.frames.iter().map(|FrameEntry(frame)| frame.clone()).collect::<Vec<_>>();
         check_placed_once(&frames).map_err(|reason| key_error(("frames", reason)))?;
@@ -206,7 +170,7 @@ projection_matrix:
   data: [900, 0, 630, -45, 0, 910, 690, 0, 0, 0, 1, 0]
 ";
 
-    fn parse(text: &str) -> Result<ProjectorFile, ProjectorFileError> {
+    fn parse(text: &str) -> Result<ProjectorFile, FileError> {
         ProjectorFile::parse(Path::new("projector.yaml"), text)
     }
 

@@ -44,6 +44,6 @@ mod other_tools;
 mod raw_file;
 mod write;
 
-pub use file::{ProjectorFile, ProjectorFileError};
+pub use file::ProjectorFile;
 pub use frames::StaticFrame;
 pub use lens::{fields_of, lens_of};

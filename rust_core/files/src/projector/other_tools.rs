@@ -15,10 +15,8 @@
 
 use serde_yaml_ng::{Mapping, Value};
 
+use super::file::KeyError;
 use super::{matlab, opencv_xml};
-
-/// An invalid key and the reason.
-type KeyError = (&'static str, String);
 
 /// Keys of this project that these files may have.
 const OWN: [&str; 5] = ["width", "height", "frame_id", "camera_info_topic", "frames"];
@@ -228,13 +226,14 @@ mod tests {
 
     use rcs_messages::sensor_msgs::CameraInfo;
 
-    use crate::projector::{ProjectorFile, ProjectorFileError};
+    use crate::projector::ProjectorFile;
+    use crate::FileError;
 
     const K: [f64; 9] = [3953.5, 0.0, 737.25, 0.0, 3893.0, 1357.5, 0.0, 0.0, 1.0];
     const D: [f64; 5] = [-0.017, -0.44, -0.0094, -0.0213, 1.7];
     const KEYS: &str = "width: 1024\nheight: 768\nframe_id: beamer\n";
 
-    fn parse(text: &str) -> Result<ProjectorFile, ProjectorFileError> {
+    fn parse(text: &str) -> Result<ProjectorFile, FileError> {
         ProjectorFile::parse(Path::new("calibration"), text)
     }
 

@@ -8,6 +8,7 @@ use serde_yaml_ng::Value;
 
 use super::checked_numbers::{IntegerIn, Matrix, Numbers, Size};
 use super::distortion_name::distortion_model;
+use super::file::KeyError;
 use super::frames::FrameEntry;
 
 /// The keys of both forms side by side, so that each error has its line.
@@ -98,7 +99,7 @@ struct ShapedNumbers {
 fn either<T>(
     (message_key, message): (&'static str, Option<T>),
     (calibration_key, calibration): (&str, Option<T>),
-) -> Result<Option<T>, (&'static str, String)> {
+) -> Result<Option<T>, KeyError> {
     match (message, calibration) {
         (Some(_), Some(_)) => Err((message_key, format!("the file has {calibration_key} too, which means the same"))),
         (message, calibration) => Ok(message.or(calibration)),
@@ -107,7 +108,7 @@ fn either<T>(
 
 impl RawFile {
     /// The message, or the invalid key and the reason.
-    pub(super) fn camera_info(self) -> Result<CameraInfo, (&'static str, String)> {
+    pub(super) fn camera_info(self) -> Result<CameraInfo, KeyError> {
         let data9 = |matrix: Option<Shaped<9, 3>>| matrix.map(|matrix| matrix.data);
         let missing = |other: &str| format!("missing (or {other})");
         let width = either(("width", self.width), ("image_width", self.image_width))?
@@ -149,7 +150,7 @@ impl RawFile {
 }
 
 /// Checks that no focal length of P is zero.
-pub(super) fn check_focal_lengths([fx, _, _, _, _, fy, ..]: &[f64; 12]) -> Result<(), (&'static str, String)> {
+pub(super) fn check_focal_lengths([fx, _, _, _, _, fy, ..]: &[f64; 12]) -> Result<(), KeyError> {
     if *fx == 0.0 || *fy == 0.0 {
         return Err(("P", format!("a focal length is zero (fx {fx}, fy {fy})")));
     }

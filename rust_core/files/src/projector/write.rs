@@ -8,47 +8,41 @@ use std::path::Path;
 
 use rcs_calibration::{Distortion, DistortionProblem};
 
-use super::file::{ProjectorFile, ProjectorFileError};
+use super::file::{key_error, KeyError, ProjectorFile};
 use super::frames::{check_placed_once, named_frame, StaticFrame};
 use super::raw_file::check_focal_lengths;
 use crate::atomic_file::write_atomically;
 use crate::yaml_text::{number, quoted};
-
-/// An invalid key and the reason.
-type KeyError = (&'static str, String);
+use crate::FileError;
 
 impl ProjectorFile {
     /// Writes or replaces the file, which appears whole or not at all, in an existing folder. Not written are
     /// [`ignored_keys`](Self::ignored_keys), sequence number and stamp.
     ///
     /// # Errors
-    /// [`ProjectorFileError`] with the file and, where there is one, the key: for values that could not be read again,
+    /// [`FileError`] with the file and, where there is one, the key: for values that could not be read again,
     /// and if the file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), ProjectorFileError> {
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
         let text = self.to_yaml(path)?;
         write_atomically(
             path,
             |file| {
-                let io_error = |source| ProjectorFileError::Write { path: path.to_owned(), source };
+                let io_error = |error| FileError::writing(path, error);
                 file.write_all(text.as_bytes()).map_err(io_error)?;
                 // A calibration is not to be lost with the power.
                 file.flush().and_then(|()| file.get_ref().sync_all()).map_err(io_error)
             },
-            |source| ProjectorFileError::Write { path: path.to_owned(), source },
+            |error| FileError::writing(path, error),
         )
     }
 
     /// Text of the file; `path` is for errors.
     ///
     /// # Errors
-    /// [`ProjectorFileError::Key`] for numbers that are not finite, a size or a focal length of zero, a distortion
+    /// [`FileError`] for numbers that are not finite, a size or a focal length of zero, a distortion
     /// model with a number of coefficients that it cannot have, frames without names or with two parents.
-    pub fn to_yaml(&self, path: &Path) -> Result<String, ProjectorFileError> {
-        self.yaml().map_err(|(key, reason)| ProjectorFileError::Key {
-            path: path.to_owned(),
-            key: key.to_owned(),
-            reason,
-        })
+    pub fn to_yaml(&self, path: &Path) -> Result<String, FileError> {
+        self.yaml().map_err(|error| key_error(path, error))
     }
 
     fn yaml(&self) -> Result<String, KeyError> {

@@ -24,17 +24,17 @@ use std::path::Path;
 use rcs_calibration::{ErrorStatistics, VerificationResult, VerifiedPoint};
 
 use crate::atomic_file::write_atomically;
-use crate::calibration_report::ReportError;
 use crate::yaml_text::{figure, figures, quoted};
+use crate::FileError;
 
 /// Writes the file; it appears whole or not at all. `projector` names what was verified, against a limit of the RMS in
 /// pixels.
 ///
 /// # Errors
-/// [`ReportError`] with the file.
-pub fn write(path: &Path, projector: &str, limit_px: f64, verified: &VerificationResult) -> Result<(), ReportError> {
+/// [`FileError`] with the file.
+pub fn write(path: &Path, projector: &str, limit_px: f64, verified: &VerificationResult) -> Result<(), FileError> {
     let text = yaml(projector, limit_px, verified);
-    let io_error = |source| ReportError { path: path.to_owned(), source };
+    let io_error = |source| FileError::writing(path, source);
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(io_error), io_error)
 }
 

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use anyhow::Context;
 use clap::Parser;
-use rcs_files::pcd::{PcdCloud, PcdError};
+use rcs_files::pcd::PcdCloud;
+use rcs_files::FileError;
 use rcs_messages::PointCloud2;
 use rcs_ros::RosNode;
 
@@ -113,8 +114,8 @@ fn period(rate_hz: f64) -> Duration {
 /// The cloud of a PCD file as a message in a frame, with coordinates of float32.
 ///
 /// # Errors
-/// [`PcdError`] with the file and the line or offset.
-pub fn read(path: &Path, frame: &str) -> Result<PointCloud2, PcdError> {
+/// [`FileError`] with the file and the line or offset.
+pub fn read(path: &Path, frame: &str) -> Result<PointCloud2, FileError> {
     let mut cloud = PcdCloud::read(path)?;
     if let Some(change) = cloud.coordinates_to_f32() {
         let file = path.display();
