@@ -11,9 +11,11 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use rcs_scene::{lock, wait_timeout, wait_while};
 
 /// Most lines in the queue.
 const MOST_LINES: usize = 1000;
@@ -79,7 +81,7 @@ impl LineQueue {
 
     /// Queues a line. Never waits.
     pub(crate) fn push(&self, line: String) {
-        let mut waiting = self.shared.waiting();
+        let mut waiting = lock(&self.shared.waiting);
         waiting.push(line);
         if waiting.stream.is_some() {
             let shared = Arc::clone(&self.shared);
@@ -92,7 +94,7 @@ impl LineQueue {
 
     /// Waits until all lines are written, at most until `until`; `true` if they are.
     pub(crate) fn flush(&self, until: Instant) -> bool {
-        let mut waiting = self.shared.waiting();
+        let mut waiting = lock(&self.shared.waiting);
         loop {
             if waiting.lines.is_empty() && !waiting.is_writing {
                 return true;
@@ -101,22 +103,18 @@ impl LineQueue {
             if left.is_zero() {
                 return false;
             }
-            waiting = self.shared.changed.wait_timeout(waiting, left).unwrap_or_else(PoisonError::into_inner).0;
+            waiting = wait_timeout(&self.shared.changed, waiting, left);
         }
     }
 }
 
 impl LineQueueShared {
-    fn waiting(&self) -> MutexGuard<'_, QueuedLines> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The writer thread.
     fn write_all(&self) {
-        let Some(mut stream) = self.waiting().stream.take() else { return };
+        let Some(mut stream) = lock(&self.waiting).stream.take() else { return };
         loop {
             let is_idle = |waiting: &mut QueuedLines| waiting.lines.is_empty();
-            let mut waiting = rcs_scene::wait_while(&self.changed, self.waiting(), is_idle);
+            let mut waiting = wait_while(&self.changed, lock(&self.waiting), is_idle);
             let dropped = std::mem::take(&mut waiting.dropped);
             let Some(line) = waiting.pop() else { continue };
             waiting.is_writing = true;
@@ -125,7 +123,7 @@ impl LineQueueShared {
                 write_line(&mut stream, (self.notice)(dropped));
             }
             write_line(&mut stream, line);
-            self.waiting().is_writing = false;
+            lock(&self.waiting).is_writing = false;
             self.changed.notify_all();
         }
     }
@@ -194,12 +192,12 @@ mod tests {
         push();
         // The thread writes the first line, for which the stream has no room: what is dropped then has to wait.
         let until = soon();
-        while !queue.shared.waiting().is_writing {
+        while !lock(&queue.shared.waiting).is_writing {
             assert!(Instant::now() < until, "no line is written");
             thread::sleep(Duration::from_millis(1));
         }
         (1..20).for_each(|_| push());
-        let waiting = queue.shared.waiting();
+        let waiting = lock(&queue.shared.waiting);
         assert!(waiting.lines.len() <= 2 && waiting.bytes <= MOST_BYTES && waiting.dropped >= 17, "{}", waiting.bytes);
         drop(waiting);
         let reading = thread::spawn(move || reader.read_to_end(&mut Vec::new()));

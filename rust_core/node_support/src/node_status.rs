@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::time::{Duration, Instant};
 
+pub use rcs_displays::Level;
 use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use rcs_ros::{NodeError, Publisher, RosNode};
 
@@ -10,35 +11,45 @@ use rcs_ros::{NodeError, Publisher, RosNode};
 const PERIOD: Duration = Duration::from_secs(1);
 const HARDWARE_ID: &str = "rviz_camera_stream";
 
-/// Level of a status.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// The node works.
-    Ok,
-    /// An input is missing, or the target is out of reach.
-    Warn,
-    /// An input is invalid.
-    Error,
+/// A status on `/diagnostics` of a part of a node, with its key-value pairs.
+pub fn diagnostic_status<'v>(
+    node: &str,
+    part: &str,
+    (level, message): (Level, &str),
+    values: impl IntoIterator<Item = (&'v str, String)>,
+) -> DiagnosticStatus {
+    DiagnosticStatus {
+        level: match level {
+            Level::Ok => DiagnosticStatus::OK,
+            Level::Warn => DiagnosticStatus::WARN,
+            Level::Error => DiagnosticStatus::ERROR,
+        },
+        name: format!("{}: {part}", node.trim_start_matches('/')),
+        message: message.to_owned(),
+        hardware_id: HARDWARE_ID.to_owned(),
+        values: values.into_iter().map(|(key, value)| KeyValue { key: key.to_owned(), value }).collect(),
+    }
 }
 
 /// A node's one status.
 pub struct NodeStatus {
     publisher: Publisher<DiagnosticArray>,
-    name: String,
+    node: String,
+    part: &'static str,
     current: Option<(Level, String)>,
     values: Vec<(&'static str, String)>,
     published: Option<Instant>,
 }
 
 impl NodeStatus {
-    /// Advertises the topic; the status is called `NODE: what`.
+    /// Advertises the topic; the status is called `NODE: part`.
     ///
     /// # Errors
     /// [`NodeError::Name`], if the topic is remapped to no name.
-    pub fn start(node: &RosNode, what: &str) -> Result<Self, NodeError> {
+    pub fn start(node: &RosNode, part: &'static str) -> Result<Self, NodeError> {
         let publisher = node.diagnostics_publisher()?;
-        let name = format!("{}: {what}", node.name().trim_start_matches('/'));
-        Ok(Self { publisher, name, current: None, values: Vec::new(), published: None })
+        let node = node.name().to_owned();
+        Ok(Self { publisher, node, part, current: None, values: Vec::new(), published: None })
     }
 
     /// Sets the status. A change of level or message is logged with `detail`, for numbers that change often.
@@ -75,18 +86,8 @@ impl NodeStatus {
             return Ok(());
         }
         self.published = Some(Instant::now());
-        let values = self.values.iter().map(|(key, value)| KeyValue { key: (*key).to_owned(), value: value.clone() });
-        let status = DiagnosticStatus {
-            level: match level {
-                Level::Ok => DiagnosticStatus::OK,
-                Level::Warn => DiagnosticStatus::WARN,
-                Level::Error => DiagnosticStatus::ERROR,
-            },
-            name: self.name.clone(),
-            message: message.clone(),
-            hardware_id: HARDWARE_ID.to_owned(),
-            values: values.collect(),
-        };
+        let values = self.values.iter().map(|(key, value)| (*key, value.clone()));
+        let status = diagnostic_status(&self.node, self.part, (*level, message), values);
         self.publisher.send(DiagnosticArray { status: vec![status], ..DiagnosticArray::default() })
     }
 }

@@ -6,7 +6,8 @@ use std::cmp::Reverse;
 use std::time::{Duration, Instant};
 
 use rcs_displays::Level;
-use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
+use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use rcs_node_support::node_status::diagnostic_status;
 use rcs_ros::{Publisher, RosNode};
 use rcs_transforms::Time;
 
@@ -18,8 +19,6 @@ use crate::scene::visibility::VISIBILITY;
 const PERIOD: Duration = Duration::from_secs(1);
 /// Most statuses of a display: first problems, then the visibility.
 const MOST_VALUES: usize = 100;
-/// The hardware ID of all statuses.
-const HARDWARE_ID: &str = "rviz_camera_stream";
 
 /// Reports statuses to the log and on `/diagnostics`.
 pub(crate) struct Diagnostics {
@@ -62,8 +61,7 @@ impl Diagnostics {
             self.log.check(&entries, log_time);
         }
         if self.begin_publishing() {
-            let node = ros.name().trim_start_matches('/');
-            self.last_status = entries.iter().map(|entry| diagnostic_status(node, entry)).collect();
+            self.last_status = entries.iter().map(|entry| status_of(ros.name(), entry)).collect();
             self.publish(self.last_status.clone());
         }
     }
@@ -73,13 +71,7 @@ impl Diagnostics {
         if !self.begin_publishing() {
             return;
         }
-        let busy = DiagnosticStatus {
-            level: DiagnosticStatus::WARN,
-            name: format!("{}: Scene", ros.name().trim_start_matches('/')),
-            message: text.to_owned(),
-            hardware_id: HARDWARE_ID.to_owned(),
-            values: Vec::new(),
-        };
+        let busy = diagnostic_status(ros.name(), "Scene", (Level::Warn, text), []);
         let status = std::iter::once(busy).chain(self.last_status.iter().cloned()).collect();
         self.publish(status);
     }
@@ -113,47 +105,32 @@ impl Diagnostics {
     }
 }
 
-fn level(level: Level) -> i8 {
-    match level {
-        Level::Ok => DiagnosticStatus::OK,
-        Level::Warn => DiagnosticStatus::WARN,
-        Level::Error => DiagnosticStatus::ERROR,
-    }
-}
-
 /// Converts an entry: the worst status is the message, the values are the entry's and all statuses.
-fn diagnostic_status(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
+fn status_of(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
     let message = match entry.statuses.worst() {
         Some((name, status)) if status.level > Level::Ok => format!("{name}: {}", status.text),
         _ => "OK".to_owned(),
     };
-    let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
     let mut values = Vec::new();
     if !entry.class.is_empty() {
-        values.push(value("class", entry.class.clone()));
+        values.push(("class", entry.class.clone()));
     }
     if !entry.topic.is_empty() {
         let key = if entry.kind == EntryKind::Camera { "image topic" } else { "topic" };
-        values.push(value(key, entry.topic.clone()));
+        values.push((key, entry.topic.clone()));
     }
-    values.extend(entry.values.iter().map(|(key, text)| value(key, text.clone())));
+    values.extend(entry.values.iter().cloned());
     let mut statuses: Vec<_> = entry.statuses.iter().collect();
     statuses.sort_by_key(|(name, status)| (Reverse(status.level), *name != VISIBILITY));
     let listed = statuses.iter().take(MOST_VALUES).map(|(name, status)| match status.level {
-        Level::Ok => value(name, status.text.clone()),
-        level => value(name, format!("{level:?}: {}", status.text)),
+        Level::Ok => (*name, status.text.clone()),
+        level => (*name, format!("{level:?}: {}", status.text)),
     });
     values.extend(listed);
     if statuses.len() > MOST_VALUES {
-        values.push(value("further statuses", (statuses.len() - MOST_VALUES).to_string()));
+        values.push(("further statuses", (statuses.len() - MOST_VALUES).to_string()));
     }
-    DiagnosticStatus {
-        level: level(entry.level()),
-        name: format!("{node}: {}", entry.path),
-        message,
-        hardware_id: HARDWARE_ID.to_owned(),
-        values,
-    }
+    diagnostic_status(node, &entry.path, (entry.level(), &message), values)
 }
 
 #[cfg(test)]
@@ -181,12 +158,12 @@ mod tests {
             statuses: Cow::Owned(statuses),
             values: vec![("messages received", "7".to_owned())],
         };
-        let ok = diagnostic_status("cam", &entry);
+        let ok = status_of("cam", &entry);
         assert_eq!((ok.level, ok.name.as_str(), ok.message.as_str()), (0, "cam: robot / markers", "OK"));
         entry.statuses.to_mut().set(Level::Warn, "z", "odd");
         entry.statuses.to_mut().set(Level::Error, "zz", "broken");
         entry.statuses.to_mut().set(Level::Ok, VISIBILITY, "hidden in camera X");
-        let bad = diagnostic_status("cam", &entry);
+        let bad = status_of("cam", &entry);
         assert_eq!((bad.level, bad.message.as_str()), (2, "zz: broken"));
         let values: Vec<(&str, &str)> = bad.values.iter().map(|v| (v.key.as_str(), v.value.as_str())).collect();
         let head = [
