@@ -8,40 +8,27 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use rcs_messages::geometry_msgs::PoseStamped;
 use rcs_messages::nav_msgs::Path;
-use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_messages::PlainTransform;
 use rcs_rviz_config::{LineStyle, PathSettings, PoseStyle};
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba, RibbonElement, Ribbons};
-use rcs_transforms::Time;
 
-use crate::framework::display::{Display, TopicRequest};
-use crate::framework::message_display::InvalidFloats;
-use crate::framework::waiting_messages::WaitingMessages;
+use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
 use crate::framework::world::isometry;
-use crate::parts::history::MessageHistory;
 use crate::parts::pose_symbol::{all_axes, arrows};
 use crate::parts::solids::{arrow_pose, drawable, ArrowSize};
-use crate::{Level, Statuses, World};
 
 #[derive(Debug)]
-pub(crate) struct PathDisplay {
+pub(crate) struct PathVisual {
     display: DisplayId,
     settings: PathSettings,
-    incoming: WaitingMessages<Path>,
-    history: MessageHistory,
-    statuses: Statuses,
 }
 
-pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> PathDisplay {
-    PathDisplay {
-        display,
-        incoming: WaitingMessages::new(settings.queue_size),
-        history: MessageHistory::new(Some(settings.buffer_length)),
-        settings: settings.clone(),
-        statuses: Statuses::default(),
-    }
+pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> MessageDisplay<PathVisual> {
+    let visual = PathVisual { display, settings: settings.clone() };
+    MessageDisplay::new(&settings.topic, settings.queue_size, Some(settings.buffer_length), visual)
 }
 
-impl PathDisplay {
+impl PathVisual {
     /// Poses in the fixed frame with the display's offset; `None` where a number is NaN or infinite.
     fn poses(&self, path: &Path, fixed_from_path: &Isometry3<f64>) -> Option<Vec<Isometry3<f64>>> {
         let offset = Translation3::from(Vector3::from(self.settings.offset_m).cast::<f64>());
@@ -111,54 +98,17 @@ fn is_line(drawable: &Drawable) -> bool {
     matches!(drawable.geometry, Geometry::Lines(_) | Geometry::Ribbons(_))
 }
 
-impl Display for PathDisplay {
-    fn topics(&self) -> Vec<TopicRequest> {
-        TopicRequest::new(&self.settings.topic, MessageKind::Path, self.settings.queue_size).into_iter().collect()
+impl MessageVisual for PathVisual {
+    type Message = Path;
+    const STATUS: &'static str = "Message";
+
+    fn draw(&mut self, path: &Path, fixed_from_path: &Isometry3<f64>) -> DrawResult {
+        let poses = self.poses(path, fixed_from_path).ok_or(InvalidFloats)?;
+        Ok(Some(std::iter::once(self.line(&poses)).chain(self.symbols(path, &poses)).collect()))
     }
 
-    fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
-        if let AnyMessage::Path(path) = message {
-            self.incoming.push(&path.header, path.clone(), &mut self.statuses);
-        }
-    }
-
-    fn is_waiting(&self, stamp: Time) -> bool {
-        self.incoming.is_waiting(stamp)
-    }
-
-    fn update(&mut self, world: &World<'_>) -> bool {
-        let ready = self.incoming.take_ready(world, &mut self.statuses);
-        let mut changed = false;
-        for path in ready {
-            let Ok(fixed_from_path) = world.fixed_from_header(&path.header) else { continue };
-            let drawn: Vec<Drawable> = match self.poses(&path, &fixed_from_path) {
-                Some(poses) => {
-                    self.statuses.remove("Message");
-                    std::iter::once(self.line(&poses)).chain(self.symbols(&path, &poses)).collect()
-                }
-                None => {
-                    self.statuses.set(Level::Error, "Message", InvalidFloats.to_string());
-                    // rviz clears the line that the path replaces before it looks at the numbers, the symbols after.
-                    self.history.next_to_go().iter().filter(|drawable| !is_line(drawable)).cloned().collect()
-                }
-            };
-            self.history.push(drawn);
-            changed = true;
-        }
-        changed
-    }
-
-    fn drawables(&self) -> &[Drawable] {
-        self.history.drawables()
-    }
-
-    fn reset(&mut self) {
-        self.incoming.clear();
-        self.history.clear();
-        self.statuses.clear();
-    }
-
-    fn statuses(&self) -> &Statuses {
-        &self.statuses
+    /// rviz clears the line that the path replaces before it looks at the numbers, the symbols after.
+    fn instead(&self, next_to_go: &[Drawable]) -> Option<Vec<Drawable>> {
+        Some(next_to_go.iter().filter(|drawable| !is_line(drawable)).cloned().collect())
     }
 }

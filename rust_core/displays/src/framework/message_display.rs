@@ -25,11 +25,24 @@ pub(crate) type DrawResult = Result<Option<Vec<Drawable>>, InvalidFloats>;
 pub(crate) trait MessageVisual: Send {
     type Message: TypedMessage;
 
+    /// Name of the status of an invalid message.
+    const STATUS: &'static str = Statuses::TOPIC;
+
     /// Draws a message whose frame had this pose in the fixed frame at its stamp.
     ///
     /// # Errors
     /// [`InvalidFloats`]; then everything is as it was.
     fn draw(&mut self, message: &Self::Message, fixed_from_frame: &Isometry3<f64>) -> DrawResult;
+
+    /// Drawables in the place of an invalid message's, where it replaces `next_to_go`; `None` leaves what is shown.
+    fn instead(&self, _next_to_go: &[Drawable]) -> Option<Vec<Drawable>> {
+        None
+    }
+
+    /// Fault of a message that is drawn nevertheless.
+    fn fault(&self, _message: &Self::Message) -> Option<String> {
+        None
+    }
 
     fn reset(&mut self) {}
 }
@@ -87,16 +100,28 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
     fn update(&mut self, world: &World<'_>) -> bool {
         let mut changed = false;
         // The last message decides: a good one clears the error of those before it.
-        let mut last = Ok(());
+        let mut last = None;
         for message in self.incoming.take_ready(world, &mut self.statuses) {
             let fixed_from_frame = message.header().and_then(|header| world.fixed_from_header(header).ok());
             let Some(fixed_from_frame) = fixed_from_frame else { continue };
-            let shown = self.show(&message, &fixed_from_frame);
-            changed |= shown == Ok(true);
-            last = shown.map(|_| ());
+            last = Some(match self.show(&message, &fixed_from_frame) {
+                Ok(is_shown) => {
+                    changed |= is_shown;
+                    self.visual.fault(&message)
+                }
+                Err(error) => {
+                    let instead = self.visual.instead(self.history.next_to_go());
+                    changed |= instead.is_some();
+                    instead.into_iter().for_each(|drawables| self.history.push(drawables));
+                    Some(error.to_string())
+                }
+            });
         }
-        if let Err(error) = last {
-            self.statuses.set(Level::Error, Statuses::TOPIC, error.to_string());
+        match last {
+            Some(Some(error)) => self.statuses.set(Level::Error, V::STATUS, error),
+            // The count of messages has taken the place of an error of the topic.
+            Some(None) if V::STATUS != Statuses::TOPIC => self.statuses.remove(V::STATUS),
+            _ => {}
         }
         changed
     }
