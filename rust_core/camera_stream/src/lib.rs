@@ -28,7 +28,7 @@ use rcs_rviz_config::{Config, DisplaySettings, Finding};
 use rcs_setup::SetupError;
 
 use crate::cli::{CheckArgs, Cli, Command, DoctorArgs, RenderArgs};
-use crate::doctor::launch::node_arguments;
+use crate::doctor::launch::{node_arguments, restart};
 use crate::doctor::Verdict;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::options::config_file::find_config;
@@ -81,8 +81,7 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     if let Some(Command::Doctor(args)) = &cli.command {
         let arguments = std::env::args_os().skip(1);
         if let Some(arguments) = node_arguments(arguments, args.folder.as_deref())? {
-            // Returns only if it fails. Remappings and private parameters are read from the process's arguments.
-            return Err(restart::<&str>(arguments, &[]).into());
+            return Err(restart(arguments).into());
         }
     }
     find_config(cli)?;

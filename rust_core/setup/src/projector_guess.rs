@@ -18,7 +18,7 @@ const FOCAL_WIDTHS: f64 = 1.5;
 ///
 /// # Errors
 /// Frames that cannot be written.
-pub(crate) fn text(plan: &Plan) -> Result<String, rcs_files::projector::ProjectorFileError> {
+pub(crate) fn text(plan: &Plan) -> Result<String, rcs_files::FileError> {
     let answers = &plan.answers;
     let [width, height] = answers.size_px;
     let (focal, cx, cy) = (FOCAL_WIDTHS * f64::from(width), f64::from(width) / 2.0, f64::from(height) / 2.0);

@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn data_shorter_than_claimed_is_refused_not_read_past() {
-        let error = |picture: &ReceivedPicture| ScreenPicture::from_received(picture).unwrap_err().to_string();
+        let error = |picture: &ReceivedPicture<'_>| ScreenPicture::from_received(picture).unwrap_err().to_string();
         let short = error(&received("rgb8", 1, 3, &[0; 5]));
         assert!(short.ends_with("need 6 bytes of data, but there are 5"), "{short}");
         let narrow = error(&received("bgra8", 2, 7, &[0; 64]));

@@ -10,12 +10,10 @@ use rcs_displays::{Level, Status};
 use rcs_ros::Parameters;
 use rcs_rviz_config::Config;
 
+use crate::check::session::Session;
 use crate::check::table;
 use crate::scene::status_tree::{self, StatusEntry};
-use crate::scene::subscriptions::Subscriptions;
-use crate::scene::visibility::{self, PlacedCamera, VISIBILITY};
-use crate::scene::SceneState;
-use crate::{camera_names, NODE_NAME};
+use crate::scene::visibility::VISIBILITY;
 
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
@@ -25,14 +23,9 @@ const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 /// # Errors
 /// No master, an invalid parameter, or an output that cannot be written.
 pub(crate) fn run(config: &Config, words: &[OsString], listen: Duration, out: &mut dyn Write) -> Result<bool> {
-    let suffix = format!("_check_{}", std::process::id());
-    let end = EndRequest::watch_signals()?;
-    rcs_scene::name_threads();
-    let ros = RosNode::connect_beside(NODE_NAME, &suffix, &|| end.is_requested())?;
-    let checked_name = ros.name().strip_suffix(&suffix).unwrap_or_default();
-    let result =
-        options(words, config, checked_name, &ros).and_then(|options| check(config, &options, listen, &ros, &end, out));
-    ros.shutdown();
+    let session = Session::connect()?;
+    let result = check(config, &session, words, listen, out);
+    session.end();
     match result {
         // A closed pipe, as of `head`, is no error.
         Err(error) if is_closed_pipe(&error) => Ok(true),

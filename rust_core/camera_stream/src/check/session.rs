@@ -12,13 +12,12 @@ use rcs_ros::{NodeEvent, Parameters, RosNode};
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
-use crate::camera_names;
-use crate::check::node_name::node_names;
 use crate::options::Options;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera};
 use crate::scene::SceneState;
+use crate::{camera_names, NODE_NAME};
 
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
@@ -48,10 +47,11 @@ impl Session {
     /// # Errors
     /// No master, or why the node cannot start.
     pub(crate) fn connect() -> Result<Self> {
-        let [own_name, checked_name] = node_names()?;
+        let suffix = format!("_check_{}", std::process::id());
         let end = EndRequest::watch_signals()?;
         rcs_scene::name_threads();
-        let ros = RosNode::connect_now(&own_name, &|| end.is_requested())?;
+        let ros = RosNode::connect_beside(NODE_NAME, &suffix, &|| end.is_requested())?;
+        let checked_name = ros.name().strip_suffix(&suffix).unwrap_or_default().to_owned();
         Ok(Self { ros, checked_name, end })
     }
 

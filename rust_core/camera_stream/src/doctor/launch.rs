@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io;
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use rcs_node_support::node_options::parameter_names;
 use rcs_ros::{ParameterValue, Parameters};
@@ -104,6 +106,19 @@ pub(crate) fn node_arguments(
     all.extend(given);
     rest.extend(translated(&all, &parameters));
     Ok(Some(rest))
+}
+
+/// Replaces the process by the same program with other arguments, because remappings and private parameters are read
+/// from the process's. Returns only if that fails.
+pub(crate) fn restart(arguments: Vec<OsString>) -> io::Error {
+    let program = match std::env::current_exe() {
+        Ok(program) => program,
+        Err(error) => return error,
+    };
+    #[expect(clippy::disallowed_methods, reason = "this program again, without a shell")]
+    let mut command = Command::new(program);
+    // The file may hold several programs, chosen by this name.
+    command.arg0(std::env::args_os().next().unwrap_or_default()).args(arguments).exec()
 }
 
 /// The parameters that a launch file gives the node by default.

@@ -1,6 +1,10 @@
 //! Sections of a file, and unreadable files.
 
-use rcs_rviz_config::{parse, DisplaySettings, FreeView, GridSettings, Role, ViewConfig, ViewController};
+use std::path::Path;
+
+use rcs_rviz_config::{
+    load, parse, DisplaySettings, FreeView, GridSettings, PlacedDisplay, Role, ViewConfig, ViewController,
+};
 
 use super::messages;
 
