@@ -233,7 +233,7 @@ fn the_fetch_passes_on_every_option_of_the_nodes_that_it_starts() {
         let given: Vec<_> = further.iter().map(|option| format!("{option}: given")).collect();
         let (all, printed) = parameters(node, &format!("{samples} {node}_parameters:='{{{}}}'", given.join(", ")));
         assert_eq!(all.iter().collect::<Vec<_>>(), further, "{node}");
-        for option in further {
+        for option in further.into_iter().filter(|option| !set.contains(*option)) {
             assert!(printed.contains(&format!("/{node}/{option}: given\n")), "{node} {option}: {printed}");
         }
     }
