@@ -1,6 +1,6 @@
-//! The gallery `docs/displays.md`: its pictures are what the CPU renderer draws, and each display has its section.
+//! The gallery `docs/reference/displays.md`: its pictures are what the CPU renderer draws, and each display has its section.
 //!
-//! A picture `images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures again.
+//! A picture `docs/images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures again.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ const OTHER_PLUGINS: &str = "other plugins";
 const MIN_CLOSE: f64 = 0.999;
 
 fn page() -> String {
-    std::fs::read_to_string(cases::repository().join("docs/displays.md")).unwrap_or_default()
+    std::fs::read_to_string(cases::repository().join("docs/reference/displays.md")).unwrap_or_default()
 }
 
 fn picture(name: &str) -> PathBuf {

@@ -1,6 +1,6 @@
-//! The tables of properties in the documentation name every property that a class reads, with the default that it has.
+//! The tables of `docs/reference/displays.md` name every property that a class reads, with the default that it has.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rcs_rviz_config::{classes, properties, CameraPubSettings, DisplaySettings, Role, ENTRY};
@@ -8,11 +8,9 @@ use rcs_rviz_config::{classes, properties, CameraPubSettings, DisplaySettings, R
 const CAMERA_PUB: &str = "rviz_camera_stream/CameraPub";
 
 /// Rows that are not properties of the class itself: class and key.
-const NOT_OF_THE_CLASS: [(&str, &str); 2] = [
-    // Every display has it; the README's table is also for those who write a CameraPub by hand.
+const NOT_OF_THE_CLASS: [(&str, &str); 1] = [
+    // Every display has it; the table is also for those who write a CameraPub by hand.
     (CAMERA_PUB, "Enabled"),
-    // Its points have all properties of a PointCloud2, but its images have topics of their own.
-    ("rviz/DepthCloud", "Topic"),
 ];
 
 /// Properties without a row: class and key.
@@ -21,8 +19,8 @@ const WITHOUT_ROW: [(&str, &str); 1] = [
     (CAMERA_PUB, "Visibility / (name)"),
 ];
 
-fn page(path: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+fn page() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/displays.md");
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -79,19 +77,33 @@ fn rows(text: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// The rows for a class: those of its section, over those of the class to whose properties the section refers.
+/// The rows for a class: those of its section, over those of the sections to which it links and of the page's
+/// introduction. Of the latter two, rows count whose property the class has.
 fn documented(class: &str) -> BTreeMap<String, String> {
-    if class == CAMERA_PUB {
-        return rows(page("README.md").split("CameraPub's properties in the config:").nth(1).unwrap_or_default());
+    let page = page();
+    let keys: BTreeSet<String> = properties(class).into_iter().map(|property| property.key).collect();
+    let introduction = rows(page.split("\n## ").next().unwrap_or_default());
+    let mut found: BTreeMap<String, String> = BTreeMap::new();
+    for rows in std::iter::once(introduction).chain(linked_sections(&page, class).iter().map(|text| rows(text))) {
+        found.extend(rows.into_iter().filter(|(key, _)| keys.contains(key)));
     }
-    let page = page("docs/displays.md");
-    let of_class = section(&page, &format!("## {class}")).unwrap_or_else(|| panic!("no section {class}"));
-    let mut found = BTreeMap::new();
-    if of_class.contains("[PointCloud2](#rvizpointcloud2)") {
-        found = rows(section(&page, "## rviz/PointCloud2").unwrap_or_default());
-    }
-    found.extend(rows(of_class));
+    found.extend(rows(&of_class(&page, class)));
     found
+}
+
+/// The section of a class.
+fn of_class(page: &str, class: &str) -> String {
+    section(page, &format!("## {class}")).unwrap_or_else(|| panic!("no section {class}")).to_owned()
+}
+
+/// The sections to which that of a class links, with those to which these link, the farthest first.
+fn linked_sections(page: &str, class: &str) -> Vec<String> {
+    let text = of_class(page, class);
+    let anchor = |name: &str| name.replace('/', "").to_lowercase();
+    let is_linked = |other: &&str| *other != class && text.contains(&format!("](#{})", anchor(other)));
+    let linked: Vec<&str> = classes().iter().map(|class| class.name).filter(is_linked).collect();
+    let of = |other: &str| [linked_sections(page, other), vec![of_class(page, other)]].concat();
+    linked.into_iter().flat_map(of).collect()
 }
 
 #[test]
@@ -118,7 +130,7 @@ fn every_property_stands_in_the_documentation_with_its_default() {
 }
 
 #[test]
-fn a_camera_pub_without_enabled_is_off_as_the_readme_has_it() {
+fn a_camera_pub_without_enabled_is_off_as_the_page_has_it() {
     let text = format!("Visualization Manager:\n  Displays:\n  - {{Class: {CAMERA_PUB}, Name: camera}}\n");
     let config = rcs_rviz_config::parse(&text, "a.rviz").unwrap();
     assert_eq!(documented(CAMERA_PUB)["Enabled"], config.displays[0].enabled.to_string());
@@ -126,10 +138,10 @@ fn a_camera_pub_without_enabled_is_off_as_the_readme_has_it() {
 
 /// The block to paste, below `Displays:` and beside the display that it names.
 #[test]
-fn the_readmes_camera_is_read_as_it_says() {
-    let page = page("README.md");
+fn the_pages_camera_is_read_as_it_says() {
+    let page = page();
     let block = page.split("```yaml\n").find(|block| block.starts_with("    - Class: rviz_camera_stream/CameraPub"));
-    let block = block.and_then(|block| block.split("```").next()).expect("the README has a CameraPub");
+    let block = block.and_then(|block| block.split("```").next()).expect("the page has a CameraPub");
     let grid = "    - Class: rviz/Grid\n      Name: Grid\n      Enabled: true\n";
     let text = format!("Visualization Manager:\n  Displays:\n{grid}{block}");
     let config = rcs_rviz_config::parse(&text, "a.rviz").unwrap();
