@@ -1,5 +1,5 @@
-//! The layers of `docs/architecture.md`: dependencies between crates point downwards only, no crate uses what is not
-//! its task, and the page explains each folder and dependency.
+//! The layers of `docs/contributing/architecture.md`: dependencies between crates point downwards only, no crate uses what
+//! is not its task, and the page explains each folder and dependency.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -326,18 +326,20 @@ fn every_folder_of_the_core_is_a_layer() {
     assert_eq!(folders, layers);
 }
 
-// --- the tables of docs/architecture.md ------------------------------------------------------------------------------
+// --- the tables of docs/contributing/architecture.md -----------------------------------------------------------------
+
+const PAGE: &str = "docs/contributing/architecture.md";
 
 /// The rows of the table with these headings, cell by cell.
 fn table(heading: &str) -> Vec<Vec<String>> {
-    let page = repository().join("docs/architecture.md");
+    let page = repository().join(PAGE);
     let page = fs::read_to_string(&page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
     let mut lines = page.lines().skip_while(|line| *line != heading).skip(2);
     let mut rows = Vec::new();
     while let Some(row) = lines.next().and_then(|line| line.strip_prefix('|')?.strip_suffix('|')) {
         rows.push(row.split('|').map(|cell| cell.trim().to_owned()).collect());
     }
-    assert!(!rows.is_empty(), "docs/architecture.md has no table {heading}");
+    assert!(!rows.is_empty(), "{PAGE} has no table {heading}");
     rows
 }
 
@@ -355,13 +357,13 @@ fn explained(heading: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_crate_is_explained() {
-    let explained = explained("| folder | contents |");
+    let explained = explained("|folder|contents|");
     for name in crate_folders().into_keys() {
         let folder = if name.starts_with("tests") { name } else { format!("rust_core/{name}") };
-        assert!(explained.contains(&folder), "docs/architecture.md has no row for {folder}");
+        assert!(explained.contains(&folder), "{PAGE} has no row for {folder}");
     }
     for folder in explained {
-        assert!(repository().join(&folder).exists(), "docs/architecture.md: there is no {folder}");
+        assert!(repository().join(&folder).exists(), "{PAGE}: there is no {folder}");
     }
 }
 
@@ -370,7 +372,7 @@ fn every_direct_dependency_is_justified() {
     let used = crate_folders().into_values().map(|folder| dependencies(&folder));
     let used = used.flat_map(|found| found.of_crate.into_iter().chain(found.of_tests));
     let used: BTreeSet<String> = used.filter(|name| own_name(name).is_none()).collect();
-    assert_eq!(explained("| dependency | for |"), used, "docs/architecture.md, table of dependencies");
+    assert_eq!(explained("|dependency|for|"), used, "{PAGE}, table of dependencies");
 }
 
 #[test]
