@@ -7,20 +7,59 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// A program's `main`.
-pub type Main = fn() -> ExitCode;
+use clap::Command;
+use rcs_node_support::ros_names::RosName;
+use rcs_samples::{line_of_sight, nav_path_markers, publish_cloud, turret_aim};
 
-/// Every program, with its name.
-pub const PROGRAMS: [(&str, Main); 9] = [
-    ("camera_stream", rcs_camera_stream::main),
-    ("line_of_sight", rcs_samples::line_of_sight::main),
-    ("nav_path_markers", rcs_samples::nav_path_markers::main),
-    ("projector", crate::projector::main),
-    ("projector_blend", crate::projector_blend::main),
-    ("projector_calibrate", rcs_calibrate::main),
-    ("projector_window", crate::projector_window::main),
-    ("publish_cloud", rcs_samples::publish_cloud::main),
-    ("turret_aim", rcs_samples::turret_aim::main),
+use crate::{projector, projector_blend, projector_window};
+
+/// A program.
+pub struct Program {
+    /// Its name.
+    pub name: &'static str,
+    /// Runs it with the process's arguments.
+    pub main: fn() -> ExitCode,
+    /// Its command line.
+    pub command: fn() -> Command,
+    /// Topics, services and parameters that it uses.
+    pub ros_names: &'static [RosName],
+    /// Whether its options are private parameters, too.
+    pub has_parameters: bool,
+}
+
+/// A node, whose options are private parameters, too.
+const fn node(
+    name: &'static str,
+    main: fn() -> ExitCode,
+    command: fn() -> Command,
+    ros_names: &'static [RosName],
+) -> Program {
+    Program { name, main, command, ros_names, has_parameters: true }
+}
+
+/// Every program.
+pub static PROGRAMS: [Program; 9] = [
+    node("camera_stream", rcs_camera_stream::main, rcs_camera_stream::cli::command, rcs_camera_stream::cli::ROS_NAMES),
+    node("line_of_sight", line_of_sight::main, line_of_sight::command, line_of_sight::ROS_NAMES),
+    node("nav_path_markers", nav_path_markers::main, nav_path_markers::command, nav_path_markers::ROS_NAMES),
+    node("projector", projector::main, projector::command, projector::ROS_NAMES),
+    Program {
+        name: "projector_blend",
+        main: projector_blend::main,
+        command: projector_blend::command,
+        ros_names: projector_blend::ROS_NAMES,
+        has_parameters: false,
+    },
+    Program {
+        name: "projector_calibrate",
+        main: rcs_calibrate::main,
+        command: rcs_calibrate::command,
+        ros_names: rcs_calibrate::ROS_NAMES,
+        has_parameters: false,
+    },
+    node("projector_window", projector_window::main, projector_window::command, projector_window::ROS_NAMES),
+    node("publish_cloud", publish_cloud::main, publish_cloud::command, publish_cloud::ROS_NAMES),
+    node("turret_aim", turret_aim::main, turret_aim::command, turret_aim::ROS_NAMES),
 ];
 
 /// The exit status where no program has the name.
@@ -30,9 +69,9 @@ const UNKNOWN: u8 = 2;
 pub fn main() -> ExitCode {
     let path = std::env::args_os().next().unwrap_or_default();
     match called(&path) {
-        Some(program) => program(),
+        Some(program) => (program.main)(),
         None => {
-            let names: Vec<&str> = PROGRAMS.iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = PROGRAMS.iter().map(|program| program.name).collect();
             eprintln!(
                 "{}: this file holds all programs; start it through a link with the name of one: {}",
                 Path::new(&path).display(),
@@ -44,9 +83,9 @@ pub fn main() -> ExitCode {
 }
 
 /// The program that `path`, the first of a process's arguments, names.
-fn called(path: &OsStr) -> Option<Main> {
+fn called(path: &OsStr) -> Option<&'static Program> {
     let name = Path::new(path).file_name()?;
-    PROGRAMS.iter().find(|(program, _)| name == *program).map(|(_, main)| *main)
+    PROGRAMS.iter().find(|program| name == program.name)
 }
 
 #[cfg(test)]
@@ -70,6 +109,6 @@ mod tests {
         let mut names: Vec<String> = files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
         names.retain(|name| name != "all_programs");
         names.sort();
-        assert_eq!(names, PROGRAMS.map(|(name, _)| name));
+        assert!(names.iter().eq(PROGRAMS.iter().map(|program| program.name)), "{names:?}");
     }
 }

@@ -22,9 +22,30 @@ mod window_support;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Command, CommandFactory, Parser, Subcommand};
 use failure::Failure;
 use rcs_node_support::lifecycle::{self, own_arguments};
+use rcs_node_support::ros_names::{publishes, subscribes, RosName};
+
+/// Topics of the commands.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes(
+        "/head_camera/rgb/image_raw",
+        "sensor_msgs/Image or CompressedImage",
+        "`scan`, `verify`: mono8, rgb8, bgr8, rgba8 or bgra8",
+    ),
+    subscribes("/head_camera/rgb/camera_info", "sensor_msgs/CameraInfo", "`scan`, `verify`"),
+    subscribes(
+        "/head_camera/depth_registered/image_raw",
+        "sensor_msgs/Image or CompressedImage",
+        "`scan`, `verify`: 16UC1 (mm) or 32FC1 (m)",
+    ),
+    subscribes("CLOUD", "sensor_msgs/PointCloud2", "`scan`, `verify` with `--cloud`, in place of depth images"),
+    subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "frames between camera and projector"),
+    subscribes("/clicked_point", "geometry_msgs/PointStamped", "`refine --clicked`: points from rviz's Publish Point"),
+    publishes("~preview", "sensor_msgs/Image", "`scan`: pixels decoded so far, latched"),
+    publishes("TOPIC", "sensor_msgs/Image", "`scan`, `verify` with `--show-on`: the patterns"),
+];
 
 /// Calibrates a projector: writes the file that the program projector publishes.
 #[derive(Debug, Parser)]
@@ -49,6 +70,11 @@ enum CalibrateCommand {
     Solve(solve::SolveArguments),
     Refine(refine::RefineArguments),
     Verify(verify::VerifyArguments),
+}
+
+/// The command line.
+pub fn command() -> Command {
+    CalibrateArguments::command()
 }
 
 /// Runs the program with the process's arguments.

@@ -15,6 +15,31 @@ use crate::doctor::viewer::Viewer;
 use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
 use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::node_options::COMMAND_LINE_ONLY;
+use rcs_node_support::ros_names::{configures, publishes, reads, serves, subscribes, RosName};
+
+/// Topics, services and parameters of the node. IMAGE, INFO and NAMESPACE are a CameraPub's *Image Topic*, *Camera Info
+/// Topic* and *Display namespace*.
+pub const ROS_NAMES: &[RosName] = &[
+    publishes("IMAGE", "sensor_msgs/Image", "the image of a CameraPub, stamped when it is published"),
+    publishes("IMAGE/compressed", "sensor_msgs/CompressedImage", "the image as JPEG or PNG, while subscribed to"),
+    publishes("camera_info beside IMAGE", "sensor_msgs/CameraInfo", "the image's, with its stamp and frame"),
+    publishes(
+        "depth beside IMAGE",
+        "sensor_msgs/Image",
+        "distance along the optical axis (REP 118), NaN or 0 where nothing is drawn; while subscribed to",
+    ),
+    publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "status of each display and camera, once a second"),
+    publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images, with `--orientation` 90, 180 or 270"),
+    subscribes("INFO", "sensor_msgs/CameraInfo", "size, P and optical frame of the virtual camera"),
+    subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "all frames"),
+    subscribes("topics of the displays", "see the [displays](displays.md)", "paused while nobody watches"),
+    subscribes("MASK", "sensor_msgs/Image", "with `--mask-topic`"),
+    reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
+    serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
+    serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
+    configures("~CAMERA", "a CameraPub's frame rate, background, encoding, near clip and visibility"),
+    configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
+];
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -204,24 +229,9 @@ pub struct CheckArgs {
     pub listen: Duration,
 }
 
-/// The arguments of `doctor`.
-#[derive(Args, Clone, Debug)]
-pub struct DoctorArgs {
-    /// The folder that `camera_stream setup` wrote
-    #[arg(value_name = "FOLDER")]
-    pub folder: Option<PathBuf>,
-    /// The arguments of the node that is examined.
-    #[command(flatten)]
-    pub node: NodeArgs,
-    /// How long it listens
-    #[arg(long, value_name = "SECS", default_value = "5", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
-    pub listen: Duration,
-    /// Viewer of the launch file [default: the window that the node has or that runs beside it]
-    #[arg(long, value_enum, value_name = "VIEWER", help_heading = COMMAND_LINE_ONLY)]
-    pub(crate) viewer: Option<Viewer>,
-    /// Monitor of the viewer, by name or number, or auto [default: that of the running viewer, else auto]
-    #[arg(long, value_name = "MONITOR", help_heading = COMMAND_LINE_ONLY)]
-    pub(crate) monitor: Option<MonitorChoice>,
+/// The command line.
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.
@@ -235,7 +245,7 @@ pub fn with_hints(mut error: clap::Error) -> clap::Error {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
         }
     }
-    let command = Cli::command();
+    let command = command();
     let is_hidden = |suggested: &ContextValue| {
         let option = suggested.to_string();
         let mut hidden = command.get_arguments().filter(|arg| arg.is_hide_set()).filter_map(|arg| arg.get_long());

@@ -14,5 +14,5 @@ pub mod node_options;
 pub mod node_status;
 pub mod old_spellings;
 pub mod poses;
-pub mod user_file;
+pub mod ros_names;
 pub mod window_watch;

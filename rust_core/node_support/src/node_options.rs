@@ -111,8 +111,12 @@ pub fn merge<A: Parser>(words: &[OsString], parameters: &Parameters) -> anyhow::
 
 /// The names of a program's parameters.
 pub fn parameter_names<A: Parser>() -> Vec<String> {
-    let command = A::command();
-    command.get_arguments().filter_map(NodeOption::of).map(|option| option.parameter).collect()
+    A::command().get_arguments().filter_map(parameter_of).collect()
+}
+
+/// Name of the private parameter that an option is too, without `~`.
+pub fn parameter_of(arg: &Arg) -> Option<String> {
+    NodeOption::of(arg).map(|option| option.parameter)
 }
 
 /// The subcommand that is given, else the command itself.

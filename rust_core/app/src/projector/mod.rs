@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{bail, Context};
-use clap::Parser;
+use clap::{Command, CommandFactory, Parser};
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -14,7 +14,13 @@ use rcs_ros::{Publisher, RosNode};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::with_parameters;
-use rcs_node_support::user_file;
+use rcs_node_support::ros_names::{publishes, RosName};
+
+/// Topics of the node.
+pub const ROS_NAMES: &[RosName] = &[
+    publishes("/proj_view/camera_info", "sensor_msgs/CameraInfo", "intrinsics and distortion, latched"),
+    publishes("/tf_static", "tf2_msgs/TFMessage", "the file's frames, latched"),
+];
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -54,6 +60,11 @@ impl ProjectorArguments {
     fn path(&self) -> Option<&Path> {
         self.positional.as_deref().or(self.file.as_deref())
     }
+}
+
+/// The command line.
+pub fn command() -> Command {
+    ProjectorArguments::command()
 }
 
 /// Runs the program with the process's arguments.

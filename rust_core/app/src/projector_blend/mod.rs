@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{anyhow, bail, Context, Result};
-use clap::Parser;
+use clap::{Command, CommandFactory, Parser};
 use nalgebra::Isometry3;
 use rcs_calibration::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use rcs_files::blend_file::BlendFile;
@@ -16,8 +16,14 @@ use rcs_files::projector::ProjectorFile;
 use rcs_scene::{Encoding, Picture};
 
 use rcs_node_support::lifecycle;
+use rcs_node_support::ros_names::{subscribes, RosName};
 use surface::SharedSurface;
 
+/// Topics of the program.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes("TOPIC", "sensor_msgs/PointCloud2", "with `--topic`: the surface, one message"),
+    subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "with `--topic`: frames that no file places"),
+];
 /// Highest black level, as a share of full light.
 const MOST_BLACK: f64 = 0.1;
 /// Share of a projector's image with cloud points below which there is a warning.
@@ -68,6 +74,11 @@ struct BlendArguments {
 fn black_level(text: &str) -> Result<f64, String> {
     let share = text.parse::<f64>().ok().filter(|share| (0.0..=MOST_BLACK).contains(share));
     share.ok_or_else(|| format!("a share from 0 to {MOST_BLACK}"))
+}
+
+/// The command line.
+pub fn command() -> Command {
+    BlendArguments::command()
 }
 
 /// Runs the program with the process's arguments.

@@ -8,7 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::Context;
-use clap::{Parser, ValueEnum};
+use clap::{Command, CommandFactory, Parser, ValueEnum};
 use rcs_displays::unpack_image;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::{NodeEvent, RosNode};
@@ -18,7 +18,18 @@ use rcs_camera_stream::{window_permit, Permit};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
 use rcs_node_support::node_options::{with_parameters, within, COMMAND_LINE_ONLY};
+use rcs_node_support::ros_names::{subscribes, RosName};
 use rcs_node_support::window_watch::WindowWatch;
+
+/// Topics of the node.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes("/proj_view/image", "sensor_msgs/Image", "the image: encodings of image_view, and 8UC1, 8UC3, 8UC4"),
+    subscribes(
+        "/proj_view/image/compressed",
+        "sensor_msgs/CompressedImage",
+        "in its place, with `--image-transport compressed`: JPEG or PNG",
+    ),
+];
 
 /// The node's name where the command line gives none.
 const NAME: &str = "projector_window";
@@ -78,6 +89,11 @@ impl WindowArguments {
 fn stale_timeout(text: &str) -> Result<Duration, String> {
     let secs = if text == "none" { 0.0 } else { within(0.0, 86_400.0)(text)? };
     Ok(Duration::from_secs_f64(secs))
+}
+
+/// The command line.
+pub fn command() -> Command {
+    WindowArguments::command()
 }
 
 /// Runs the program with the process's arguments.

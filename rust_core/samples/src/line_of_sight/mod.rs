@@ -6,7 +6,7 @@ mod cylinder;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use clap::Parser;
+use clap::{Command, CommandFactory, Parser};
 use nalgebra::Point3;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{Time, TransformTree};
@@ -18,6 +18,20 @@ use rcs_node_support::frames;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{color, rgba, with_parameters, within};
 use rcs_node_support::node_status::{Level, NodeStatus};
+use rcs_node_support::ros_names::{publishes, subscribes, RosName};
+
+/// Topics of the node.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes(
+        "TARGET",
+        "geometry_msgs/PoseStamped, geometry_msgs/PointStamped or sensor_msgs/PointCloud2",
+        "the target, unless it is a frame",
+    ),
+    subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "frames of lens and target"),
+    publishes("/collision_object", "moveit_msgs/CollisionObject", "the cylinder, latched: added, moved, removed"),
+    publishes("/line_of_sight_marker", "visualization_msgs/Marker", "the cylinder, latched"),
+    publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "whether there is a line of sight, and why not"),
+];
 
 /// Time for the last messages to reach their subscribers.
 const FLUSH_TIME: Duration = Duration::from_millis(200);
@@ -80,6 +94,11 @@ struct LineOfSightArguments {
     /// How often the line is looked at, Hz
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(0.1, 100.0))]
     rate: f64,
+}
+
+/// The command line.
+pub fn command() -> Command {
+    LineOfSightArguments::command()
 }
 
 /// Runs the program with the process's arguments.

@@ -6,7 +6,7 @@ mod markers;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser;
+use clap::{Command, CommandFactory, Parser};
 use nalgebra::Isometry3;
 use rcs_messages::nav_msgs::Path;
 use rcs_messages::visualization_msgs::MarkerArray;
@@ -19,6 +19,14 @@ use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{color, rgba, with_parameters, within};
 use rcs_node_support::node_status::{Level, NodeStatus};
 use rcs_node_support::poses::rigid_pose;
+use rcs_node_support::ros_names::{publishes, subscribes, RosName};
+
+/// Topics of the node.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes("/move_base/NavfnROS/plan", "nav_msgs/Path", "the plan"),
+    publishes("/visualization_marker_array", "visualization_msgs/MarkerArray", "the arrows, latched"),
+    publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "whether the plan is shown, and as how many arrows"),
+];
 
 /// Period at which the node polls for its shutdown.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
@@ -78,6 +86,11 @@ struct PathMarkersArguments {
     /// Lifetime of arrows without a new plan [s; 0: unlimited]
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = within(0.0, 86_400.0))]
     lifetime: f64,
+}
+
+/// The command line.
+pub fn command() -> Command {
+    PathMarkersArguments::command()
 }
 
 /// Runs the program with the process's arguments.

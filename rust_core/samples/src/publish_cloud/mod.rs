@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context;
-use clap::Parser;
-use rcs_files::pcd::PcdCloud;
-use rcs_files::FileError;
+use clap::{Command, CommandFactory, Parser};
+use rcs_files::pcd::{PcdCloud, PcdError};
 use rcs_messages::PointCloud2;
 use rcs_ros::RosNode;
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{with_parameters, within};
-use rcs_node_support::user_file;
+use rcs_node_support::ros_names::{publishes, RosName};
+
+/// Topics of the node.
+pub const ROS_NAMES: &[RosName] = &[publishes("cloud", "sensor_msgs/PointCloud2", "the file's points, latched")];
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -50,10 +51,9 @@ struct PublishCloudArguments {
     rate: f64,
 }
 
-impl PublishCloudArguments {
-    fn path(&self) -> Option<&Path> {
-        self.positional.as_deref().or(self.file.as_deref())
-    }
+/// The command line.
+pub fn command() -> Command {
+    PublishCloudArguments::command()
 }
 
 /// Runs the program with the process's arguments.

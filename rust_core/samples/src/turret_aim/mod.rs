@@ -18,6 +18,7 @@ mod unit;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use clap::{Command, CommandFactory};
 use rcs_messages::MessageKind;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::TransformTree;
@@ -30,6 +31,33 @@ use rcs_node_support::frames;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::with_parameters;
 use rcs_node_support::node_status::NodeStatus;
+use rcs_node_support::ros_names::{publishes, reads, subscribes, RosName};
+
+/// Topics and parameters of the node.
+pub const ROS_NAMES: &[RosName] = &[
+    subscribes(
+        "TARGET",
+        "geometry_msgs/PoseStamped, geometry_msgs/PointStamped or sensor_msgs/PointCloud2",
+        "the target, unless it is a frame",
+    ),
+    subscribes("/proj_view/camera_info", "sensor_msgs/CameraInfo", "the projector's"),
+    subscribes("/joint_states", "sensor_msgs/JointState", "where the joints are"),
+    subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "frames of target and robot"),
+    reads("robot_description", "string", "the joints; looked for until it is set"),
+    publishes("/pan_controller/command", "std_msgs/Float64", "with `--command float64`: the first joint's position"),
+    publishes("/tilt_controller/command", "std_msgs/Float64", "with `--command float64`: the second joint's position"),
+    publishes(
+        "/turret_controller/command",
+        "trajectory_msgs/JointTrajectory",
+        "with `--command trajectory`: both goals and the time to reach them",
+    ),
+    publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "the status, both goals and the remaining error"),
+];
+
+/// The command line.
+pub fn command() -> Command {
+    TurretArguments::command()
+}
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
