@@ -5,7 +5,7 @@ import shutil
 import tarfile
 from pathlib import Path
 
-from staging import PACKAGE, REPOSITORY, copy_pages, install, normalise
+from staging import PACKAGE, copy_pages, install, normalise
 
 SETUP = '''\
 # To be sourced, by bash, zsh or sh in this folder: rosrun and roslaunch then find rviz_camera_stream here, and its programs
@@ -37,8 +37,6 @@ def stage(built, folder, name, licences):
     for setup in ('setup.sh', 'setup.zsh'):
         (tree / setup).symlink_to('setup.bash')
     copy_pages(tree / 'share/doc' / PACKAGE)
-    for page in ('LICENSE', 'CHANGELOG.md'):
-        shutil.copy(REPOSITORY / page, tree / 'share/doc' / PACKAGE / page)
     (tree / 'share/doc' / PACKAGE / 'third_party_licences.txt').write_text(licences)
     return tree
 

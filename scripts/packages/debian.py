@@ -18,6 +18,7 @@ REVISION = '1'
 EXCEPTIONS = [
     ('embedded-library *', 'Its translation to Rust, which no Debian package has.'),
     ('initial-upload-closes-no-bugs *', 'Not uploaded to Debian.'),
+    ('extra-license-file *', 'The README links to it.'),
 ]
 PLUGIN_EXCEPTIONS = [
     ('initial-upload-closes-no-bugs *', 'Not uploaded to Debian.'),

@@ -9,9 +9,8 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGE = 'rviz_camera_stream'
-# The pages for users; the others are about the sources.
-PAGES = ['README.md', 'SECURITY.md', 'THIRD_PARTY.md']
-PAGES_LEFT_OUT = {'architecture.md', 'development_log.md'}
+# What the README links to at the root of the sources, beside docs.
+PAGES = ['README.md', 'CHANGELOG.md', 'CONTRIBUTING.md', 'LICENSE', 'SECURITY.md', 'THIRD_PARTY.md']
 
 
 def install(built, prefix, python, tree, plugin=False):
@@ -45,11 +44,11 @@ def quietly(command, folder, environment):
 
 
 def copy_pages(folder):
-    """Copies the pages for users, with the pictures that they show, so that their links to each other work."""
+    """Copies the pages with the pictures that they show, so that their links to each other work."""
     folder.mkdir(parents=True)
     for page in PAGES:
         shutil.copy(REPOSITORY / page, folder / page)
-    shutil.copytree(REPOSITORY / 'docs', folder / 'docs', ignore=lambda _, names: PAGES_LEFT_OUT.intersection(names))
+    shutil.copytree(REPOSITORY / 'docs', folder / 'docs')
 
 
 def normalise(tree, moment):

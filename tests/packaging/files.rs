@@ -130,26 +130,6 @@ fn the_readmes_picture_is_what_the_demo_draws() {
     assert!(pixels(&drawn) == pixels(&repository().join("docs/images/demo.png")), "draw it again: ./demo --offline");
 }
 
-#[test]
-fn the_readme_names_every_option_that_it_explains() {
-    let text = fs::read_to_string(repository().join("README.md")).unwrap();
-    for (node, section) in [
-        ("camera_stream", "### `camera_stream"),
-        ("projector", "### `projector FILE"),
-        ("projector_blend", "### `projector_blend"),
-        ("projector_window", "### `projector_window`"),
-        ("publish_cloud", "### `publish_cloud"),
-    ] {
-        let help = printed_by(&Command::new(program(node)).arg("--help").output().unwrap());
-        let body = text.split(section).nth(1).unwrap().split("\n### ").next().unwrap();
-        for option in body.split('`').filter(|word| word.starts_with("--") && !word.contains(' ')) {
-            // Help has the one of two switches that is not the default.
-            let opposite = option.replacen("--", "--no-", 1);
-            assert!(help.contains(option) || help.contains(&opposite), "{node} has no {option}:\n{help}");
-        }
-    }
-}
-
 /// Width, height and RGB of a PNG.
 pub(crate) fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
     let picture = image::open(path).unwrap().into_rgb8();

@@ -45,6 +45,16 @@ fn paths(package: &Path) -> Vec<String> {
     listed.lines().filter(|path| !path.ends_with('/')).map(|path| path.trim_start_matches('.').to_owned()).collect()
 }
 
+/// The pages and images to which the README links.
+fn linked_by_the_readme() -> Vec<String> {
+    let readme = fs::read_to_string(repository().join("README.md")).unwrap();
+    let targets = readme.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+    let pages = targets.filter(|target| target.starts_with("docs/") || (!target.contains('/') && !target.is_empty()));
+    let pages: Vec<String> = pages.map(str::to_owned).collect();
+    assert!(pages.len() > 10, "{pages:?}");
+    pages
+}
+
 #[test]
 fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
     let (built, output) = (stand_in(VERSION), tempfile::tempdir().unwrap());
@@ -80,9 +90,11 @@ fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
             has(&format!("{prefix}/share/rviz_camera_stream/{file}"));
         }
         let documents = format!("/usr/share/doc/{name}");
-        for file in ["copyright", "changelog.Debian.gz", "third_party_licences.txt.gz", "README.md", "docs/packages.md"]
-        {
+        for file in ["copyright", "changelog.Debian.gz", "third_party_licences.txt.gz", "README.md"] {
             has(&format!("{documents}/{file}"));
+        }
+        for page in linked_by_the_readme() {
+            has(&format!("{documents}/{page}"));
         }
         let elsewhere = |path: &&String| {
             let lintian = format!("/usr/share/lintian/overrides/{name}");
