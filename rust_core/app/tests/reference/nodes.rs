@@ -10,8 +10,7 @@ use crate::markdown::{code, generated, head, row, text};
 
 const INTRODUCTION: &str = "# Nodes and programs
 
-Start a program with `rosrun rviz_camera_stream PROGRAM`, or from a launch file. `--help` says more about
-each.
+Start a program with `rosrun rviz_camera_stream PROGRAM`, or from a launch file. `--help` says more about each.
 
 - **Parameters.** An option of a node is also a private parameter; the command line wins. `none` is no value. A switch `--x` is
   `~x: true`, `--no-x` is `~x: false`; each has its opposite. A repeatable option is a list: `--keep-out head=0.25` is
@@ -20,7 +19,8 @@ each.
   `/rosout`, follow `/clock` with `/use_sim_time`, and offer `~set_logger_level` and `~get_loggers`.
 - **Exit status.** 0: success; nodes also after SIGINT, SIGTERM or `rosnode kill`. 1: failure or refusal; for `check` and `doctor`
   a finding. 2: invalid arguments or an unreadable file; for `check --live` and `doctor` also no master.
-- **Names** of topics are the defaults. Options or remappings change them.
+- **Names** of topics are the defaults; options or remappings change them. Words in capitals stand for others: IMAGE, INFO and
+  NAMESPACE are a CameraPub's *Image Topic*, *Camera Info Topic* and *Display namespace*.
 ";
 
 /// The page.
