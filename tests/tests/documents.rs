@@ -1,5 +1,5 @@
 //! The links of the repository's pages lead somewhere: to a file or folder, and to a heading where they name one.
-//! Source files that the pages name exist, and counts of files are those of the folders.
+//! Source files that the pages name exist, and no page or kind of pages is longer than it may be.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,17 +8,31 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The pages at the root and in the folders that have some.
+/// The pages at the root, below `docs` and in `tests/conformance`.
 fn pages() -> Vec<PathBuf> {
-    let folders = ["", "docs", "tests/conformance"].map(|folder| repository().join(folder));
-    let entries = folders.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
-    let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
-    paths.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
+    let mut folders = vec![repository(), repository().join("tests/conformance")];
+    let mut pages = Vec::new();
+    while let Some(folder) = folders.pop() {
+        let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        for path in entries.flatten().map(|entry| entry.path()) {
+            if path.is_dir() && path.starts_with(repository().join("docs")) {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                pages.push(path);
+            }
+        }
+    }
+    pages
+}
+
+/// A page's text.
+fn text(page: &Path) -> String {
+    fs::read_to_string(page).unwrap_or_else(|error| panic!("{}: {error}", page.display()))
 }
 
 /// A page's lines outside of code blocks.
 fn prose(page: &Path) -> String {
-    let text = fs::read_to_string(page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
+    let text = text(page);
     let outside = text.split("\n```").step_by(2);
     outside.flat_map(str::lines).filter(|line| !line.starts_with("    ")).flat_map(|line| [line, "\n"]).collect()
 }
@@ -61,6 +75,50 @@ fn links_lead_to_files_and_headings() {
     }
     assert!(wrong.is_empty(), "links that lead nowhere:\n{}", wrong.join("\n"));
     assert!(checked > 40, "only {checked} links were found");
+}
+
+/// Most words of pages, and of folders with all below them.
+const MOST_WORDS: [(&str, usize); 8] = [
+    ("README.md", 1200),
+    ("CONTRIBUTING.md", 350),
+    ("CHANGELOG.md", 500),
+    ("docs/", 30_000),
+    ("docs/contributing/", 6000),
+    ("docs/reference/nodes.md", 3500),
+    ("docs/reference/launch-files.md", 1200),
+    ("docs/reference/displays.md", 3800),
+];
+
+/// Most words of the pages for users: all of docs but those for contributors.
+const MOST_WORDS_FOR_USERS: usize = 24_000;
+
+/// Words of a page. The bars between cells of a table are none.
+fn words(page: &Path) -> usize {
+    text(page).split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count()
+}
+
+#[test]
+fn pages_are_no_longer_than_they_may_be() {
+    let pages = pages();
+    let counted = |start: &str| -> usize {
+        pages.iter().filter(|page| page.starts_with(repository().join(start))).map(|page| words(page)).sum()
+    };
+    let users = ("docs/ for users", counted("docs/") - counted("docs/contributing/"), MOST_WORDS_FOR_USERS);
+    let all = MOST_WORDS.iter().map(|(start, most)| (*start, counted(start), *most)).chain([users]);
+    let too_long = |(name, count, most): (&str, usize, usize)| {
+        println!("{name}: {count} of {most} words");
+        (count == 0 || count > most).then(|| format!("{name} has {count} words, not 1 to {most}"))
+    };
+    let too_long: Vec<String> = all.filter_map(too_long).collect();
+    assert!(too_long.is_empty(), "{}", too_long.join("\n"));
+}
+
+/// Where a page was before, a line says where it is now.
+#[test]
+fn pages_directly_in_docs_that_moved_are_one_line() {
+    for page in pages().iter().filter(|page| text(page).starts_with("Moved to [")) {
+        assert_eq!(text(page).lines().count(), 1, "{}", page.display());
+    }
 }
 
 /// All functions of the tests.
