@@ -47,6 +47,7 @@ mod projector_calibrate;
 mod projector_scan;
 mod projector_verify;
 mod recorded;
+mod reference_names;
 mod render;
 mod samples;
 mod settings;
