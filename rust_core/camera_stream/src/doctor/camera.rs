@@ -62,7 +62,7 @@ pub(super) fn transform(look: &Look<'_>, camera: &CameraView) -> Finding {
     let frame = look.scene.received_camera_info(topic).map(|(frame, _)| frame).unwrap_or_default();
     match look.scene.camera(camera, look.options.model) {
         Err(CameraProblem::NoTransform { error, .. }) => {
-            let advice = "publish it: robot_state_publisher for the robot, the node projector for the lens; or correct fixed_frame";
+            let advice = "publish it (robot_state_publisher: the robot, projector: the lens), or correct fixed_frame";
             Finding::bad(name, error.to_string(), advice)
         }
         Err(_) => Finding::unknown(name, "the lens's frame is unknown without a valid CameraInfo", ""),

@@ -10,6 +10,9 @@ use crate::check::problems;
 use crate::scene::status_tree::{StatusEntry, FIXED_FRAME, PUBLISHER};
 use crate::scene::visibility::VISIBILITY;
 
+/// Problems of a display that are listed. One with many markers has a status for each.
+const MOST_PROBLEMS: usize = 3;
+
 /// The config's problems, and each display.
 pub(super) fn all(look: &Look<'_>, config: &Config) -> Vec<Finding> {
     let mut entries = look.session.display_entries(look.scene, look.options);
@@ -33,7 +36,10 @@ fn display(entry: &StatusEntry<'_>) -> Finding {
     let mut wrong: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
     wrong.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
     let advice = wrong.iter().find_map(|(name, status)| advice(name, &status.text)).unwrap_or_default();
-    Finding::bad(name, summary(wrong.into_iter().map(text)), advice)
+    let more = wrong.len().saturating_sub(MOST_PROBLEMS);
+    let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+    let texts: Vec<String> = wrong.into_iter().take(MOST_PROBLEMS).map(text).collect();
+    Finding::bad(name, texts.join(", ") + &more, advice)
 }
 
 /// What to do about a status.
@@ -44,6 +50,7 @@ fn advice(name: &str, text: &str) -> Option<&'static str> {
             "end what the dead node left (rosnode cleanup), and set ROS_IP on its computer"
         }
         PUBLISHER => "start the publisher, or correct the topic in the config",
+        FIXED_FRAME if text.contains("No TF data") => "start what publishes TF (robot_state_publisher, projector)",
         FIXED_FRAME => "set fixed_frame to a frame of TF (rosrun tf tf_monitor lists them)",
         VISIBILITY => "aim the projector at it: it lies outside the image",
         Statuses::TRANSFORM => "publish that frame, or correct its name in the message",

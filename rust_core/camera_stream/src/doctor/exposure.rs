@@ -75,8 +75,8 @@ mod tests {
         let line = |name: &str, value: ParameterValue| finding(name, &value).to_string();
         assert_eq!(
             line("/head_camera/driver/auto_exposure", ParameterValue::Bool(true)),
-            "✗ exposure: automatic: /head_camera/driver/auto_exposure is true; lock it before a scan: rosrun dynamic_reconfigure \
-             dynparam set /head_camera/driver auto_exposure false"
+            "✗ exposure: automatic: /head_camera/driver/auto_exposure is true; lock it before a scan: rosrun \
+             dynamic_reconfigure dynparam set /head_camera/driver auto_exposure false"
         );
         assert!(line("/c/auto_exposure", ParameterValue::Bool(false)).starts_with("✓ exposure: locked: "));
         assert!(line("/c/exposure_auto", "Continuous".into()).ends_with("dynparam set /c exposure_auto Off"));

@@ -54,7 +54,7 @@ impl fmt::Display for Mark {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let line = format!("{} {}: {}", self.mark, self.name, self.text);
+        let line = format!("{} {}: {}", self.mark, self.name, self.text.trim_end_matches('.'));
         let line = if self.advice.is_empty() { line } else { format!("{line}; {}", self.advice) };
         // A row is a line, whatever a node's texts hold.
         f.write_str(&line.replace(|c: char| c.is_control(), " "))

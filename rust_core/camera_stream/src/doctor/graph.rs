@@ -35,10 +35,10 @@ pub(super) fn clocks(look: &Look<'_>) -> Vec<Finding> {
     let ros = &look.session.ros;
     if ros.is_simulated() {
         let advice = "start the simulation or rosbag play --clock, or set the parameter /use_sim_time to false";
-        return vec![match look.session.now().is_zero() {
-            true => Finding::bad("clocks", "/use_sim_time is set and no /clock was received", advice),
-            false => Finding::good("clocks", "simulated time, from /clock"),
-        }];
+        if look.session.now().is_zero() {
+            return vec![Finding::bad("clocks", "/use_sim_time is set and no /clock was received", advice)];
+        }
+        return vec![Finding::good("clocks", "simulated time, from /clock")];
     }
     let clock = |(publisher, offset_secs): (&str, f64)| {
         let host = ros.host_of(publisher)?;
@@ -48,8 +48,8 @@ pub(super) fn clocks(look: &Look<'_>) -> Vec<Finding> {
     of_publishers(look.observed.clock_offsets_secs().into_iter().filter_map(clock))
 }
 
-/// The clock of each computer, by the publisher whose stamps are nearest to now: stamps are as old as data are late, and
-/// some nodes stamp transforms ahead.
+/// The clock of each computer, by the publisher whose stamps are nearest to now: data may be late, and some nodes stamp
+/// transforms ahead.
 fn of_publishers(clocks: impl Iterator<Item = PublisherClock>) -> Vec<Finding> {
     let mut nearest: BTreeMap<String, PublisherClock> = BTreeMap::new();
     for clock in clocks {
@@ -113,8 +113,8 @@ mod tests {
     fn a_wrong_clock_is_named_with_its_computer_and_what_to_do() {
         let bad = lines(&[("/tf", "robot-pc", false, 1.2), ("/cam", "pc", true, -0.1), ("/bag", "here", true, -90.0)]);
         assert_eq!(bad, [
-            "✗ clocks: stamps of /bag, on this computer, are 90 s behind its clock; correct that node; recorded data need \
-             rosbag play --clock and /use_sim_time",
+            "✗ clocks: stamps of /bag, on this computer, are 90 s behind its clock; correct that node; recorded data \
+             need rosbag play --clock and /use_sim_time",
             "✗ clocks: offset of robot-pc's clock: 1.2 s ahead (by the stamps of /tf); set up chrony or ntp on both \
              computers",
         ]);

@@ -80,12 +80,11 @@ fn received(name: String, arrivals: &Arrivals, wanted_hz: f64, is_black: bool) -
 
 /// `true` if no pixel is lit.
 fn is_black(image: &Image) -> bool {
-    let has_alpha = image.encoding.ends_with("a8");
     let is_dark = |pixel: &[u8]| pixel.iter().take(3).all(|channel| *channel == 0);
-    match has_alpha {
-        true => image.data().chunks(4).all(is_dark),
-        false => image.data().iter().all(|byte| *byte == 0),
+    if image.encoding.ends_with("a8") {
+        return image.data().chunks(4).all(is_dark);
     }
+    image.data().iter().all(|byte| *byte == 0)
 }
 
 #[cfg(test)]

@@ -81,8 +81,8 @@ impl Topic<'_> {
         let limit = (oldest.as_secs_f64() * ADVISED_GAPS).ceil().max(1.0);
         let topic = self.name;
         format!(
-            "add {{topic: {topic}, limit: {limit}}} to stale_timeouts (--stale-timeouts {topic}={limit}), or limit: held \
-             if it is sent only when it changes"
+            "add {{topic: {topic}, limit: {limit}}} to stale_timeouts (--stale-timeouts {topic}={limit}), or limit: \
+             held if it is sent only when it changes"
         )
     }
 }
@@ -105,8 +105,8 @@ mod tests {
         let second = AgeLimit::After(Duration::from_secs(1));
         let rare = line(second, false, &[0.5, 2.5, 4.5], 0.0);
         let expected = "✗ limit /detections: comes every 2 s, the limit is 1 s: the light will flicker; add {topic: \
-                        /detections, limit: 6} to stale_timeouts (--stale-timeouts /detections=6), or limit: held if it is \
-                        sent only when it changes";
+                        /detections, limit: 6} to stale_timeouts (--stale-timeouts /detections=6), or limit: held if \
+                        it is sent only when it changes";
         assert_eq!(rare, expected);
         let often: Vec<f64> = (0..50).map(|index| f64::from(index) * 0.1).collect();
         assert_eq!(line(second, false, &often, 0.05), "✓ limit /detections: comes every 0.1 s, the limit is 1 s");

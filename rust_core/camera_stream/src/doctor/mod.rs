@@ -4,8 +4,8 @@
 //!  graph: master, clocks ─► camera: CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
 //! ```
 //!
-//! It listens as `check --live` does and to the images as well ([`observed`]), then each file makes one group of checks.
-//! A check gives [`finding::Finding`]s, which are printed here, and nowhere else. It needs no graphical session.
+//! It listens as `check --live` does and to the images as well ([`observed`]), then each file makes one group of
+//! checks. A check gives [`finding::Finding`]s, which are printed here and nowhere else. It needs no graphical session.
 
 mod camera;
 mod displays;

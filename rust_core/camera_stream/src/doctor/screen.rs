@@ -22,7 +22,7 @@ struct Screen {
 /// Monitor, window and display server, for images of this size, if that is known.
 pub(super) fn all(windows: &Windows, image_px: Option<[u32; 2]>) -> Vec<Finding> {
     if windows.viewer == Viewer::None {
-        let no_window = |name| Finding::unknown(name, "no window is asked for (viewer:=none)", "");
+        let no_window = |name| Finding::unknown(name, "no window is asked for (viewer:=none, no --window)", "");
         return ["monitor", "window", "display server"].map(no_window).into();
     }
     if let Some((node, host)) = &windows.elsewhere {

@@ -24,17 +24,18 @@ impl Windows {
         ros: Option<(&RosNode, &str)>,
     ) -> Self {
         let runs = |node: &str| ros.is_some_and(|(ros, _)| ros.host_of(node).is_some());
-        let viewer = viewer.unwrap_or_else(|| match () {
-            () if !options.windows.is_empty() => Viewer::Window,
-            () if runs(Viewer::PROJECTOR_WINDOW) => Viewer::ProjectorWindow,
-            () => Viewer::None,
-        });
-        let monitors = match viewer {
-            Viewer::None => Vec::new(),
-            Viewer::Window if monitor.is_none() => options.windows.iter().map(|window| window.value.clone()).collect(),
-            Viewer::Window | Viewer::ProjectorWindow | Viewer::ImageView => {
-                vec![monitor.cloned().or_else(|| parameter(ros?.0)).unwrap_or_default()]
-            }
+        let viewer = match viewer {
+            Some(viewer) => viewer,
+            None if !options.windows.is_empty() => Viewer::Window,
+            None if runs(Viewer::PROJECTOR_WINDOW) => Viewer::ProjectorWindow,
+            None => Viewer::None,
+        };
+        let monitors = match (viewer, monitor) {
+            (Viewer::None, _) => Vec::new(),
+            (_, Some(monitor)) => vec![monitor.clone()],
+            (Viewer::Window, None) if options.windows.is_empty() => vec![MonitorChoice::default()],
+            (Viewer::Window, None) => options.windows.iter().map(|window| window.value.clone()).collect(),
+            (_, None) => vec![ros.and_then(|(ros, _)| parameter(ros)).unwrap_or_default()],
         };
         let elsewhere = ros.and_then(|(ros, checked_name)| {
             let node = viewer.node(checked_name)?;
