@@ -229,6 +229,26 @@ pub struct CheckArgs {
     pub listen: Duration,
 }
 
+/// The arguments of `doctor`.
+#[derive(Args, Clone, Debug)]
+pub struct DoctorArgs {
+    /// The folder that `camera_stream setup` wrote
+    #[arg(value_name = "FOLDER")]
+    pub folder: Option<PathBuf>,
+    /// The arguments of the node that is examined.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// How long it listens
+    #[arg(long, value_name = "SECS", default_value = "5", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
+    pub listen: Duration,
+    /// Viewer of the launch file [default: the window that the node has or that runs beside it]
+    #[arg(long, value_enum, value_name = "VIEWER", help_heading = COMMAND_LINE_ONLY)]
+    pub(crate) viewer: Option<Viewer>,
+    /// Monitor of the viewer, by name or number, or auto [default: that of the running viewer, else auto]
+    #[arg(long, value_name = "MONITOR", help_heading = COMMAND_LINE_ONLY)]
+    pub(crate) monitor: Option<MonitorChoice>,
+}
+
 /// The command line.
 pub fn command() -> clap::Command {
     Cli::command()

@@ -15,4 +15,5 @@ pub mod node_status;
 pub mod old_spellings;
 pub mod poses;
 pub mod ros_names;
+pub mod user_file;
 pub mod window_watch;

@@ -15,6 +15,7 @@ use rcs_ros::{Publisher, RosNode};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::with_parameters;
 use rcs_node_support::ros_names::{publishes, RosName};
+use rcs_node_support::user_file;
 
 /// Topics of the node.
 pub const ROS_NAMES: &[RosName] = &[

@@ -4,14 +4,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use anyhow::Context;
 use clap::{Command, CommandFactory, Parser};
-use rcs_files::pcd::{PcdCloud, PcdError};
+use rcs_files::pcd::PcdCloud;
+use rcs_files::FileError;
 use rcs_messages::PointCloud2;
 use rcs_ros::RosNode;
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{with_parameters, within};
 use rcs_node_support::ros_names::{publishes, RosName};
+use rcs_node_support::user_file;
 
 /// Topics of the node.
 pub const ROS_NAMES: &[RosName] = &[publishes("cloud", "sensor_msgs/PointCloud2", "the file's points, latched")];
@@ -49,6 +52,12 @@ struct PublishCloudArguments {
     /// How often to publish, in Hz, each time with the current time as stamp; 0: once
     #[arg(long, default_value_t = 1.0, value_parser = within(0.0, 1000.0))]
     rate: f64,
+}
+
+impl PublishCloudArguments {
+    fn path(&self) -> Option<&Path> {
+        self.positional.as_deref().or(self.file.as_deref())
+    }
 }
 
 /// The command line.
