@@ -25,6 +25,7 @@ pub(crate) fn run(args: &NewCameraArgs) -> Result<ExitCode> {
         camera_info_topic: args.camera_info.clone(),
         image_topic: args.image_topic.clone(),
         display_namespace: args.display_namespace.clone().unwrap_or_else(|| namespace_of(&args.image_topic)),
+        near_clip_m: 0.01,
     };
     match &args.display_config {
         Some(file) => add(file, &camera)?,

@@ -18,6 +18,7 @@ use crate::one_line::one_line;
 ///     camera_info_topic: "/proj_view/camera_info".to_owned(),
 ///     image_topic: "/proj_view/image".to_owned(),
 ///     display_namespace: "proj_view".to_owned(),
+///     near_clip_m: 0.01,
 /// };
 /// assert!(camera.block(4, "\n").starts_with("    - Class: rviz_camera_stream/CameraPub\n      Name: Projector\n"));
 /// let text = "Visualization Manager:\n  Displays:\n  - {Class: rviz/Grid, Name: floor, Enabled: true}\n";
@@ -25,7 +26,7 @@ use crate::one_line::one_line;
 /// assert_eq!(rcs_rviz_config::parse(&extended, "scene.rviz")?.displays[0].name, "Projector");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NewCamera {
     /// The display's name.
     pub name: String,
@@ -35,6 +36,8 @@ pub struct NewCamera {
     pub image_topic: String,
     /// The property "Display namespace".
     pub display_namespace: String,
+    /// The property "Near Clip Distance", metres.
+    pub near_clip_m: f32,
 }
 
 /// Error of [`insert_camera`].
@@ -64,7 +67,7 @@ impl NewCamera {
             ("Frame Rate", "-1".to_owned()),
             ("Image Encoding", "rgb8".to_owned()),
             ("Background Color", "0; 0; 0".to_owned()),
-            ("Near Clip Distance", "0.01".to_owned()),
+            ("Near Clip Distance", self.near_clip_m.to_string()),
             ("Queue Size", "2".to_owned()),
         ]
     }

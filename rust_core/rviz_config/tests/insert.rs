@@ -10,6 +10,7 @@ fn camera() -> NewCamera {
         camera_info_topic: "/proj_view/camera_info".to_owned(),
         image_topic: "/proj_view/image".to_owned(),
         display_namespace: "proj_view".to_owned(),
+        near_clip_m: 0.01,
     }
 }
 

@@ -11,6 +11,11 @@ use crate::scene_names::{CAMERA_INFO_TOPIC, IMAGE_TOPIC, LENS_FRAME, NAMESPACE};
 /// Indentation of displays in a file that rviz saves.
 const INDENTATION: usize = 4;
 
+/// Near Clip Distance, metres.
+const NEAR_CLIP_M: f32 = 0.01;
+/// The same where frames have names and axes: those of links beside the lens would cover the image.
+const TRY_NEAR_CLIP_M: f32 = 0.5;
+
 const HEAD: &str = "\
 Panels:
   - Class: rviz/Displays
@@ -148,6 +153,7 @@ fn camera(plan: &Plan) -> String {
         camera_info_topic: CAMERA_INFO_TOPIC.to_owned(),
         image_topic: IMAGE_TOPIC.to_owned(),
         display_namespace: NAMESPACE.to_owned(),
+        near_clip_m: if plan.is_try { TRY_NEAR_CLIP_M } else { NEAR_CLIP_M },
     };
     let mut text = camera.block(INDENTATION, "\n");
     let mut show = |name: &str, is_shown: bool| {

@@ -24,6 +24,7 @@ pub(crate) fn new_camera(data: &[u8]) {
         camera_info_topic: "/proj_view/camera_info".to_owned(),
         image_topic: format!("/{name}/image"),
         display_namespace: name.to_owned(),
+        near_clip_m: 0.01,
     };
     if name != USUAL_NAME {
         check_block(&camera);
