@@ -1,4 +1,5 @@
-//! The gallery `docs/reference/displays.md`: its pictures are what the CPU renderer draws, and each display has its section.
+//! The gallery `docs/reference/displays.md`: its pictures are what the CPU renderer draws, and each display has its
+//! section.
 //!
 //! A picture `docs/images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures again.
 

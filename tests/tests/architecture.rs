@@ -1,5 +1,5 @@
-//! The layers of `docs/contributing/architecture.md`: dependencies between crates point downwards only, no crate uses what
-//! is not its task, and the page explains each folder and dependency.
+//! The layers of `docs/contributing/architecture.md`: dependencies between crates point downwards only, no crate uses
+//! what is not its task, and the page explains each folder and dependency.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -28,8 +28,8 @@ pub(super) struct PlacingArguments {
     /// The camera's optical frame [default: the capture folder's, else head_camera_rgb_optical_frame]
     #[arg(long, value_name = "FRAME")]
     camera_frame: Option<String>,
-    /// Write the pose in this frame, the one that the projector is mounted on, instead of the camera's. Where the camera
-    /// was in it is in the capture; for other points, TF is asked where it is now
+    /// Write the pose in this frame, the one that the projector is mounted on, instead of the camera's. Where the
+    /// camera was in it is in the capture; for other points, TF is asked where it is now
     #[arg(long, value_name = "FRAME")]
     parent: Option<String>,
     /// Write the pose in the camera's optical frame although joints move that: the projector moves with the camera

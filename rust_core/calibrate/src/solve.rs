@@ -20,8 +20,8 @@ use super::Failure;
 /// folders. Each further file or folder is another pose of the camera; the projector must not have moved in between.
 /// The pose that is written belongs to the first of them.
 ///
-/// A pose in the camera's frame would move with the camera: if joints move that, solve asks for --parent, the frame that
-/// the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was.
+/// A pose in the camera's frame would move with the camera: if joints move that, solve asks for --parent, the frame
+/// that the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or

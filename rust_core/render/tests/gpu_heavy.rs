@@ -30,8 +30,8 @@ fn by_cpu(renderer: &GpuRenderer) -> u64 {
     renderer.stats().pictures_by_cpu
 }
 
-/// The scenes of the example heavy_scenes of which a software GPU would draw seconds: its faces cover 1,000 pictures and
-/// more.
+/// The scenes of the example heavy_scenes of which a software GPU would draw seconds: its faces cover 1,000 pictures
+/// and more.
 fn heavy_rows() -> impl Iterator<Item = Row> {
     let names = ["at 6 cm, f", "within 4 mm", "in one place", "filling triangles"];
     rows(1.0).into_iter().filter(move |row| names.iter().any(|name| row.name.contains(name)))

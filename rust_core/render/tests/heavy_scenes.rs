@@ -193,8 +193,8 @@ fn secs(renderer: &mut CpuRenderer, scene: &Scene, camera: &Camera) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// The share of its things that a scene of the example is drawn with here, and how many times as fast as without culling;
-/// where hardly anything is hidden, looking for that must not cost as much as all the rest.
+/// The share of its things that a scene of the example is drawn with here, and how many times as fast as without
+/// culling; where hardly anything is hidden, looking for that must not cost as much as all the rest.
 fn demand(name: &str) -> (f64, f64) {
     let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
     if has(&["in one place", "filling triangles"]) {

@@ -128,8 +128,8 @@ impl RosNode {
         Self::connect_beside(default_name, "", cancelled)
     }
 
-    /// Starts the node as [`connect_now`](Self::connect_now) does, with `suffix` after its name: for a launch line whose
-    /// own node may be running, which the master would end if another took its name.
+    /// Starts the node as [`connect_now`](Self::connect_now) does, with `suffix` after its name: for a launch line
+    /// whose own node may be running, which the master would end if another took its name.
     ///
     /// # Errors
     /// As [`connect_now`](Self::connect_now).

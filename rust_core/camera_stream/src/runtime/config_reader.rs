@@ -88,8 +88,8 @@ fn load(file: &Path) -> ReadResult {
 }
 
 impl ConfigReader {
-    /// Starts the thread, which watches the file if `is_watched`. Its first state counts as a change, as it may be newer
-    /// than what was read before. `wake` is called on the thread after there is a result.
+    /// Starts the thread, which watches the file if `is_watched`. Its first state counts as a change, as it may be
+    /// newer than what was read before. `wake` is called on the thread after there is a result.
     ///
     /// # Errors
     /// The thread cannot be started.
