@@ -75,7 +75,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &ProjectorArguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
-    arguments.path().map(ProjectorFile::read).transpose()?;
+    arguments.path().map(read_file).transpose()?;
     lifecycle::with_node("projector", |node, end| {
         let arguments: ProjectorArguments = with_parameters(node)?;
         let path = arguments.path().context("no projector file: give FILE, --file FILE or the parameter ~file")?;
@@ -101,10 +101,15 @@ fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &
     Ok(())
 }
 
+/// Reads the file.
+fn read_file(path: &Path) -> anyhow::Result<ProjectorFile> {
+    user_file::check(path)?;
+    Ok(ProjectorFile::read(path)?)
+}
+
 /// Reads the file and applies the arguments.
 fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<ProjectorFile> {
-    user_file::check(path)?;
-    let mut file = ProjectorFile::read(path)?;
+    let mut file = read_file(path)?;
     if let Some(frame_id) = arguments.frame_id.as_ref().filter(|frame_id| *frame_id != "none") {
         file.camera_info.header.frame_id.clone_from(frame_id);
     }
@@ -147,5 +152,23 @@ impl Publishers {
             tf_static.send(TFMessage { transforms })?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_without_a_frame_is_refused_and_an_argument_gives_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("projector.yaml");
+        std::fs::write(&path, "width: 100\nheight: 48\nK: [50, 0, 50, 0, 50, 24, 0, 0, 1]\n").unwrap();
+        let read = |options: &[&str]| read(&path, &ProjectorArguments::parse_from([&["projector"], options].concat()));
+        for options in [&[][..], &["--frame-id", "none"]] {
+            let error = read(options).unwrap_err().to_string();
+            assert!(error.contains("no frame") && error.contains("--frame-id"), "{error}");
+        }
+        assert_eq!(read(&["--frame-id", "proj"]).unwrap().camera_info.header.frame_id, "proj");
     }
 }
