@@ -275,7 +275,7 @@ fn the_pool_of_threads_is_named_by_all_that_use_it() {
     let expected = [
         "rust_core/app/src/projector_blend/mod.rs",
         "rust_core/calibrate/src/lib.rs",
-        "rust_core/camera_stream/src/check/live.rs",
+        "rust_core/camera_stream/src/check/session.rs",
         "rust_core/camera_stream/src/lib.rs",
         "rust_core/camera_stream/src/runtime/mod.rs",
         "rust_core/capi/src/camera.rs",
