@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, PATIENCE};
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 
 use crate::launch::{picture, Launched};
 
@@ -49,7 +49,8 @@ fn the_launch_files_of_all_profiles_are_accepted_by_roslaunch() {
         let master = RosMaster::start().unwrap();
         let file = folder.path().join("projection.launch");
         let launched = Launched::run(&master, &format!("{} viewer:=none renderer:=cpu", file.display()));
-        let drawing = launched.roslaunch.line_with("proj_view/image");
-        assert!(drawing.is_some(), "{options:?}: {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
+        let errors = || launched.roslaunch.errors();
+        let is_drawing = || errors().iter().any(|line| line.contains("drawing CameraPub of "));
+        assert!(wait_until(PATIENCE, is_drawing), "{options:?}: {:?} {:?}", launched.roslaunch.lines(), errors());
     }
 }
