@@ -29,7 +29,7 @@ pub(super) fn rate(look: &Look<'_>, camera: &CameraView) -> Finding {
     let name = look.name("image", camera);
     let topic = look.whole_name(&camera.settings.image_topic);
     let publishers = look.publishers(&topic);
-    let (node, listened) = (&look.session.checked_name, secs(look.listened.as_secs_f64()));
+    let (node, listened) = (look.session.checked_name.trim_start_matches('/'), secs(look.listened.as_secs_f64()));
     match look.observed.topics.get(topic.as_str()) {
         Some(arrivals) => {
             let image = look.observed.images.get(topic.as_str());

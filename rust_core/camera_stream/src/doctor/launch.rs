@@ -35,7 +35,7 @@ const TOPICS: [(&str, &str); 7] = [
     ("markers_topic", "/visualization_marker_array"),
 ];
 /// Their arguments that do not concern the node.
-const OTHERS: [&str; 15] = [
+const OTHERS: [&str; 19] = [
     "projector",
     "respawn",
     "sample_scene",
@@ -50,7 +50,11 @@ const OTHERS: [&str; 15] = [
     "tilt_topic",
     "trajectory_topic",
     "moveit_msgs",
-    "base_frame",
+    "frame_id",
+    "target",
+    "turret_aim_parameters",
+    "nav_path_markers_parameters",
+    "line_of_sight_parameters",
 ];
 /// Parameters that projection.launch sets to something else than the node's default.
 const DEFAULTS: [(&str, &str); 3] = [("projection", "exact"), ("undistort", "true"), ("stale_timeout", "1")];

@@ -2,7 +2,7 @@
 
 use rcs_calibration::DistortionModel;
 
-use super::file::KeyError;
+use super::key_error::KeyError;
 use crate::yaml_text::one_line;
 
 /// The message's name of a tool's distortion model.

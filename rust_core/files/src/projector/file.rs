@@ -7,6 +7,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_scene::Intrinsics;
 
 use super::frames::{check_placed_once, FrameEntry, StaticFrame};
+use super::key_error::key_error;
 use super::other_tools;
 use super::raw_file::RawFile;
 use crate::limited_read::read_limited;
@@ -15,13 +16,6 @@ use crate::FileError;
 
 /// Largest file that is read.
 const MOST_BYTES: u64 = 4 << 20;
-
-/// An invalid key and the reason.
-pub(super) type KeyError = (&'static str, String);
-
-pub(super) fn key_error(path: &Path, (key, reason): KeyError) -> FileError {
-    FileError::new(path, format_args!("{key}: {reason}"))
-}
 
 /// Contents of a projector's file.
 ///

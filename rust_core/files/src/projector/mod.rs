@@ -37,6 +37,7 @@ pub(crate) mod checked_numbers;
 mod distortion_name;
 mod file;
 pub(crate) mod frames;
+mod key_error;
 mod lens;
 mod matlab;
 mod opencv_xml;

@@ -15,7 +15,7 @@
 
 use serde_yaml_ng::{Mapping, Value};
 
-use super::file::KeyError;
+use super::key_error::KeyError;
 use super::{matlab, opencv_xml};
 
 /// Keys of this project that these files may have.

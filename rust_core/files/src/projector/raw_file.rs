@@ -8,8 +8,8 @@ use serde_yaml_ng::Value;
 
 use super::checked_numbers::{IntegerIn, Matrix, Numbers, Size};
 use super::distortion_name::distortion_model;
-use super::file::KeyError;
 use super::frames::FrameEntry;
+use super::key_error::KeyError;
 
 /// The keys of both forms side by side, so that each error has its line.
 #[derive(Deserialize)]

@@ -8,8 +8,9 @@ use std::path::Path;
 
 use rcs_calibration::{Distortion, DistortionProblem};
 
-use super::file::{key_error, KeyError, ProjectorFile};
+use super::file::ProjectorFile;
 use super::frames::{check_placed_once, named_frame, StaticFrame};
+use super::key_error::{key_error, KeyError};
 use super::raw_file::check_focal_lengths;
 use crate::atomic_file::write_atomically;
 use crate::yaml_text::{number, quoted};

@@ -1,0 +1,13 @@
+//! Errors of single keys of a projector's file.
+
+use std::path::Path;
+
+use crate::FileError;
+
+/// An invalid key and the reason.
+pub(super) type KeyError = (&'static str, String);
+
+/// The error of a file with an invalid key.
+pub(super) fn key_error(path: &Path, (key, reason): KeyError) -> FileError {
+    FileError::new(path, format_args!("{key}: {reason}"))
+}
