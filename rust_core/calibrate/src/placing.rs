@@ -51,8 +51,8 @@ impl PlacingArguments {
         self.camera_frame.as_deref().or(named_by_capture).unwrap_or(DEFAULT_CAMERA_FRAME)
     }
 
-    /// The camera's pose in the wanted frame: by the chain of frames of the scan, else by TF. TF is asked only if no
-    /// `frames` are given: a process has one node.
+    /// The camera's pose in the wanted frame: by the chain of frames of the scan, else by TF, as for a link of a turret
+    /// that only carries the projector. TF is asked only if no `frames` are given: a process has one node.
     ///
     /// # Errors
     /// [`Failure::Refused`]: joints move the camera and neither --parent nor --in-camera-frame is given; an unknown
@@ -76,15 +76,17 @@ impl PlacingArguments {
             }
             return Ok(CameraPose { parent: camera.to_owned(), parent_from_camera: Isometry3::identity() });
         };
-        let parent_from_camera = match (chain, frames) {
-            (Some(chain), _) => chain.parent_from_camera(parent)?,
-            (None, Some(frames)) => frames.newest(parent, camera).map_err(tf_failed)?,
-            (None, None) => {
+        let stored = chain.map(|chain| chain.parent_from_camera(parent)).transpose();
+        let parent_from_camera = match (stored, frames) {
+            (Ok(Some(pose)), _) => pose,
+            (_, Some(frames)) => frames.newest(parent, camera).map_err(tf_failed)?,
+            (stored, None) => {
                 log::warn!(
-                    "--parent {parent}: the points have no chain of frames, so TF is asked where {camera} is now; the \
+                    "--parent {parent}: not in the chain of frames of a scan, so TF is asked where {camera} is now; the \
                      robot must stand as it did during the scan"
                 );
-                look_up(parent, camera)?
+                // The error names the frames that the scan has.
+                look_up(parent, camera).map_err(|error| stored.err().unwrap_or(error))?
             }
         };
         Ok(CameraPose { parent: parent.clone(), parent_from_camera })
