@@ -49,7 +49,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![expect(clippy::too_many_arguments, clippy::too_many_lines, reason = "the renderers are to be rewritten")]
 
-mod bounds;
+mod cache;
 mod cpu;
 mod gpu;
 mod last_step;

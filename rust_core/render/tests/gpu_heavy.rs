@@ -33,7 +33,7 @@ fn by_cpu(renderer: &GpuRenderer) -> u64 {
 /// The scenes of the example heavy_scenes of which a software GPU would draw seconds: its faces cover 1,000 pictures
 /// and more.
 fn heavy_rows() -> impl Iterator<Item = Row> {
-    let names = ["at 6 cm, f", "within 4 mm", "in one place", "filling triangles"];
+    let names = ["at 6 cm, f", "filling triangles"];
     rows(1.0).into_iter().filter(move |row| names.iter().any(|name| row.name.contains(name)))
 }
 
@@ -115,20 +115,25 @@ fn pictures_with_very_much_in_them_are_the_cpus() {
     let mut hidden = DisplayMask::all();
     hidden.set(0, false);
     assert_eq!(by_cpu_of(&solids(8_001), &hidden), 0);
+    // After a picture of nothing the GPU draws again up to its limit.
+    let mut of_both = |below: Scene, above: Scene| {
+        by_cpu_of(&Scene::default(), &all);
+        [below, above].map(|scene| by_cpu_of(&scene, &all))
+    };
     let lines = |count: usize| {
         let positions = vec![[0.0, 0.0, 5.0]; 2 * count];
         let (colors, topology) = (vec![[255; 4]], LineTopology::List);
         one(Geometry::Lines(Arc::new(Lines { positions, colors, topology, blending: Blending::Replace })))
     };
-    assert_eq!([250_000, 250_001].map(|count| by_cpu_of(&lines(count), &all)), [0, is_software]);
+    assert_eq!(of_both(lines(250_000), lines(250_001)), [0, is_software]);
     let points = |count: usize| Scene {
         drawables: vec![cloud(vec![[0.0, 0.0, 5.0]; count], PointStyle::Points { diameter_px: 1.0 }, 1.0)],
         light: None,
     };
-    assert_eq!([1_000_000, 1_000_001].map(|count| by_cpu_of(&points(count), &all)), [0, is_software]);
+    assert_eq!(of_both(points(1_000_000), points(1_000_001)), [0, is_software]);
     let layers =
         |count: usize| Scene { drawables: vec![filling(count, Blending::Alpha, |i| -1.0 - i as f32)], light: None };
-    assert_eq!([500_000, 500_001].map(|count| by_cpu_of(&layers(count), &all)), [0, is_software]);
+    assert_eq!(of_both(layers(500_000), layers(500_001)), [0, is_software]);
 }
 
 #[test]

@@ -197,14 +197,10 @@ fn secs(renderer: &mut CpuRenderer, scene: &Scene, camera: &Camera) -> f64 {
 /// culling; where hardly anything is hidden, looking for that must not cost as much as all the rest.
 fn demand(name: &str) -> (f64, f64) {
     let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
-    if has(&["in one place", "filling triangles"]) {
+    if has(&["filling triangles"]) {
         (0.02, 8.0)
-    } else if has(&["Squares at 6 cm", "Spheres at 6 cm"]) {
+    } else if has(&["at 6 cm"]) {
         (0.4, 2.0)
-    } else if has(&["at 6 cm", "within 4 mm"]) {
-        (0.1, 3.0)
-    } else if has(&["Flat Squares around", "Flat Squares at 5"]) {
-        (0.05, 3.0)
     } else {
         (0.2, 0.5)
     }

@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod aabb;
 mod camera;
 mod cells;
 mod color;
@@ -23,6 +24,7 @@ mod lines;
 mod material;
 mod memory;
 mod mesh;
+mod mip;
 mod picture;
 mod pixel_map;
 mod points;
@@ -32,6 +34,7 @@ mod solids;
 mod text;
 mod threads;
 
+pub use aabb::{Aabb, InFrustum};
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M};
 pub use cells::{CellSheet, CellTile, Cells, TILE_SIDE, UNSET_CELL};
 pub use color::Rgba;
@@ -43,6 +46,7 @@ pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use memory::resize_block;
 pub use mesh::{Mesh, Vertex};
+pub use mip::halved;
 pub use picture::{DepthPicture, Encoding, Picture, PixelOrder, MAX_SIDE_PX};
 pub use pixel_map::{MapRun, PixelMap};
 pub use points::{PointBuffer, PointColors, PointStyle, Points, MAX_POINT_SIZE_PX};

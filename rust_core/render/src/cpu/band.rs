@@ -9,9 +9,9 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 
-use super::lanes::{inlined, lane_indices, WideF, F, LANES, M, U};
-use super::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
-use super::screen::{Screen, FARTHEST};
+use super::hiz::{Face, Hiz, VisibleTiles};
+use super::lanes::{inlined, lane_indices, F, LANES, M, U};
+use super::screen::{rounding, Area, DepthPlane, Screen, FARTHEST, TILE_PX};
 
 /// How fragments are combined with the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,8 @@ pub(super) struct BandBuffers {
     color: Vec<u32>,
     depth: Vec<f32>,
     rank: Vec<u32>,
+    hiz: Hiz,
+    visible: Vec<VisibleTiles>,
 }
 
 impl BandBuffers {
@@ -67,13 +69,22 @@ impl BandBuffers {
             stride,
             color: &mut self.color,
             depth: &mut self.depth,
-            rank: &mut self.rank,
-            has_ranks: false,
+            ranks: &mut self.rank,
+            hiz: &mut self.hiz,
+            visible: &mut self.visible,
+            rank: IN_ORDER,
+            next_rank: IN_ORDER,
         }
     }
 }
 
+/// The rank of faces that are drawn in their order.
+const IN_ORDER: u32 = 0;
+
 /// A band that is being drawn.
+///
+/// Faces are drawn in their order, or in any order by their ranks: of equal depths the higher rank wins then, and what
+/// is hidden is looked for before it is drawn.
 #[derive(Debug)]
 pub(super) struct Band<'a> {
     /// Pixels in a row.
@@ -88,9 +99,15 @@ pub(super) struct Band<'a> {
     stride: usize,
     color: &'a mut [u32],
     depth: &'a mut [f32],
-    /// The rank of the face that each pixel shows, where faces are not drawn in their order.
-    rank: &'a mut Vec<u32>,
-    has_ranks: bool,
+    /// The rank of the face that each pixel shows, from the first run of ranks on.
+    ranks: &'a mut Vec<u32>,
+    hiz: &'a mut Hiz,
+    /// Scratch buffer for the tiles of a face.
+    visible: &'a mut Vec<VisibleTiles>,
+    /// The rank of what is drawn.
+    rank: u32,
+    /// The first rank that is free.
+    next_rank: u32,
 }
 
 /// A band's pixels: that in row `y` of the band and column `x` is at `y · stride + x`.
@@ -115,21 +132,16 @@ impl Band<'_> {
         begin.max(self.first_row)..end.min(self.end_row)
     }
 
-    /// Colours and depths from `begin` to before `end` of a picture row, which must be one of the band's; pixels
-    /// outside of the picture are left out, and the first pixel's x is returned.
-    #[inline]
-    pub(super) fn span(&mut self, row: i32, begin: i32, end: i32) -> (i32, &mut [u32], &mut [f32]) {
-        let begin = begin.clamp(0, self.width);
-        let end = end.clamp(begin, self.width);
-        let start = (row - self.first_row) as usize * self.stride;
-        let range = start + begin as usize..start + end as usize;
-        (begin, &mut self.color[range.clone()], &mut self.depth[range])
+    /// Its pixels in the picture.
+    #[inline(always)]
+    pub(super) fn area(&self) -> Area {
+        Area { left: 0, right: self.width, top: self.first_row, bottom: self.end_row }
     }
 
     /// The colour and the depth of one pixel, if it is one of the band's.
     #[inline(always)]
     pub(super) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
-        // What is negative is then too large.
+        // Negative values wrap to large ones and fail the same check.
         let (x, row) = (x as u32, (y - self.first_row) as u32);
         if x >= self.width as u32 || row >= (self.end_row - self.first_row) as u32 {
             return None;
@@ -151,132 +163,106 @@ impl Band<'_> {
         let Some(down) = (rows.end - rows.start).checked_sub(1).filter(|down| *down >= 0) else { return };
         let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
         let range = start..start + down as usize * self.stride + LANES;
-        let (Some(colors), Some(depths)) = (self.color.get_mut(range.clone()), self.depth.get_mut(range)) else {
+        let (Some(colors), Some(depths)) = (self.color.get_mut(range.clone()), self.depth.get_mut(range.clone()))
+        else {
             return;
         };
+        let rank = self.rank;
+        let ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
+        let ranks = ranks.unwrap_or_default();
         let mut at = 0;
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
-            work(Window { colors, depths });
+            let ranks = ranks.get_mut(at..).and_then(<[u32]>::first_chunk_mut);
+            work(Window { colors, depths, ranks, rank });
             at += self.stride;
         }
     }
 
-    /// As [`Self::for_windows`], for faces with a rank.
+    /// Begins a run of faces that are drawn by ranks: of this number, from the returned one on. `None` where there are
+    /// no more of them.
+    pub(super) fn begin_ranks(&mut self, count: usize) -> Option<u32> {
+        if self.next_rank == IN_ORDER {
+            self.hiz.reset(self.area());
+            self.ranks.clear();
+            self.ranks.resize(self.color.len(), IN_ORDER);
+            self.next_rank = IN_ORDER + 1;
+        }
+        let first = self.next_rank;
+        self.next_rank = first.checked_add(u32::try_from(count).ok()?)?;
+        Some(first)
+    }
+
+    /// Draws by a rank of the run from now on.
     #[inline(always)]
-    pub(super) fn for_ranked_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(RankedWindow<'_>)) {
-        self.ensure_ranks();
-        let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
-        for _ in rows {
-            let range = at..at + LANES;
-            let (Some(colors), Some(depths), Some(ranks)) =
-                (self.color.get_mut(range.clone()), self.depth.get_mut(range.clone()), self.rank.get_mut(range))
-            else {
-                return;
-            };
-            let (Some(colors), Some(depths), Some(ranks)) =
-                (colors.first_chunk_mut(), depths.first_chunk_mut(), ranks.first_chunk_mut())
-            else {
-                return;
-            };
-            work(RankedWindow { colors, depths, ranks });
-            at += self.stride;
-        }
+    pub(super) fn set_rank(&mut self, rank: u32) {
+        self.rank = rank;
     }
 
-    /// The depths of [`LANES`] pixels from `begin` on of each two rows of a range, one behind the other; of a row after
-    /// the last one, infinitely near. All pixels must be the band's.
+    /// Draws in order from now on.
+    pub(super) fn end_ranks(&mut self) {
+        self.rank = IN_ORDER;
+    }
+
+    /// True if faces are drawn by their ranks.
     #[inline(always)]
-    pub(super) fn for_row_pairs<S: Simd>(&self, simd: S, rows: Range<i32>, begin: i32, mut work: impl FnMut(WideF<S>)) {
-        let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
-        for row in rows.clone().step_by(2) {
-            let depths = inlined(
-                #[inline(always)]
-                |at: usize| self.depth.get(at..).and_then(<[f32]>::first_chunk::<LANES>),
-            );
-            let Some(upper) = depths(at) else { return };
-            let lower = depths(at + self.stride).filter(|_| row + 1 < rows.end).unwrap_or(&[f32::NEG_INFINITY; LANES]);
-            work(F::load_array_ref(simd, upper).combine(F::load_array_ref(simd, lower)));
-            at += 2 * self.stride;
-        }
+    pub(super) fn is_ranked(&self) -> bool {
+        self.rank != IN_ORDER
     }
 
-    /// Ranks of zero where there are none yet: whatever is there was drawn before.
-    #[inline]
-    fn ensure_ranks(&mut self) {
-        if !self.has_ranks {
-            self.rank.clear();
-            self.rank.resize(self.color.len(), 0);
-            self.has_ranks = true;
-        }
+    /// Finds the tiles in which something of a face of the present rank may be seen. Returns true if there are some.
+    #[inline(always)]
+    pub(super) fn find_visible<S: Simd>(&mut self, simd: S, plane: DepthPlane, area: Area) -> bool {
+        self.hiz.list_visible(simd, &Face { plane, rank: self.rank, area }, self.visible);
+        !self.visible.is_empty()
     }
 
-    /// What follows is drawn after all that is there.
-    pub(super) fn forget_ranks(&mut self) {
-        self.has_ranks = false;
-    }
-
-    /// As [`Self::span`], with ranks.
-    #[inline]
-    pub(super) fn ranked_span(
+    /// Draws the tiles that were found, of a face whose depth changes by so much to the right and down. `draw` returns
+    /// true where something is seen.
+    #[inline(always)]
+    pub(super) fn draw_visible<S: Simd>(
         &mut self,
-        row: i32,
-        begin: i32,
-        end: i32,
-    ) -> (i32, impl Iterator<Item = (&mut u32, &mut f32, &mut u32)>) {
-        self.ensure_ranks();
-        let begin = begin.clamp(0, self.width);
-        let end = end.clamp(begin, self.width);
-        let start = (row - self.first_row) as usize * self.stride;
-        let range = start + begin as usize..start + end as usize;
-        let (colors, depths) = (&mut self.color[range.clone()], &mut self.depth[range.clone()]);
-        let pixels = colors.iter_mut().zip(depths).zip(&mut self.rank[range]);
-        (begin, pixels.map(|((color, depth), rank)| (color, depth, rank)))
-    }
-
-    /// The smallest area with all pixels of an area of the band that are not nearer than a depth; `None` where all are.
-    #[inline(always)]
-    pub(super) fn area_from_depth<S: Simd>(&self, simd: S, area: Area, depth: f32) -> Option<Area> {
-        let mut seen: Option<Area> = None;
-        let mut at = (area.top - self.first_row) as usize * self.stride + area.left as usize;
-        for y in area.top..area.bottom {
-            for (begin, x) in (at..).step_by(LANES).zip((area.left..area.right).step_by(LANES)) {
-                // What sticks out of the area is nothing.
-                let there = u32::MAX >> (u32::BITS - (area.right - x).min(LANES as i32) as u32);
-                let depths = self.depth.get(begin..).and_then(<[f32]>::first_chunk)?;
-                let mask = F::load_array_ref(simd, depths).simd_ge(depth).to_bitmask() as u32 & there;
-                if mask != 0 {
-                    let seen = seen.get_or_insert(Area { left: i32::MAX, right: 0, top: y, bottom: y });
-                    seen.left = seen.left.min(x + mask.trailing_zeros() as i32);
-                    seen.right = seen.right.max(x + (u32::BITS - mask.leading_zeros()) as i32);
-                    seen.bottom = y + 1;
+        simd: S,
+        slopes: [f32; 2],
+        mut draw: impl FnMut(&mut Self, Area) -> bool,
+    ) {
+        let visible = std::mem::take(self.visible);
+        for of_block in &visible {
+            let (mut is_nearer, mut left) = (false, of_block.tiles);
+            while left != 0 {
+                let tile = left.trailing_zeros();
+                left &= left - 1;
+                let pixels = self.hiz.area(*of_block, tile);
+                if draw(self, pixels) {
+                    if let Some((bound, rank)) = self.farthest(simd, pixels, slopes) {
+                        is_nearer |= self.hiz.offer(*of_block, tile, &bound, rank);
+                    }
                 }
             }
-            at += self.stride;
+            if is_nearer {
+                self.hiz.join(*of_block, slopes);
+            }
         }
-        seen
+        *self.visible = visible;
     }
 
-    /// How far away a tile's pixels are at most, as one depth or as a plane of these changes to the right and down, and
-    /// the lowest rank in it; of pixels outside of the picture nothing is known.
+    /// A bound of a tile's depths, as one depth or as a plane of these changes to the right and down, and the lowest
+    /// rank in it; `None` where pixels are outside of the picture.
     #[inline(always)]
-    pub(super) fn farthest<S: Simd>(&self, simd: S, tile: Area, [dx, dy]: [f32; 2]) -> Drawn {
+    fn farthest<S: Simd>(&self, simd: S, tile: Area, [dx, dy]: [f32; 2]) -> Option<(DepthPlane, u32)> {
         let mut farthest = F::splat(simd, 0.0);
         let mut above = F::splat(simd, 0.0);
         let mut first_rank = U::splat(simd, u32::MAX);
-        if tile.right - tile.left < TILE_PX || !self.has_ranks {
-            return Drawn::Nothing;
+        if tile.right - tile.left < TILE_PX {
+            return None;
         }
         let mut at = (tile.top - self.first_row) as usize * self.stride + tile.left as usize;
         let right = lane_indices(simd).to_float::<F<S>>() * dx;
         for row in 0..tile.bottom - tile.top {
-            let depths = self.depth.get(at..).and_then(<[f32]>::first_chunk);
-            let ranks = self.rank.get(at..).and_then(<[u32]>::first_chunk);
-            let (Some(depths), Some(ranks)) = (depths, ranks) else { return Drawn::Nothing };
-            let depths = F::load_array_ref(simd, depths);
+            let depths = F::load_array_ref(simd, self.depth.get(at..)?.first_chunk()?);
             farthest = farthest.max(depths);
             above = above.max(depths - (right + row as f32 * dy));
-            first_rank = first_rank.min(U::load_array_ref(simd, ranks));
+            first_rank = first_rank.min(U::load_array_ref(simd, self.ranks.get(at..)?.first_chunk()?));
             at += self.stride;
         }
         // Of numbers that are not negative, the larger one has the larger bits.
@@ -290,7 +276,7 @@ impl Band<'_> {
             let noise = 1.01 * (3.0 * rounding(reach) + rounding(FARTHEST + reach));
             bound = DepthPlane { at: above, dx, dy, x: tile.left as f32, y: tile.top as f32, noise, ..bound };
         }
-        Drawn::Partly { bound, first_rank: first_rank.to_array().into_iter().fold(u32::MAX, u32::min) }
+        Some((bound, first_rank.to_array().into_iter().fold(u32::MAX, u32::min)))
     }
 
     /// The finished rows, from the top.
@@ -311,74 +297,44 @@ impl Band<'_> {
 pub(super) struct Window<'a> {
     colors: &'a mut [u32; LANES],
     depths: &'a mut [f32; LANES],
+    /// Where faces are drawn by their ranks.
+    ranks: Option<&'a mut [u32; LANES]>,
+    rank: u32,
 }
 
 impl Window<'_> {
-    /// Tests and blends fragments side by side, those whose mask is set. `shade` is called only
-    /// where some of them are seen; it returns which of these are really covered, and their colours.
-    #[inline(always)]
-    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, mode: Mode, shade: impl FnOnce(M<S>) -> (M<S>, U<S>)) {
-        let simd = depths.token();
-        if mode == Mode::OPAQUE {
-            let behind = F::load_array_ref(simd, self.depths);
-            let wins = mask & depths.simd_le(behind);
-            if wins.any_true() {
-                let (wins, colors) = shade(wins);
-                wins.select(depths, behind).store_array(self.depths);
-                wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
-            }
-            return;
-        }
-        let behind = F::load_array_ref(simd, self.depths);
-        // NaN is in front of nothing.
-        let wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
-        if !wins.any_true() {
-            return;
-        }
-        let (wins, colors) = shade(wins);
-        if mode.depth_write {
-            wins.select(depths, behind).store_array(self.depths);
-        }
-        let behind = U::load_array_ref(simd, self.colors);
-        let colors = if mode.blend { blend_lanes(behind, colors) } else { colors };
-        wins.select(colors, behind).store_array(self.colors);
-    }
-}
-
-/// [`LANES`] pixels side by side that know the ranks of what they show.
-#[derive(Debug)]
-pub(super) struct RankedWindow<'a> {
-    colors: &'a mut [u32; LANES],
-    depths: &'a mut [f32; LANES],
-    ranks: &'a mut [u32; LANES],
-}
-
-impl RankedWindow<'_> {
-    /// As [`Window::meet`] for opaque fragments, which need not come in their order: of equal depths that of the higher
-    /// rank wins. Returns whether any does.
+    /// Tests and blends fragments side by side, those whose mask is set. `shade` is called only where some of them are
+    /// seen; it returns which of these are really covered, and their colours. Returns true if some are.
+    ///
+    /// The nearer fragment wins, of equal depths the later one; where there are ranks, that of the higher rank.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(
         self,
         mask: M<S>,
         depths: F<S>,
-        rank: u32,
+        mode: Mode,
         shade: impl FnOnce(M<S>) -> (M<S>, U<S>),
     ) -> bool {
         let simd = depths.token();
         let behind = F::load_array_ref(simd, self.depths);
-        let wins = mask & depths.simd_le(behind);
-        if !wins.any_true() {
-            return false;
+        // NaN is in front of nothing.
+        let mut wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
+        if let Some(ranks) = &self.ranks {
+            wins &= depths.simd_lt(behind) | U::load_array_ref(simd, *ranks).simd_le(self.rank);
         }
-        let ranks = U::load_array_ref(simd, self.ranks);
-        let wins = wins & (depths.simd_lt(behind) | ranks.simd_le(rank));
         if !wins.any_true() {
             return false;
         }
         let (wins, colors) = shade(wins);
-        wins.select(depths, behind).store_array(self.depths);
-        wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
-        wins.select(U::splat(simd, rank), ranks).store_array(self.ranks);
+        if let Some(ranks) = self.ranks {
+            wins.select(U::splat(simd, self.rank), U::load_array_ref(simd, ranks)).store_array(ranks);
+        }
+        if mode.depth_write {
+            wins.select(depths, behind).store_array(self.depths);
+        }
+        let there = U::load_array_ref(simd, self.colors);
+        let colors = if mode.blend { blend_lanes(there, colors) } else { colors };
+        wins.select(colors, there).store_array(self.colors);
         wins.any_true()
     }
 }
@@ -539,8 +495,7 @@ mod tests {
         let screen = Screen::new(2, 1, 1);
         let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
         let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
-            let (_, colors, depths) = band.span(0, x, x + 1);
-            for (color, at) in colors.iter_mut().zip(depths) {
+            if let Some((color, at)) = band.pixel(x, 0) {
                 meet(color, at, depth, [level, level, level, 255], mode);
             }
         };

@@ -8,19 +8,19 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock, Weak};
+use std::sync::{Arc, OnceLock};
 
 use rcs_scene::{
-    Blending, CellSheet, CullMode, DisplayId, DrawOrder, Drawable, Geometry, Material, Mesh, Ordered, Texture, Vertex,
+    Blending, CellSheet, CullMode, DisplayId, DrawOrder, Drawable, Geometry, Material, Mesh, Ordered, Vertex,
 };
 
 use super::band::Mode;
-use super::instances::{Batch, BatchPiece, BatchView, Shapes, SmallMesh};
+use super::instances::{shape_of, Batch, BatchPiece, BatchView, Shapes, SmallMesh};
+use super::paint::{DepthBias, Paint, Surface};
 use super::points::Cloud;
 use super::screen::ObjectTransform;
 use super::solids::{Shape, Solid};
-use super::surface::{DepthBias, Paint, Surface};
-use super::texture::MipTexture;
+use super::texture::{MipTexture, Textures};
 use crate::View;
 
 /// Points of a job.
@@ -35,25 +35,6 @@ const TRIANGLES_OF_SMALL_MESH: usize = 2048;
 /// Solids of a job, and a few characters count as one. Most of their triangles are not even looked at.
 const SOLIDS_PER_JOB: usize = 64;
 const GLYPHS_PER_SOLID: usize = 16;
-
-/// Mipmaps of the textures that are alive.
-#[derive(Debug, Default)]
-pub(super) struct Textures {
-    by_address: HashMap<usize, (Weak<Texture>, Arc<MipTexture>)>,
-}
-
-impl Textures {
-    fn get(&mut self, texture: &Arc<Texture>) -> Arc<MipTexture> {
-        let address = Arc::as_ptr(texture) as usize;
-        let make = || (Arc::downgrade(texture), Arc::new(MipTexture::new(texture)));
-        self.by_address.entry(address).or_insert_with(make).1.clone()
-    }
-
-    /// Drops those that only this cache still holds.
-    pub(super) fn forget_dead(&mut self) {
-        self.by_address.retain(|_, (texture, _)| texture.strong_count() > 1);
-    }
-}
 
 /// The triangles of cells.
 fn sheet_mesh() -> &'static Mesh {
@@ -74,8 +55,6 @@ pub(super) enum Job {
     Pieces(Range<usize>),
     /// Some of the plan's pieces of batches.
     Batches(Range<usize>),
-    /// The same, of solids that are drawn together with those of all jobs next to it of this kind.
-    Crowd(Range<usize>),
 }
 
 impl Job {
@@ -83,9 +62,7 @@ impl Job {
     pub(super) fn goes_with(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Points(cloud, _), Self::Points(other, _)) => cloud == other,
-            (Self::Pieces(_), Self::Pieces(_))
-            | (Self::Batches(_), Self::Batches(_))
-            | (Self::Crowd(_), Self::Crowd(_)) => true,
+            (Self::Pieces(_), Self::Pieces(_)) | (Self::Batches(_), Self::Batches(_)) => true,
             _ => false,
         }
     }
@@ -218,8 +195,9 @@ impl<'a> FramePlan<'a> {
 
     fn add(&mut self, view: &View<'a>, textures: &mut Textures, shapes: &mut Shapes, ordered: Ordered<'a>) {
         let (camera, drawable) = (view.camera, ordered.drawable);
-        let mut surface_of =
-            |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
+        let mut surface_of = |material: &Material| {
+            Surface::of(material, material.texture.as_ref().map(|texture| MipTexture::new(texture, textures)))
+        };
         match &drawable.geometry {
             Geometry::Solids(solids) => {
                 self.batch_view.get_or_insert_with(|| BatchView::new(view));
@@ -237,7 +215,7 @@ impl<'a> FramePlan<'a> {
             }
             Geometry::Mesh { mesh, material } if mesh.indices.len() / 3 < self.small_mesh_triangles => {
                 let surface = mirrored_like(drawable, surface_of(material));
-                let shape = shapes.get(mesh);
+                let shape = shape_of(mesh, shapes);
                 self.batches.push(Batch::Mesh(SmallMesh { drawable, mesh, material, surface, shape }));
                 self.batch_view.get_or_insert_with(|| BatchView::new(view));
                 return self.add_batch(self.batches.len() - 1, 0..1, 1);
@@ -262,7 +240,8 @@ impl<'a> FramePlan<'a> {
                 let material = Material::unlit(ribbons.blending == Blending::Alpha);
                 let mut mesh = self.reusable_meshes.pop().unwrap_or_default();
                 ribbons.write_to(&mut mesh, camera.eye_in_object(&drawable.fixed_from_object));
-                (surface_of(&material), Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
+                let surface = mirrored_like(drawable, surface_of(&material));
+                (surface, Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
             }
             Geometry::Mesh { mesh, material } => {
                 let surface = mirrored_like(drawable, surface_of(material));
@@ -347,40 +326,6 @@ impl<'a> FramePlan<'a> {
             self.job_displays.push(self.open_display);
         }
         (self.open_batch_piece, self.open_solids) = (self.batch_pieces.len(), 0);
-    }
-
-    /// Makes crowds of opaque solids where so many follow each other.
-    pub(super) fn find_crowds(&mut self, min_solids: usize) {
-        // So that each triangle of a picture has a rank.
-        const MAX_TRIANGLES: u64 = 1 << 31;
-        let pieces = |job: &Job| match job {
-            Job::Batches(pieces) => self.batch_pieces.get(pieces.clone()),
-            _ => None,
-        };
-        let triangles_of = |job: &Job| {
-            pieces(job)?.iter().try_fold(0, |sum, piece| Some(sum + piece.opaque_triangles(&self.batches)?))
-        };
-        let solids_of = |job: &Job| pieces(job).map_or(0, |pieces| pieces.iter().map(|piece| piece.range.len()).sum());
-        let (mut begin, mut triangles) = (0, 0);
-        let mut crowds: Vec<Range<usize>> = Vec::new();
-        while begin < self.jobs.len() {
-            let (mut end, mut solids) = (begin, 0_usize);
-            while let Some((job, count)) = self.jobs.get(end).and_then(|job| Some((job, triangles_of(job)?))) {
-                if triangles + count > MAX_TRIANGLES {
-                    break;
-                }
-                (end, triangles, solids) = (end + 1, triangles + count, solids + solids_of(job));
-            }
-            crowds.extend((solids >= min_solids && end > begin).then_some(begin..end));
-            begin = end.max(begin + 1);
-        }
-        for crowd in crowds {
-            for job in self.jobs.get_mut(crowd).unwrap_or_default() {
-                if let Job::Batches(pieces) = job {
-                    *job = Job::Crowd(pieces.clone());
-                }
-            }
-        }
     }
 
     /// Marks the clouds that Ogre would not draw, given the points that each job has selected.

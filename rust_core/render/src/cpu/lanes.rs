@@ -25,11 +25,6 @@ pub(super) type F<S> = f32x8<S>;
 pub(super) type I<S> = i32x8<S>;
 /// Colours.
 pub(super) type U<S> = u32x8<S>;
-/// Numbers, however many.
-pub(super) trait Floats<S: Simd>: SimdFloat<S, Element = f32> {}
-
-impl<S: Simd, T: SimdFloat<S, Element = f32>> Floats<S> for T {}
-
 /// [`WIDE`] numbers.
 pub(super) type WideF<S> = f32x16<S>;
 /// [`WIDE`] whole numbers.

@@ -10,7 +10,7 @@
 //!    picture does not depend on the number of threads.
 //!
 //! Opaque faces that lie over each other many times are drawn by their *ranks* instead of in their order, so that those
-//! which others hide cost next to nothing ([`ranked`], [`occlusion`]). The picture is the same.
+//! which others hide cost next to nothing ([`ranked`], [`hiz`]). The picture is the same.
 //!
 //! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser; [`points`], [`triangles`] and
 //! [`lines`] describe how.
@@ -19,24 +19,22 @@
 
 mod band;
 mod bins;
-mod cells;
 mod clip;
 mod costs;
-mod cover;
 mod depths;
 mod edges;
-mod fill;
 mod frame_plan;
+mod hiz;
 mod instances;
 mod lanes;
 mod lighting;
 mod lines;
-mod occlusion;
+mod paint;
 mod points;
 mod ranked;
 mod screen;
 mod solids;
-mod surface;
+
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -56,17 +54,15 @@ use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::costs::WorkerCosts;
 use self::depths::Depths;
-use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
+use self::frame_plan::{FramePlan, FramePlanMemory, Job};
 use self::instances::{InstanceScratch, Instances, Shapes};
 use self::points::PointScratch;
-use self::ranked::{Load, RankedScratch};
+use self::ranked::{Load, NearToFar};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
+use self::texture::Textures;
 use crate::renderer::panic_text;
 use crate::{Finished, RenderError, Renderer, View};
-
-/// From how many opaque solids on those that others hide are looked for.
-const SOLIDS_OF_CROWD: usize = 1024;
 
 /// Draws on the CPU.
 #[derive(Debug, Default)]
@@ -122,7 +118,7 @@ struct Worker {
     scratch: PointScratch,
     vertices: VertexCache,
     instances: InstanceScratch,
-    ranked: RankedScratch,
+    order: NearToFar,
     costs: WorkerCosts,
 }
 
@@ -281,11 +277,6 @@ impl CpuRenderer {
         self.textures.forget_dead();
         self.shapes.forget_dead();
         let mut plan = FramePlan::new(view, &mut self.textures, &mut self.shapes, &mut self.memory);
-        plan.find_crowds(match self.culling {
-            Culling::Heavy => SOLIDS_OF_CROWD,
-            Culling::Always => 1,
-            Culling::Never => usize::MAX,
-        });
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -316,9 +307,8 @@ impl CpuRenderer {
         let depths = depths.into_bands(width_px as usize * screen.band_rows());
         let bands = picture.data.chunks_mut(step * screen.band_rows()).zip(depths).enumerate();
         in_parallel(&mut self.workers, bands, |worker, (index, (rows, depths))| {
-            let Worker { band, scratch, instances, ranked, costs, .. } = worker;
+            let Worker { band, scratch, instances, order, costs, .. } = worker;
             let mut band = band.begin(&screen, index, background);
-            ranked.begin();
             costs.begin();
             for turn in &turns {
                 match turn {
@@ -333,7 +323,7 @@ impl CpuRenderer {
                         else {
                             continue;
                         };
-                        let scratch = (&mut *scratch, &mut *instances, &mut *ranked);
+                        let scratch = (&mut *scratch, &mut *instances, &mut *order);
                         draw_ranked(job, outcomes, &plan, (&screen, index), scratch, &mut band);
                         costs.add(jobs.clone());
                     }
@@ -366,7 +356,6 @@ impl CpuRenderer {
                 (end, load) = (end + 1, both);
             }
             let is_ranked = match self.culling {
-                _ if matches!(job, Job::Crowd(_)) => true,
                 Culling::Heavy => load.is_heavy(screen),
                 Culling::Always => end > begin,
                 Culling::Never => false,
@@ -387,39 +376,26 @@ fn draw_ranked(
     outcomes: &[Outcome],
     plan: &FramePlan<'_>,
     (screen, index): (&Screen, usize),
-    (scratch, instances, ranked): (&mut PointScratch, &mut InstanceScratch, &mut RankedScratch),
+    (scratch, instances, order): (&mut PointScratch, &mut InstanceScratch, &mut NearToFar),
     band: &mut Band<'_>,
 ) {
     match job {
         Job::Points(cloud, _) => {
             if let Some(cloud) = plan.clouds.get(*cloud) {
-                let indices = |job: usize| outcomes.get(job).map_or(&[][..], |outcome| outcome.points.band(index));
-                points::draw_ranked(cloud, indices, outcomes.len(), screen, scratch, ranked, band);
+                let indices: Vec<&[u32]> = outcomes.iter().map(|outcome| outcome.points.band(index)).collect();
+                points::draw_ranked(cloud, &indices, screen, (scratch, order), band);
             }
         }
-        Job::Pieces(_) => Primitives::draw_ranked(outcomes, &plan.solids, index, band, ranked),
+        Job::Pieces(_) => {
+            let jobs: Vec<&Primitives> = outcomes.iter().map(|outcome| &outcome.primitives).collect();
+            Primitives::draw_ranked(&jobs, &plan.solids, index, order, band);
+        }
         Job::Batches(_) => {
             if let Some(view) = &plan.batch_view {
-                Instances::draw_ranked(outcomes, (&plan.batches, view), (screen, index), instances, ranked, band);
+                let jobs: Vec<&Instances> = outcomes.iter().map(|outcome| &outcome.instances).collect();
+                Instances::draw_ranked(&jobs, (&plan.batches, view), (screen, index), (instances, order), band);
             }
         }
-        Job::Crowd(_) => {
-            if let Some(view) = &plan.batch_view {
-                Instances::draw_crowd(outcomes, (&plan.batches, view), (screen, index), instances, ranked, band);
-            }
-        }
-    }
-}
-
-impl AsRef<Instances> for Outcome {
-    fn as_ref(&self) -> &Instances {
-        &self.instances
-    }
-}
-
-impl AsRef<Primitives> for Outcome {
-    fn as_ref(&self) -> &Primitives {
-        &self.primitives
     }
 }
 
@@ -456,7 +432,6 @@ impl Outcome {
             }
             Job::Pieces(_) => self.primitives.load(),
             Job::Batches(_) => self.instances.load(),
-            Job::Crowd(_) => Load::default(),
         }
     }
 
@@ -483,13 +458,6 @@ impl Outcome {
                     self.instances.add(piece, &plan.batches, view, screen, &mut worker.instances);
                 }
             }
-            Job::Crowd(pieces) => {
-                self.instances.clear(screen);
-                let Some(view) = &plan.batch_view else { return };
-                for piece in plan.batch_pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    self.instances.add_members(piece, &plan.batches, view, screen, &mut worker.instances);
-                }
-            }
         }
     }
 
@@ -509,7 +477,7 @@ impl Outcome {
                 }
             }
             Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),
-            Job::Batches(_) | Job::Crowd(_) => {
+            Job::Batches(_) => {
                 if let Some(view) = &plan.batch_view {
                     self.instances.draw(&plan.batches, view, screen, index, instances, band);
                 }

@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_scene::{Camera, DirectionalLight};
 use wide::{f32x4, i32x4};
 
+use super::lanes::LANES;
 use crate::shading::{normalizes_normals, to_light, view_from_normal};
 
 /// Snapped places to a pixel.
@@ -21,6 +22,65 @@ pub(super) const SUBPIXELS: i32 = 256;
 /// Depths are kept as `f32`. From half of this depth on, which is 2 cm before a camera that sees from 1 cm to 100 m, an
 /// `f32` has no fraction, so that depths are rounded to whole steps just as in a depth buffer of 24 bits.
 pub(super) const FARTHEST: f32 = ((1 << 24) - 1) as f32;
+
+/// Side of a tile in pixels: a window's.
+pub(super) const TILE_PX: i32 = LANES as i32;
+
+/// Pixels from left to before right and from top to before bottom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Area {
+    /// The first column.
+    pub left: i32,
+    /// The column after the last.
+    pub right: i32,
+    /// The first row.
+    pub top: i32,
+    /// The row after the last.
+    pub bottom: i32,
+}
+
+impl Area {
+    /// True if it has no pixels.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.left >= self.right || self.top >= self.bottom
+    }
+}
+
+/// The depths of a face's fragments: `at` at pixel (x, y) and its change to the right and down; each may be off by
+/// `noise`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthPlane {
+    /// The depth at the place.
+    pub at: f32,
+    pub dx: f32,
+    pub dy: f32,
+    pub x: f32,
+    pub y: f32,
+    pub noise: f32,
+    /// No fragment is nearer than this, wherever the plane leads outside of the face; may be infinitely negative.
+    pub least: f32,
+}
+
+impl DepthPlane {
+    /// One depth everywhere.
+    pub(super) fn level(at: f32) -> Self {
+        Self { at, dx: 0.0, dy: 0.0, x: 0.0, y: 0.0, noise: 0.0, least: at }
+    }
+
+    /// At a place, exactly.
+    pub(super) fn value(&self, x: f64, y: f64) -> f64 {
+        f64::from(self.at) + f64::from(self.dx) * (x - f64::from(self.x)) + f64::from(self.dy) * (y - f64::from(self.y))
+    }
+}
+
+/// The most that a sum or product of at most this magnitude is rounded by.
+#[inline(always)]
+pub(super) fn rounding(magnitude: f32) -> f32 {
+    // Half of the place value of the last of 24 bits.
+    const HALF_LAST_BIT: f32 = 1.0 / (1 << 24) as f32;
+    f32::from_bits(magnitude.abs().to_bits() & 0x7f80_0000) * HALF_LAST_BIT
+}
 
 /// Size of the picture and how it is cut into bands of rows.
 #[derive(Clone, Copy, Debug)]
@@ -125,6 +185,31 @@ pub(super) fn snap_lanes(window: f32x4) -> i32x4 {
 #[inline]
 pub(super) fn first_pixel(snapped: i32) -> i32 {
     (snapped + SUBPIXELS - 1) >> SUBPIXELS.ilog2()
+}
+
+/// A vertex's position on the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ScreenPosition {
+    /// Snapped window coordinates.
+    pub x: i32,
+    pub y: i32,
+    /// 0 to [`FARTHEST`].
+    pub depth: f32,
+    /// One over the clip coordinate.
+    pub inverse_w: f32,
+}
+
+impl ScreenPosition {
+    /// The position of clip coordinates in front of the near plane.
+    #[inline]
+    pub(super) fn new(position: [f32; 4], screen: &Screen) -> Self {
+        let inverse_w = 1.0 / position[3];
+        // Window x and y, and the depth from 0 to 1.
+        let window = screen.window(f32x4::new(position) * f32x4::splat(inverse_w));
+        let [x, y, ..] = snap_lanes(window).to_array();
+        let [_, _, depth, _] = window.to_array();
+        Self { x, y, depth: depth * FARTHEST, inverse_w }
+    }
 }
 
 /// How an object's positions and normals come to the picture.

@@ -10,13 +10,12 @@ use rcs_scene::{Lines, Material, Mesh};
 use super::band::{Band, Mode};
 use super::bins::Bins;
 use super::clip::{ClipVertex, Outside};
-use super::fill::can_fill;
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
-use super::ranked::{in_chunk, Load, RankedScratch};
-use super::screen::{ObjectTransform, Screen};
-use super::surface::{DepthBias, Surface};
-use super::triangles::{self, Corner, ScreenPosition};
+use super::paint::Surface;
+use super::ranked::{Load, NearToFar};
+use super::screen::{ObjectTransform, Screen, ScreenPosition};
+use super::triangles::{self, Corner};
 
 /// Something made of triangles or lines.
 #[derive(Debug)]
@@ -110,7 +109,7 @@ impl Primitives {
     ) {
         match &solid.shape {
             Shape::Mesh(mesh, material) => {
-                self.load.in_order |= solid.surface.mode != Mode::OPAQUE || !can_fill(&solid.surface);
+                self.load.in_order |= solid.surface.mode != Mode::OPAQUE;
                 cache.clear();
                 let source =
                     Source { mesh, material, transform: &solid.transform, surface: &solid.surface, index, screen };
@@ -200,69 +199,45 @@ impl Primitives {
 
     /// Draws a band's rows of the triangles of several jobs that need not be drawn in their order.
     pub(super) fn draw_ranked(
-        jobs: &[impl AsRef<Self>],
+        jobs: &[&Self],
         solids: &[Solid<'_>],
         index: usize,
+        order: &mut NearToFar,
         band: &mut Band<'_>,
-        scratch: &mut RankedScratch,
     ) {
-        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |primitives| primitives.as_ref().bins.band(index));
-        let least = |job: usize, number: u32| jobs.get(job).map_or(0.0, |primitives| primitives.as_ref().least(number));
-        let Some(first_rank) = scratch.list_chunks(numbers, jobs.len(), band) else {
-            return jobs.iter().for_each(|primitives| primitives.as_ref().draw(solids, index, band));
-        };
-        scratch.order_chunks(numbers, least);
-        for i in 0..scratch.order.len() {
-            let at = scratch.order[i] as usize;
-            let Some(&chunk) = scratch.chunks.get(at) else { continue };
-            let Some(primitives) = jobs.get(chunk[0] as usize) else { continue };
-            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
-                primitives.as_ref().draw_one_ranked(solids, number / 2, rank, band, scratch);
+        let lists: Vec<&[u32]> = jobs.iter().map(|job| job.bins.band(index)).collect();
+        let least = |job: usize, number: u32| jobs.get(job).and_then(|job| job.least.get(number as usize / 2)).copied();
+        let count = order.sort(&lists, |job, number| least(job, number).unwrap_or(f32::INFINITY));
+        match band.begin_ranks(count) {
+            Some(first) => {
+                for face in order.faces(&lists) {
+                    if let Some(job) = jobs.get(face.job) {
+                        band.set_rank(first + face.rank);
+                        job.draw_one(solids, face.number, band);
+                    }
+                }
             }
+            None => jobs.iter().for_each(|job| job.draw(solids, index, band)),
         }
-    }
-
-    /// A depth that no fragment of a triangle is nearer than, given what it is in the bins.
-    #[inline]
-    fn least(&self, number: u32) -> f32 {
-        self.least.get(number as usize / 2).copied().unwrap_or(f32::NEG_INFINITY)
-    }
-
-    fn draw_one_ranked(
-        &self,
-        solids: &[Solid<'_>],
-        number: u32,
-        rank: u32,
-        band: &mut Band<'_>,
-        scratch: &mut RankedScratch,
-    ) {
-        if scratch.occluders.hides_from(self.least(number * 2)) {
-            return;
-        }
-        let Some(triangle) = self.triangles.get(number as usize) else { return };
-        let Some(solid) = solids.get(triangle.solid as usize) else { return };
-        let corners = triangle.corners.map(|index| &self.corners[index as usize]);
-        let [a, b, c] = corners.map(|corner| corner.position.bits());
-        let has_bias = solid.surface.depth_bias != DepthBias::NONE;
-        let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
-        if has_bias || !scratch.recent_triangles.covers(&key, rank) {
-            triangles::draw_ranked(corners, &solid.surface, rank, None, band, &mut scratch.occluders);
-        }
+        band.end_ranks();
     }
 
     /// Draws the rows of a band.
     pub(super) fn draw(&self, solids: &[Solid<'_>], index: usize, band: &mut Band<'_>) {
-        for number in self.bins.band(index) {
-            let at = (number / 2) as usize;
-            if number & 1 == 1 {
-                if let Some(line) = self.lines.get(at) {
-                    line.draw(band);
-                }
-            } else if let Some(triangle) = self.triangles.get(at) {
-                if let Some(solid) = solids.get(triangle.solid as usize) {
-                    let corners = triangle.corners.map(|index| &self.corners[index as usize]);
-                    triangles::draw(corners, &solid.surface, band);
-                }
+        self.bins.band(index).iter().for_each(|&number| self.draw_one(solids, number, band));
+    }
+
+    #[inline]
+    fn draw_one(&self, solids: &[Solid<'_>], number: u32, band: &mut Band<'_>) {
+        let at = (number / 2) as usize;
+        if number & 1 == 1 {
+            if let Some(line) = self.lines.get(at) {
+                line.draw(band);
+            }
+        } else if let Some(triangle) = self.triangles.get(at) {
+            if let Some(solid) = solids.get(triangle.solid as usize) {
+                let corners = triangle.corners.map(|index| &self.corners[index as usize]);
+                triangles::draw(corners, &solid.surface, band);
             }
         }
     }

@@ -6,15 +6,26 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rcs_scene::{Filtering, Texture, Wrapping};
+use rcs_scene::{halved, Filtering, Texture, Wrapping};
 use wide::f32x4;
 
+use crate::cache::Derived;
+
 /// A texture with its smaller copies.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct MipTexture {
     full: Arc<Texture>,
+    mips: Arc<Mips>,
+}
+
+/// The mipmaps of the textures that are alive.
+pub(super) type Textures = Derived<Texture, Arc<Mips>>;
+
+/// The smaller copies of a texture.
+#[derive(Debug)]
+pub(super) struct Mips {
     smaller: Vec<Texels>,
-    /// Its sizes without colours, once they were asked for; `None` for a texture that has some.
+    /// All sizes without colours, once they were asked for; `None` for a texture that has some.
     grey: OnceLock<Option<Vec<GreyTexels>>>,
 }
 
@@ -43,52 +54,44 @@ struct MipLevel<'a> {
     rgba: &'a [[u8; 4]],
 }
 
-impl MipTexture {
+impl Mips {
     /// Makes the mipmaps where the texture's filtering asks for them.
-    pub(super) fn new(texture: &Arc<Texture>) -> Self {
-        let mut mips = Self { full: texture.clone(), smaller: Vec::new(), grey: OnceLock::new() };
+    fn new(texture: &Texture) -> Self {
+        let mut smaller: Vec<Texels> = Vec::new();
         if texture.filtering == Filtering::BilinearMipmap {
-            while let Some(next) = mips.level(mips.smaller.len()).halved() {
-                mips.smaller.push(next);
+            let first = MipLevel::of(texture).halved();
+            smaller.extend(first);
+            while let Some(next) = smaller.last().and_then(|last| last.level().halved()) {
+                smaller.push(next);
             }
         }
-        mips
+        Self { smaller, grey: OnceLock::new() }
+    }
+}
+
+impl MipTexture {
+    /// A texture with its mipmaps out of the cache, which are made now if there are none.
+    pub(super) fn new(texture: &Arc<Texture>, textures: &mut Textures) -> Self {
+        let mips = textures.get(texture, |texture| Arc::new(Mips::new(texture))).clone();
+        Self { full: texture.clone(), mips }
     }
 
     /// The texture's colour, each channel 0 to 1. Where it matters, `footprint` gives the change of the texture
     /// coordinates to the next pixel along the row and along the column.
     #[inline]
-    pub(super) fn sample(&self, uv: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
-        self.sample_unless(|_| false, uv, footprint).unwrap_or([1.0; 4])
-    }
-
-    /// As [`Self::sample`]; `None` where nothing of the texture is there: where all texels are transparent that the
-    /// colour is made of, as over most of a glyph.
-    #[inline]
-    pub(super) fn sample_visible(&self, uv: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> Option<[f32; 4]> {
-        self.sample_unless(|texels| texels.as_flattened().iter().all(|[.., alpha]| *alpha == 0), uv, footprint)
-    }
-
-    #[inline]
-    fn sample_unless(
-        &self,
-        is_nothing: impl Fn(&[[[u8; 4]; 2]; 2]) -> bool,
-        [u, v]: [f32; 2],
-        footprint: impl Fn() -> [[f32; 2]; 2],
-    ) -> Option<[f32; 4]> {
+    pub(super) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
         let sampler = self.sampler(footprint);
         if self.full.filtering == Filtering::Nearest {
-            return Some(sampler.nearest([u, v]).map(|c| f32::from(c) / 255.0));
+            return sampler.nearest([u, v]).map(|c| f32::from(c) / 255.0);
         }
         let (column, row) = (sampler.column(u), sampler.row(v));
-        let texels = sampler.texels(column, row);
-        (!is_nothing(&texels)).then(|| sampler.mix(texels, column, row))
+        sampler.mix(sampler.texels(column, row), column, row)
     }
 
     /// The texture in the size for a footprint, as in [`Self::sample`].
     #[inline]
     pub(super) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
-        let index = if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) };
+        let index = if self.mips.smaller.is_empty() { 0 } else { self.level_for(footprint()) };
         Sampler { level: self.level(index), index, wrapping: self.full.wrapping }
     }
 
@@ -96,31 +99,26 @@ impl MipTexture {
     #[inline]
     pub(super) fn grey(&self, sampler: &Sampler<'_>) -> Option<&GreyTexels> {
         let levels = || {
-            let levels = (0..=self.smaller.len()).map(|index| self.level(index).grey());
+            let levels = (0..=self.mips.smaller.len()).map(|index| self.level(index).grey());
             if self.full.wrapping == Wrapping::Clamp {
                 levels.collect()
             } else {
                 None
             }
         };
-        self.grey.get_or_init(levels).as_ref()?.get(sampler.index)
+        self.mips.grey.get_or_init(levels).as_ref()?.get(sampler.index)
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
-        match index.checked_sub(1).and_then(|i| self.smaller.get(i)) {
-            Some(texels) => MipLevel { width: texels.width, height: texels.height, rgba: &texels.rgba },
-            None => {
-                let side = |length: u32| length.clamp(1, i32::MAX as u32) as i32;
-                MipLevel { width: side(self.full.width), height: side(self.full.height), rgba: &self.full.rgba }
-            }
-        }
+        let smaller = index.checked_sub(1).and_then(|i| self.mips.smaller.get(i));
+        smaller.map_or_else(|| MipLevel::of(&self.full), Texels::level)
     }
 
     fn level_for(&self, footprint: [[f32; 2]; 2]) -> usize {
         let (width, height) = (self.full.width as f32, self.full.height as f32);
         let texels = footprint.map(|[du, dv]| (du * width).hypot(dv * height));
         let level = (texels[0].max(texels[1]).max(1e-6).log2() + 0.5).floor();
-        (level.max(0.0) as usize).min(self.smaller.len())
+        (level.max(0.0) as usize).min(self.mips.smaller.len())
     }
 }
 
@@ -151,25 +149,25 @@ impl Sampler<'_> {
 
     /// Where a texture coordinate is along the rows.
     #[inline]
-    pub(super) fn column(&self, u: f32) -> Between {
+    fn column(&self, u: f32) -> Between {
         Between::new(u * self.level.width as f32)
     }
 
     /// Where a texture coordinate is along the columns.
     #[inline]
-    pub(super) fn row(&self, v: f32) -> Between {
+    fn row(&self, v: f32) -> Between {
         Between::new(v * self.level.height as f32)
     }
 
     /// The texels around a place: the upper two and the lower two.
     #[inline]
-    pub(super) fn texels(&self, column: Between, row: Between) -> [[[u8; 4]; 2]; 2] {
+    fn texels(&self, column: Between, row: Between) -> [[[u8; 4]; 2]; 2] {
         self.level.four_texels(self.wrapping, column.texel, row.texel)
     }
 
     /// The colour between four texels, each channel 0 to 1.
     #[inline]
-    pub(super) fn mix(&self, texels: [[[u8; 4]; 2]; 2], column: Between, row: Between) -> [f32; 4] {
+    fn mix(&self, texels: [[[u8; 4]; 2]; 2], column: Between, row: Between) -> [f32; 4] {
         let [[a, b], [c, d]] = texels;
         let (a, b, c, d) = (lanes(a), lanes(b), lanes(c), lanes(d));
         let (right, down) = (f32x4::splat(column.way), f32x4::splat(row.way));
@@ -192,24 +190,23 @@ impl Between {
     }
 }
 
+impl Texels {
+    fn level(&self) -> MipLevel<'_> {
+        MipLevel { width: self.width, height: self.height, rgba: &self.rgba }
+    }
+}
+
+impl<'a> MipLevel<'a> {
+    fn of(texture: &'a Texture) -> Self {
+        let side = |length: u32| length.clamp(1, i32::MAX as u32) as i32;
+        Self { width: side(texture.width), height: side(texture.height), rgba: &texture.rgba }
+    }
+}
+
 impl MipLevel<'_> {
     fn halved(&self) -> Option<Texels> {
-        if self.width == 1 && self.height == 1 {
-            return None;
-        }
-        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let mut rgba = Vec::with_capacity(width as usize * height as usize);
-        for y in 0..height {
-            for x in 0..width {
-                let texel = |dx: i32, dy: i32| self.texel(Wrapping::Clamp, 2 * x + dx, 2 * y + dy);
-                let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
-                rgba.push([0, 1, 2, 3].map(|i| {
-                    let sum = u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]) + u16::from(d[i]);
-                    ((sum + 2) / 4) as u8
-                }));
-            }
-        }
-        Some(Texels { width, height, rgba })
+        let ([width, height], rgba) = halved([self.width as u32, self.height as u32], self.rgba)?;
+        Some(Texels { width: width as i32, height: height as i32, rgba })
     }
 
     /// The texels without colours; `None` where one has a colour.
@@ -277,9 +274,13 @@ fn floor(value: f32) -> (i32, f32) {
 mod tests {
     use super::*;
 
+    fn mipped(texture: Texture) -> MipTexture {
+        MipTexture::new(&Arc::new(texture), &mut Textures::default())
+    }
+
     fn gradient(filtering: Filtering, wrapping: Wrapping) -> MipTexture {
         let rgba = (0..16u8).map(|i| [i * 16, 0, 0, 255]).collect();
-        MipTexture::new(&Arc::new(Texture { width: 4, height: 4, rgba, filtering, wrapping }))
+        mipped(Texture { width: 4, height: 4, rgba, filtering, wrapping })
     }
 
     fn red(texture: &MipTexture, u: f32, v: f32, footprint: f32) -> f32 {
@@ -319,22 +320,11 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_seen_where_all_texels_around_are_transparent() {
-        let mut rgba = vec![[9, 9, 9, 0]; 16];
-        rgba[15] = [255; 4];
-        let (filtering, wrapping) = (Filtering::Bilinear, Wrapping::Clamp);
-        let texture = MipTexture::new(&Arc::new(Texture { width: 4, height: 4, rgba, filtering, wrapping }));
-        let at = |place: f32| texture.sample_visible([place; 2], || [[0.0; 2]; 2]);
-        assert_eq!((at(0.0), at(0.6)), (None, None));
-        assert_eq!(at(0.65), Some(texture.sample([0.65; 2], || [[0.0; 2]; 2])));
-    }
-
-    #[test]
     fn without_colours_each_texel_is_kept_with_the_next() {
         let rgba = [[9, 9, 9, 1], [8, 8, 8, 2], [7, 7, 7, 3], [6, 6, 6, 4]];
         let texture = |rgba: [[u8; 4]; 4], wrapping| {
             let filtering = Filtering::BilinearMipmap;
-            MipTexture::new(&Arc::new(Texture { width: 2, height: 2, rgba: rgba.to_vec(), filtering, wrapping }))
+            mipped(Texture { width: 2, height: 2, rgba: rgba.to_vec(), filtering, wrapping })
         };
         let grey = |texture: &MipTexture, footprint: f32| {
             let sampler = texture.sampler(|| [[footprint, 0.0], [0.0, footprint]]);
@@ -358,6 +348,6 @@ mod tests {
             filtering: Filtering::Nearest,
             wrapping: Wrapping::Clamp,
         };
-        assert_eq!(MipTexture::new(&Arc::new(texture)).sample([0.9, 0.9], || [[0.0; 2]; 2]), [1.0; 4]);
+        assert_eq!(mipped(texture).sample([0.9, 0.9], || [[0.0; 2]; 2]), [1.0; 4]);
     }
 }

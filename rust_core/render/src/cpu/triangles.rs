@@ -1,25 +1,23 @@
 //! Triangles, from clip coordinates to fragments.
 //!
-//! A pixel belongs to a triangle where its centre lies inside, or on a left or top edge, of the triangle whose corners
-//! are snapped to 1/256 pixel. All of that is decided in whole numbers, so that triangles which share an edge draw
-//! every pixel along it once. For each row the three edges give the first and the last pixel; between them depth is
-//! linear in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per
-//! pixel.
+//! Which pixels belong to a triangle is decided by its [edges](super::edges). Between them depth is linear in the
+//! window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per pixel. Narrow
+//! triangles are tested pixel by pixel, several at once; of wide ones the first and the last pixel of each row are
+//! found. Where faces are drawn by ranks, a triangle is drawn tile by tile, without those in which it is hidden.
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
-use wide::f32x4;
 
-use super::band::{meet, pack, unorm8, Band};
+use super::band::{pack, unorm8, Band};
 use super::clip::{ClipVertex, Outside, Polygon};
-use super::edges::{Edge, EdgeRows, SmallEdges};
-use super::fill::{can_fill, Fill};
-use super::occlusion::{Area, Occluders, SeenTiles};
+use super::edges::{Edge, RowEdges, SpanEdges, MAX_ROWS};
+use super::lanes::{lane_indices, map, F, LANES, M, U};
+use super::paint::{DepthBias, Paint, Surface};
 use super::ranked::Extent;
-use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
-use super::surface::{DepthBias, Paint, Surface};
+use super::screen::{first_pixel, rounding, Area, DepthPlane, Screen, ScreenPosition, FARTHEST, SUBPIXELS};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
 /// and by a pixel down.
@@ -31,36 +29,10 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    #[inline]
-    pub(super) fn value(&self, x: f32, y: f32) -> f32 {
-        self.at + self.dx * x + self.dy * y
-    }
-}
-
-/// A vertex's position on the picture.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ScreenPosition {
-    pub x: i32,
-    pub y: i32,
-    pub depth: f32,
-    pub inverse_w: f32,
-}
-
-impl ScreenPosition {
-    /// The position of clip coordinates in front of the near plane.
-    #[inline]
-    pub(super) fn new(position: [f32; 4], screen: &Screen) -> Self {
-        let inverse_w = 1.0 / position[3];
-        // Window x and y, and the depth from 0 to 1.
-        let window = screen.window(f32x4::new(position) * f32x4::splat(inverse_w));
-        let [x, y, ..] = snap_lanes(window).to_array();
-        let [_, _, depth, _] = window.to_array();
-        Self { x, y, depth: depth * FARTHEST, inverse_w }
-    }
-
-    /// All of its numbers.
-    pub(super) fn bits(&self) -> [u32; 4] {
-        [self.x as u32, self.y as u32, self.depth.to_bits(), self.inverse_w.to_bits()]
+    /// The values in several columns of a row.
+    #[inline(always)]
+    pub(super) fn values<S: Simd>(&self, x: F<S>, y: f32) -> F<S> {
+        (x * self.dx + self.at) + self.dy * y
     }
 }
 
@@ -106,11 +78,8 @@ pub(super) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
         return true;
     }
     let positions = if doubled_area([&a, &b, &c]) < 0 { [&a, &c, &b] } else { [&a, &b, &c] };
-    let edges = SmallEdges::around(positions, left, top);
-    (0..bottom - top).any(|y| {
-        let (first, after) = edges.row(y, right - left);
-        first < after
-    })
+    let edges = Edge::around(positions);
+    (top..bottom).any(|y| (left..right).any(|x| edges.iter().all(|edge| edge.covers(x, y))))
 }
 
 /// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn.
@@ -178,54 +147,6 @@ pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen
     }
 }
 
-/// Draws the rows of a band. Culling is done by then.
-pub(super) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
-    let Some((corners, area)) = clockwise(corners) else { return };
-    let positions = corners.map(|corner| &corner.position);
-    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
-    if right - left >= Wide::MIN_WIDTH_PX && can_fill(surface) {
-        let wide = Wide { planes: Planes::new(corners, area, surface), edges: Edge::around(positions) };
-        dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), rows(positions), band));
-        return;
-    }
-    // Many a triangle of a detailed mesh lies between the pixels' centres.
-    let mut planes = None;
-    for_rows(positions, band, |y, first, after, band| {
-        let planes = planes.get_or_insert_with(|| Planes::new(corners, area, surface));
-        planes.draw_row(surface, y, first, after, band);
-    });
-}
-
-/// Draws the pixels of a small triangle, given the rows that it covers.
-pub(super) fn draw_rows(
-    corners: [&Corner; 3],
-    surface: &Surface,
-    rows: impl Iterator<Item = (i32, i32, i32)>,
-    band: &mut Band<'_>,
-) {
-    let Some((corners, area)) = clockwise(corners) else { return };
-    let planes = Planes::new(corners, area, surface);
-    for (y, first, after) in rows {
-        planes.draw_row(surface, y, first, after, band);
-    }
-}
-
-/// Draws the pixels of a small opaque triangle in its colour, given the rows that it covers, not in its turn but with
-/// its rank in it.
-pub(super) fn draw_among(
-    corners: [&Corner; 3],
-    surface: &Surface,
-    rows: impl Iterator<Item = (i32, i32, i32)>,
-    rank: u32,
-    band: &mut Band<'_>,
-) {
-    let Some((corners, area)) = clockwise(corners) else { return };
-    let planes = Planes::new(corners, area, surface);
-    for (y, first, after) in rows {
-        planes.draw_row_among(y, first, after, rank, band);
-    }
-}
-
 /// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the
 /// area; none where that is zero.
 #[inline]
@@ -237,66 +158,104 @@ pub(super) fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> 
     }
 }
 
-/// Passes on the pixels of each of the band's rows that a triangle covers: the row, the first one, and the one after
-/// the last.
-#[inline(always)]
-pub(super) fn for_rows(
-    positions: [&ScreenPosition; 3],
-    band: &mut Band<'_>,
-    mut draw_row: impl FnMut(i32, i32, i32, &mut Band<'_>),
-) {
-    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
-    let (begin, end) = rows(positions);
-    let rows = band.rows(begin, end);
-    let mut draw_row = |y, first, after, band: &mut Band<'_>| {
-        if first < after {
-            draw_row(y, first, after, band);
-        }
-    };
-    if right - left <= SmallEdges::MAX_WIDTH_PX && end - begin <= SmallEdges::MAX_HEIGHT_PX {
-        let edges = SmallEdges::around(positions, left, begin);
-        for y in rows {
-            let (first, after) = edges.row(y - begin, right - left);
-            draw_row(y, left + first, left + after, band);
-        }
-    } else {
-        let mut edges = Edge::around(positions).map(|edge| EdgeRows::new(&edge, rows.start));
-        for y in rows {
-            let (mut first, mut after) = (left, right);
-            for edge in &mut edges {
-                edge.narrow(&mut first, &mut after);
-            }
-            draw_row(y, first, after, band);
-        }
-    }
-}
-
-/// Draws the rows of a band of an opaque triangle, not in its turn but with its rank in it; the surface is one that
-/// [`can_fill`]. If it is known in which tiles something of it may be seen, only these are drawn.
-pub(super) fn draw_ranked(
-    corners: [&Corner; 3],
-    surface: &Surface,
-    rank: u32,
-    tiles: Option<&[SeenTiles]>,
-    band: &mut Band<'_>,
-    occluders: &mut Occluders,
-) {
-    let Some((corners, area)) = clockwise(corners) else { return };
+/// Draws the rows of a band. Culling is done by then.
+#[inline]
+pub(super) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
     let positions = corners.map(|corner| &corner.position);
     let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
     let (begin, end) = rows(positions);
     let Range { start: top, end: bottom } = band.rows(begin, end);
-    let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
-    if pixels.left < pixels.right && pixels.top < pixels.bottom {
-        let least = least_depth(positions, surface);
-        if tiles.is_none() && occluders.hides_from(least) {
+    let area = Area { left: left.max(0), right: right.min(band.width), top, bottom };
+    if area.is_empty() {
+        return;
+    }
+    let is_narrow = right - left <= LANES as i32 && end - begin <= MAX_ROWS;
+    if let Some((corners, doubled_area)) = clockwise(corners) {
+        let triangle = Triangle { corners, doubled_area, surface, area, is_narrow };
+        dispatch!(band.simd_level, simd => triangle.draw(simd, band));
+    }
+}
+
+/// A triangle in a band.
+struct Triangle<'a> {
+    /// With the inside on the right of each edge as the picture shows it.
+    corners: [&'a Corner; 3],
+    doubled_area: i64,
+    surface: &'a Surface,
+    /// The band's pixels around it.
+    area: Area,
+    is_narrow: bool,
+}
+
+impl Triangle<'_> {
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
+        let edges = Edge::around(self.corners.map(|corner| &corner.position));
+        if band.is_ranked() {
+            self.draw_visible(simd, &edges, band);
+        } else if self.is_narrow {
+            let [a, b, c] = edges;
+            let edges = map(
+                [a, b, c],
+                #[inline(always)]
+                |edge| edge.measured_at(self.area.left, self.area.top),
+            );
+            // Many a triangle of a detailed mesh lies between the pixels' centres.
+            let mut rows = RowEdges::new(&edges, lane_indices(simd), 0);
+            let mut row = self.area.top;
+            while row < self.area.bottom && !rows.next().any_true() {
+                row += 1;
+            }
+            if row < self.area.bottom {
+                let planes = self.planes();
+                let rows = Area { top: row, ..self.area };
+                Fragments::new(simd, &planes, self.surface).draw_narrow(&edges, row - self.area.top, rows, band);
+            }
+        } else {
+            let mut spans = SpanEdges::new(&edges, self.area.top, self.area.left..self.area.right);
+            let planes = self.planes();
+            let fragments = Fragments::new(simd, &planes, self.surface);
+            for y in self.area.top..self.area.bottom {
+                let span = spans.next();
+                if span.start < span.end {
+                    fragments.draw_span(y, span, band);
+                }
+            }
+        }
+    }
+
+    /// Draws the tiles in which something of it may be seen.
+    #[inline(always)]
+    fn draw_visible<S: Simd>(&self, simd: S, edges: &[Edge<i64>; 3], band: &mut Band<'_>) {
+        let planes = self.planes();
+        let least = least_depth(self.corners.map(|corner| &corner.position), self.surface);
+        let depth = planes.depth_bound(self.area, least);
+        if !band.find_visible(simd, depth, self.area) {
             return;
         }
-        let planes = Planes::new(corners, area, surface);
-        let edges = Edge::around(positions);
-        dispatch!(band.simd_level, simd => {
-            Fill::new(simd, &planes, surface).ranked(&edges, least, (pixels, tiles), rank, band, occluders);
-        });
+        let fragments = Fragments::new(simd, &planes, self.surface);
+        band.draw_visible(
+            simd,
+            [depth.dx, depth.dy],
+            #[inline(always)]
+            |band, tile| {
+                if edges.iter().any(|edge| edge.excludes(tile)) {
+                    return false;
+                }
+                let pixels =
+                    Area { top: tile.top.max(self.area.top), bottom: tile.bottom.min(self.area.bottom), ..tile };
+                let edges = map(
+                    [edges[0], edges[1], edges[2]],
+                    #[inline(always)]
+                    |edge| edge.measured_at(pixels.left, pixels.top),
+                );
+                fragments.draw_narrow(&edges, 0, pixels, band)
+            },
+        );
+    }
+
+    fn planes(&self) -> Planes {
+        Planes::new(self.corners, self.doubled_area, self.surface)
     }
 }
 
@@ -322,38 +281,6 @@ pub(super) fn least_depth(positions: [&ScreenPosition; 3], surface: &Surface) ->
         f32::NEG_INFINITY
     } else {
         near - (far - near) * SHARE - STEPS
-    }
-}
-
-/// A triangle with long rows.
-struct Wide {
-    planes: Planes,
-    edges: [Edge; 3],
-}
-
-impl Wide {
-    const MIN_WIDTH_PX: i32 = 24;
-
-    #[inline(always)]
-    fn draw<S: Simd>(
-        &self,
-        simd: S,
-        surface: &Surface,
-        (left, right): (i32, i32),
-        (begin, end): (i32, i32),
-        band: &mut Band<'_>,
-    ) {
-        let fill = Fill::new(simd, &self.planes, surface);
-        let (left, right) = (left.max(0), right.min(band.width));
-        let rows = band.rows(begin, end);
-        let mut edges = self.edges.each_ref().map(|edge| EdgeRows::new(edge, rows.start));
-        for y in rows {
-            let (mut first, mut after) = (left, right.max(left));
-            for edge in &mut edges {
-                edge.narrow(&mut first, &mut after);
-            }
-            fill.row(y, first, after, band);
-        }
     }
 }
 
@@ -430,68 +357,139 @@ impl Planes {
         Self { flat, depth, inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w), color, uv }
     }
 
-    /// Draws in the interpolated colour; of equal depths that of the higher rank wins.
-    fn draw_row_among(&self, y: i32, first: i32, after: i32, rank: u32, band: &mut Band<'_>) {
-        let (first, pixels) = band.ranked_span(y, first, after);
+    /// The change of texture coordinates to the next pixel along the row and along the column.
+    fn footprint(&self, uv: [f32; 2], w: f32) -> [[f32; 2]; 2] {
+        let change = |plane: &Plane, value: f32| {
+            [(plane.dx - value * self.inverse_w.dx) * w, (plane.dy - value * self.inverse_w.dy) * w]
+        };
+        let [[ux, uy], [vx, vy]] = [change(&self.uv[0], uv[0]), change(&self.uv[1], uv[1])];
+        [[ux, vx], [uy, vy]]
+    }
+
+    /// The depths of the fragments in an area, not below `least` but for rounding.
+    fn depth_bound(&self, area: Area, least: f32) -> DepthPlane {
+        let Plane { at, dx, dy } = self.depth;
+        let (right, down) = (dx.abs() * area.right as f32, dy.abs() * area.bottom as f32);
+        let noise = if dx == 0.0 && dy == 0.0 {
+            0.0
+        } else {
+            let sum = at.abs() + right;
+            1.01 * (rounding(right) + rounding(sum) + rounding(down) + rounding((sum + down).min(2.0 * FARTHEST)))
+        };
+        let (x, y) =
+            (if dx < 0.0 { area.right - 1 } else { area.left }, if dy < 0.0 { area.bottom - 1 } else { area.top });
+        let least = least.max(at + dx * x as f32 + dy * y as f32) - noise;
+        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least }
+    }
+}
+
+/// The fragments of a triangle, several at once.
+struct Fragments<'a, S: Simd> {
+    simd: S,
+    planes: &'a Planes,
+    surface: &'a Surface,
+    /// The only colour, packed.
+    single: Option<u32>,
+}
+
+impl<'a, S: Simd> Fragments<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, planes: &'a Planes, surface: &'a Surface) -> Self {
+        let is_single = planes.flat && matches!(surface.paint, Paint::Color);
+        let single = is_single.then(|| pack(planes.color.map(|plane| unorm8(plane.at))));
+        Self { simd, planes, surface, single }
+    }
+
+    /// The places of [`LANES`] pixels from `x` on.
+    #[inline(always)]
+    fn columns(&self, x: i32) -> F<S> {
+        lane_indices(self.simd).to_float::<F<S>>() + x as f32
+    }
+
+    #[inline(always)]
+    fn depths(&self, x: F<S>, y: f32) -> F<S> {
+        let depth = self.planes.depth.values(x, y);
+        // NaN stays.
+        let depth = depth.simd_lt(0.0).select(F::splat(self.simd, 0.0), depth);
+        depth.simd_gt(FARTHEST).select(F::splat(self.simd, FARTHEST), depth)
+    }
+
+    /// Those of the fragments seen there that the surface has, and their colours.
+    #[inline(always)]
+    fn colors(&self, x: F<S>, y: f32, seen: M<S>) -> (M<S>, U<S>) {
+        if let Some(single) = self.single {
+            return (seen, U::splat(self.simd, single));
+        }
+        let planes = self.planes;
+        let w = 1.0 / planes.inverse_w.values(x, y);
+        let color = if planes.flat {
+            map(
+                planes.color,
+                #[inline(always)]
+                |plane| F::splat(self.simd, plane.at),
+            )
+        } else {
+            map(
+                planes.color,
+                #[inline(always)]
+                |plane| plane.values(x, y) * w,
+            )
+        };
+        let uv = map(
+            planes.uv,
+            #[inline(always)]
+            |plane| plane.values(x, y) * w,
+        );
+        self.surface.colors(color, uv, seen, |lane, uv| planes.footprint(uv, w.to_array()[lane]))
+    }
+
+    /// Draws the pixels of a row's span, which must be the picture's.
+    #[inline(always)]
+    fn draw_span(&self, y: i32, span: Range<i32>, band: &mut Band<'_>) {
         let row = y as f32;
-        let flat = self.flat.then(|| pack(self.color.map(|plane| unorm8(plane.at))));
-        for ((pixel, pixel_depth, pixel_rank), x) in pixels.zip(first..) {
-            let column = x as f32;
-            let depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
-            if depth < *pixel_depth || (depth == *pixel_depth && rank >= *pixel_rank) {
-                *pixel = flat.unwrap_or_else(|| {
-                    let w = 1.0 / self.inverse_w.value(column, row);
-                    pack(self.color.map(|plane| unorm8(plane.value(column, row) * w)))
-                });
-                (*pixel_depth, *pixel_rank) = (depth, rank);
-            }
+        for begin in span.clone().step_by(LANES) {
+            let columns = self.columns(begin);
+            let mask = columns.simd_lt(span.end as f32);
+            let depths = self.depths(columns, row);
+            band.for_windows(
+                y..y + 1,
+                begin,
+                #[inline(always)]
+                |window| {
+                    window.meet(
+                        mask,
+                        depths,
+                        self.surface.mode,
+                        #[inline(always)]
+                        |seen| self.colors(columns, row, seen),
+                    );
+                },
+            );
         }
     }
 
-    fn draw_row(&self, surface: &Surface, y: i32, first: i32, after: i32, band: &mut Band<'_>) {
-        let (first, colors, depths) = band.span(y, first, after);
-        let row = y as f32;
-        let fragments = colors.iter_mut().zip(depths).zip(first..);
-        if matches!(surface.paint, Paint::Color) {
-            // Most of a scene is painted so.
-            let flat = self.flat.then(|| self.color.map(|plane| unorm8(plane.at)));
-            for ((pixel, depth), x) in fragments {
-                let column = x as f32;
-                let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
-                if surface.mode.depth_test && fragment_depth > *depth {
-                    continue;
-                }
-                let color = flat.unwrap_or_else(|| {
-                    let w = 1.0 / self.inverse_w.value(column, row);
-                    self.color.map(|plane| unorm8(plane.value(column, row) * w))
-                });
-                meet(pixel, depth, fragment_depth, color, surface.mode);
-            }
-            return;
-        }
-        for ((pixel, depth), x) in fragments {
-            let column = x as f32;
-            let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
-            if surface.mode.depth_test && fragment_depth > *depth {
-                continue;
-            }
-            let w = 1.0 / self.inverse_w.value(column, row);
-            let color = if self.flat {
-                self.color.map(|plane| plane.at)
-            } else {
-                self.color.map(|plane| plane.value(column, row) * w)
-            };
-            let uv = self.uv.map(|plane| plane.value(column, row) * w);
-            let footprint = || {
-                let change = |plane: &Plane, value: f32| {
-                    [(plane.dx - value * self.inverse_w.dx) * w, (plane.dy - value * self.inverse_w.dy) * w]
-                };
-                let [[ux, uy], [vx, vy]] = [change(&self.uv[0], uv[0]), change(&self.uv[1], uv[1])];
-                [[ux, vx], [uy, vy]]
-            };
-            if let Some(color) = surface.fragment(color, uv, footprint) {
-                meet(pixel, depth, fragment_depth, color, surface.mode);
-            }
-        }
+    /// Draws the pixels of an area of at most [`LANES`] columns that are inside of edges, which are measured from its
+    /// first column and `row` rows above its first row. Returns true if some are seen.
+    #[inline(always)]
+    fn draw_narrow(&self, edges: &[Edge<i32>; 3], row: i32, area: Area, band: &mut Band<'_>) -> bool {
+        let columns = self.columns(area.left);
+        let mut rows = RowEdges::new(edges, lane_indices(self.simd), row);
+        let (mut y, mut is_seen) = (area.top as f32, false);
+        band.for_windows(
+            area.top..area.bottom,
+            area.left,
+            #[inline(always)]
+            |window| {
+                is_seen |= window.meet(
+                    rows.next(),
+                    self.depths(columns, y),
+                    self.surface.mode,
+                    #[inline(always)]
+                    |seen| self.colors(columns, y, seen),
+                );
+                y += 1.0;
+            },
+        );
+        is_seen
     }
 }

@@ -11,10 +11,10 @@ use nalgebra::Matrix4;
 use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
 
 use super::device::Device;
-use super::geometry::Derived;
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
+use crate::cache::Derived;
 
 /// The pipelines, and the cells and palettes that are on the GPU.
 #[derive(Debug)]
@@ -172,7 +172,7 @@ impl CellPipelines {
             content_layout,
             corners: device.buffer("corners of cells", wgpu::BufferUsages::VERTEX, corners),
             values: HashMap::new(),
-            palettes: Derived::new(),
+            palettes: Derived::default(),
         }
     }
 

@@ -10,10 +10,11 @@ use rcs_scene::{Blending, Lines};
 use std::sync::Arc;
 
 use super::device::Device;
-use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
+use super::geometry::{is_finite, Instances, MAX_CHUNK_BYTES};
 use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
+use crate::cache::Derived;
 
 /// The pipelines, and the lines that are on the GPU.
 #[derive(Debug)]
@@ -64,7 +65,7 @@ impl LinePipelines {
         let program = Program::new(device, "lines", include_str!("lines.wgsl"), &[uniforms]);
         Self {
             pipelines: PipelineSet::new(device, &program, STAGES, [false, true].map(FixedState::plain)),
-            lines: Derived::new(),
+            lines: Derived::default(),
         }
     }
 

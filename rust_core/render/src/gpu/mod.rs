@@ -9,8 +9,8 @@
 //! text       │
 //! cells      ┘
 //! pipeline   what all pipelines have in common, and the fixed state in which they differ
-//! overdraw   which pictures the CPU draws, because their faces lie over each other too many times
-//! geometry   buffers and textures that live as long as the scene's `Arc` they were made from
+//! load       which pictures the CPU draws, because there is too much in them
+//! geometry   what the buffers of geometries have in common
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
 //! target     the picture on the GPU; one for each picture in flight
@@ -28,13 +28,12 @@
 //! next picture opens it anew.
 
 mod cells;
-mod counts;
 mod device;
 mod geometry;
 mod hardware;
 mod lines;
+mod load;
 mod mesh;
-mod overdraw;
 mod pipeline;
 mod points;
 mod readback;
@@ -57,7 +56,7 @@ use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Flip, Geom
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
-use self::overdraw::{Limit, Overdraw};
+use self::load::LoadRule;
 use self::points::{PointPipelines, PointsDraw};
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
@@ -75,7 +74,7 @@ pub struct GpuRenderer {
     hardware_only: bool,
     name: String,
     gpu: Option<Gpu>,
-    /// Draws depths, which WebGL 2 cannot read back, and pictures of heavy [`overdraw`]. Made when it is needed.
+    /// Draws depths, which WebGL 2 cannot read back, and pictures of a high [`load`]. Made when it is needed.
     cpu: Option<Box<CpuRenderer>>,
     /// Whether the picture that was finished last was one of those.
     last_by_cpu: bool,
@@ -92,7 +91,7 @@ struct Gpu {
     texts: TextPipelines,
     cells: CellPipelines,
     order: DrawOrder,
-    overdraw: Overdraw,
+    load: LoadRule,
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<InFlight>,
@@ -147,6 +146,8 @@ struct Viewpoint<'a> {
     clip_from_view: Matrix4<f64>,
     view_from_fixed: Matrix4<f64>,
     clip_from_fixed: Matrix4<f64>,
+    /// The same for OpenGL's clip coordinates: depth -w to w.
+    clip_from_fixed_gl: Matrix4<f64>,
     /// Unit vector towards the light, in the view frame.
     to_light: Option<[f32; 3]>,
 }
@@ -230,7 +231,7 @@ impl GpuRenderer {
         gpu.device.name().clone_into(&mut self.name);
         let mut is_heavy = false;
         self.on(gpu, |gpu| {
-            is_heavy = gpu.is_heavy(view);
+            is_heavy = gpu.load.is_cpus(view);
             if is_heavy {
                 Ok(())
             } else {
@@ -269,7 +270,7 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let (order, overdraw, before_lens) = (DrawOrder::default(), Overdraw::new(), Picture::default());
+        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind()), Picture::default());
         Ok(Self {
             device,
             uniforms,
@@ -279,19 +280,12 @@ impl Gpu {
             texts,
             cells,
             order,
-            overdraw,
+            load,
             targets,
             in_flight,
             before_lens,
             unused_picture: Picture::default(),
         })
-    }
-
-    /// Whether a picture has so much in it, or its faces lie over each other so many times, that the CPU draws it
-    /// sooner.
-    fn is_heavy(&mut self, view: &View<'_>) -> bool {
-        self.overdraw.forget_dead();
-        self.overdraw.is_heavy(view, Limit::of(self.device.kind()))
     }
 
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
@@ -384,6 +378,7 @@ impl Gpu {
             clip_from_view,
             view_from_fixed,
             clip_from_fixed: clip_from_view * view_from_fixed,
+            clip_from_fixed_gl: camera.clip_from_view() * view_from_fixed,
             to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
         };
         self.triangles.begin(&mut self.uniforms, &viewpoint);

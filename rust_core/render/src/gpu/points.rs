@@ -12,14 +12,14 @@
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
-use rcs_scene::{PointBuffer, PointColors, PointStyle, Points};
+use rcs_scene::{Aabb, InFrustum, PointBuffer, PointColors, PointStyle, Points};
 
 use super::device::Device;
-use super::geometry::{is_finite, Derived, MAX_CHUNK_BYTES};
+use super::geometry::{is_finite, MAX_CHUNK_BYTES};
 use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
-use crate::bounds::Bounds;
+use crate::cache::Derived;
 use crate::shading::drawn_point_size_px;
 
 /// The pipelines of all styles, and the clouds that are on the GPU.
@@ -38,7 +38,7 @@ struct StylePipelines {
 /// A cloud on the GPU.
 #[derive(Debug, Default)]
 struct UploadedCloud {
-    bounds: Option<Bounds>,
+    bounds: Option<Aabb>,
     chunks: Vec<Chunk>,
 }
 
@@ -133,7 +133,7 @@ impl PointPipelines {
             StylePipelines { pipelines: PipelineSet::new(device, &program, stages, states), vertices }
         };
         let styles = STYLES.map(style).into();
-        Self { styles, clouds: Derived::new() }
+        Self { styles, clouds: Derived::default() }
     }
 
     pub(super) fn forget_dead(&mut self) {
@@ -150,7 +150,9 @@ impl PointPipelines {
     ) -> Option<PointsDraw> {
         let style = self.styles.get_mut(style_index(&points.style))?;
         let cloud = self.clouds.get(&points.buffer, |cloud| UploadedCloud::new(device, cloud));
-        if !cloud.bounds?.may_be_seen(viewpoint.camera, fixed_from_object) {
+        // As Ogre culls: the box lies along the fixed frame's axes, around the points without their size.
+        let bounds = cloud.bounds?.transformed(fixed_from_object);
+        if bounds.in_frustum(&viewpoint.clip_from_fixed_gl, 0.0) == InFrustum::Outside {
             return None;
         }
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
@@ -215,46 +217,39 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
 
 impl UploadedCloud {
     fn new(device: &Device, cloud: &PointBuffer) -> Self {
-        Self::whole(device, cloud).or_else(|| Self::whole(device, &finite(cloud))).unwrap_or_default()
-    }
-
-    /// `None` where a point is not finite.
-    fn whole(device: &Device, cloud: &PointBuffer) -> Option<Self> {
-        let mut uploaded = Self::default();
-        for (i, positions) in cloud.positions.chunks(MAX_CHUNK_BYTES / POINT_BYTES).enumerate() {
-            let (chunk, bounds) = Chunk::new(device, positions, &cloud.colors, i * (MAX_CHUNK_BYTES / POINT_BYTES))?;
-            uploaded.chunks.push(chunk);
-            uploaded.bounds = Some(uploaded.bounds.map_or(bounds, |all| all.joined(bounds)));
+        let is_whole = cloud.positions.par_chunks(POINTS_IN_SHARE).all(|positions| positions.iter().all(is_finite));
+        if !is_whole {
+            return Self::new(device, &finite(cloud));
         }
-        Some(uploaded)
+        let shares = cloud.positions.par_chunks(POINTS_IN_SHARE);
+        let bounds = shares.filter_map(|positions| Aabb::around(positions.iter().copied()));
+        const POINTS_IN_CHUNK: usize = MAX_CHUNK_BYTES / POINT_BYTES;
+        let chunks = cloud.positions.chunks(POINTS_IN_CHUNK).zip((0..).step_by(POINTS_IN_CHUNK));
+        Self {
+            bounds: bounds.reduce_with(Aabb::joined),
+            chunks: chunks.map(|(positions, first)| Chunk::new(device, positions, &cloud.colors, first)).collect(),
+        }
     }
 }
 
 impl Chunk {
     /// Uploads points, the first of which has the colour `first`. All cores write straight into the memory that the GPU
-    /// fetches, and check the positions meanwhile: `None` where one is not finite.
-    fn new(device: &Device, positions: &[[f32; 3]], colors: &PointColors, first: usize) -> Option<(Self, Bounds)> {
-        let mut bounds = None;
+    /// fetches.
+    fn new(device: &Device, positions: &[[f32; 3]], colors: &PointColors, first: usize) -> Self {
         let bytes = positions.len() * POINT_BYTES;
         let buffer = device.written_buffer("points", wgpu::BufferUsages::VERTEX, bytes, |memory| {
             let (to_positions, to_colors) = memory.split_at(size_of_val(positions));
             let (position_shares, last_positions) = to_positions.into_chunks::<{ POINTS_IN_SHARE * POSITION_BYTES }>();
             let (color_shares, last_colors) = to_colors.into_chunks::<{ POINTS_IN_SHARE * COLOR_BYTES }>();
             let shares: Vec<_> = position_shares.into_iter().zip(color_shares).collect();
-            let whole_shares = positions.par_chunks_exact(POINTS_IN_SHARE).zip(shares).enumerate();
-            let written = whole_shares.map(|(i, (from, (to_positions, to_colors)))| {
-                write_share(from, colors, first + i * POINTS_IN_SHARE, to_positions.into(), to_colors.into())
+            let (whole, last) = positions.as_chunks::<POINTS_IN_SHARE>();
+            let whole = whole.par_iter().zip(shares).enumerate();
+            whole.for_each(|(i, (from, (to_positions, to_colors)))| {
+                write_share(from, colors, first + i * POINTS_IN_SHARE, to_positions.into(), to_colors.into());
             });
-            let mut boxes: Vec<Option<Bounds>> = written.collect();
-            let last = positions.as_chunks::<POINTS_IN_SHARE>().1;
-            if !last.is_empty() {
-                let first = first + positions.len() - last.len();
-                boxes.push(write_share(last, colors, first, last_positions, last_colors));
-            }
-            bounds = boxes.into_iter().reduce(|a, b| Some(a?.joined(b?))).flatten();
+            write_share(last, colors, first + positions.len() - last.len(), last_positions, last_colors);
         });
-        let count = u32::try_from(positions.len()).ok()?;
-        Some((Self { buffer, count }, bounds?))
+        Self { buffer, count: positions.len() as u32 }
     }
 
     /// Where the colours begin.
@@ -263,15 +258,14 @@ impl Chunk {
     }
 }
 
-/// Writes positions and their colours, white where there are none. Returns the box around them, `None` where one is
-/// not finite.
+/// Writes positions and their colours, white where there are none.
 fn write_share(
     positions: &[[f32; 3]],
     colors: &PointColors,
     first: usize,
     mut to_positions: wgpu::WriteOnly<'_, [u8]>,
     to_colors: wgpu::WriteOnly<'_, [u8]>,
-) -> Option<Bounds> {
+) {
     to_positions.copy_from_slice(bytemuck::cast_slice(positions));
     let (mut to_colors, _) = to_colors.into_chunks::<COLOR_BYTES>();
     match colors {
@@ -284,7 +278,6 @@ fn write_share(
             unknown.fill([255; COLOR_BYTES]);
         }
     }
-    Bounds::around_finite(positions)
 }
 
 /// The points whose positions are finite.

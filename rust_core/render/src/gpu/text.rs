@@ -10,11 +10,12 @@ use nalgebra::Matrix4;
 use rcs_scene::{glyph_atlas, Text};
 
 use super::device::Device;
-use super::geometry::{Derived, Instances, MAX_CHUNK_BYTES};
+use super::geometry::{Instances, MAX_CHUNK_BYTES};
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::triangles::fixed_state;
 use super::uniforms::{Slot, Uniforms};
 use super::{columns, texture, Viewpoint};
+use crate::cache::Derived;
 
 /// The pipelines, and the texts that are on the GPU.
 #[derive(Debug)]
@@ -72,7 +73,7 @@ impl TextPipelines {
             pipelines: PipelineSet::new(device, &program, STAGES, [plain, on_top]),
             image_layout,
             atlas: None,
-            texts: Derived::new(),
+            texts: Derived::default(),
         }
     }
 

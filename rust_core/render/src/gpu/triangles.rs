@@ -14,12 +14,12 @@ use nalgebra::{Matrix3, Matrix4, Point3};
 use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Solids, Texture, Wrapping};
 
 use super::device::Device;
-use super::geometry::Derived;
 use super::mesh::{upload, GpuVertex, Triangles};
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
+use crate::cache::Derived;
 use crate::shading::{normalizes_normals, view_from_normal};
 
 /// The pipelines, and the meshes and textures that are on the GPU.
@@ -120,9 +120,9 @@ impl TrianglePipelines {
             white: texture::upload(device, &image_layout, &white),
             pipelines: PipelineSet::new(device, &program, STAGES, usual_states()),
             image_layout,
-            meshes: Derived::new(),
-            ribbons: Derived::new(),
-            images: Derived::new(),
+            meshes: Derived::default(),
+            ribbons: Derived::default(),
+            images: Derived::default(),
             instances: Vec::new(),
             max_instances: usize::try_from(device.limits().max_buffer_size).unwrap_or(usize::MAX)
                 / size_of::<Instance>(),

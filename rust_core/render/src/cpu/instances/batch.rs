@@ -6,10 +6,11 @@ use std::sync::Arc;
 use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{Drawable, Material, Mesh, Solid, Solids, Text};
 
-use super::shape::{Shape, Shapes};
+use super::shape::{shape_of, Shape, Shapes};
 use crate::cpu::band::Mode;
+use crate::cpu::paint::Surface;
 use crate::cpu::screen::ObjectTransform;
-use crate::cpu::surface::Surface;
+
 use crate::shading::to_light;
 use crate::View;
 
@@ -42,7 +43,7 @@ pub(in crate::cpu) struct SmallMesh<'a> {
 impl<'a> Batch<'a> {
     /// Of solids.
     pub(in crate::cpu) fn of_solids(solids: &'a Solids, shapes: &mut Shapes) -> Self {
-        Self::Solids(solids, solids.shapes().iter().map(|mesh| shapes.get(mesh)).collect())
+        Self::Solids(solids, solids.shapes().iter().map(|mesh| shape_of(mesh, shapes)).collect())
     }
 }
 
@@ -53,17 +54,6 @@ pub(in crate::cpu) struct BatchPiece {
     pub batch: usize,
     /// Which of its solids or glyphs.
     pub range: Range<usize>,
-}
-
-impl BatchPiece {
-    /// How many triangles its opaque solids have; `None` where it is anything else.
-    pub(in crate::cpu) fn opaque_triangles(&self, batches: &[Batch<'_>]) -> Option<u64> {
-        let Some(Batch::Solids(solids, shapes)) = batches.get(self.batch) else { return None };
-        solids.as_slice().get(self.range.clone())?.iter().try_fold(0, |sum, solid| {
-            let shape = shapes.get(solid.shape()).filter(|_| !solid.is_translucent())?;
-            Some(sum + shape.triangles.len() as u64)
-        })
-    }
 }
 
 /// What all batches of a picture share.

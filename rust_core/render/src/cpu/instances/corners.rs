@@ -3,15 +3,13 @@
 use fearless_simd::prelude::*;
 use rcs_scene::{Material, Mesh, Text, Vertex};
 
-use super::crowd::{Listed, Turn};
 use super::shape::Shape;
 use crate::cpu::clip::Outside;
-use crate::cpu::cover::Cover;
-use crate::cpu::lanes::{load, map, store, store_whole, transform, whole, F, LANES};
+use crate::cpu::lanes::{load, map, store_whole, transform, whole, F, LANES};
 use crate::cpu::lighting::vertex_color;
-use crate::cpu::screen::{ObjectTransform, Screen, FARTHEST, SUBPIXELS};
-use crate::cpu::surface::Surface;
-use crate::cpu::triangles::{Corner, ScreenPosition};
+use crate::cpu::paint::Surface;
+use crate::cpu::screen::{ObjectTransform, Screen, ScreenPosition, SUBPIXELS};
+use crate::cpu::triangles::Corner;
 
 /// Where the corners of a thing's triangles come from.
 pub(super) struct Source<'a> {
@@ -49,20 +47,8 @@ pub(in crate::cpu) struct InstanceScratch {
     pub(super) x: Vec<i32>,
     pub(super) y: Vec<i32>,
     pub(super) gaps: Vec<i32>,
-    /// Their depths, and one over w.
-    pub(super) depth: Vec<f32>,
-    pub(super) inverse_w: Vec<f32>,
-    /// The colours of a solid's vertices by their normals, which were lit at once: red, green, blue.
-    pub(super) rgb: [Vec<f32>; 3],
-    /// Of a solid of a crowd, the triangles that may be seen.
+    /// The triangles of a solid that may be seen.
     pub(super) seen: Vec<u32>,
-    /// What some of them cover.
-    pub(super) cover: Cover,
-    /// A crowd's solids in a band, and how [`Turn`] orders them.
-    pub(super) listed: Vec<Listed>,
-    pub(super) turns: Vec<Turn>,
-    /// For each job of a crowd the first of its ranks.
-    pub(super) ranks: Vec<u32>,
     /// By the number of the vertex; of the present thing where `generation` is.
     corners: Vec<CachedCorner>,
     generation: u64,
@@ -91,17 +77,6 @@ impl InstanceScratch {
     #[inline]
     pub(super) fn place_of(&self, place: u32) -> [i32; 2] {
         [&self.x, &self.y].map(|all| all.get(place as usize).copied().unwrap_or_default())
-    }
-
-    /// The corner at a place with a normal, of a solid whose vertices were placed and lit.
-    #[inline]
-    pub(super) fn lit_corner(&self, normal: u32, place: u32, alpha: f32) -> Corner {
-        let [x, y] = self.place_of(place);
-        let number = |all: &[f32], at: u32| all.get(at as usize).copied().unwrap_or_default();
-        let [r, g, b] = &self.rgb;
-        let color = [number(r, normal), number(g, normal), number(b, normal), alpha];
-        let (depth, inverse_w) = (number(&self.depth, place), number(&self.inverse_w, place));
-        Corner { position: ScreenPosition { x, y, depth, inverse_w }, color, uv: [0.0; 2] }
     }
 
     /// A corner; without its colour unless `light`.
@@ -133,8 +108,7 @@ impl InstanceScratch {
     }
 }
 
-/// Where the vertices of a solid inside the view are: their snapped places with depths and one over w, and for each
-/// the gaps between the columns and the rows of pixel centres that it is in, each as an odd number (an even one is a
+/// Places the vertices of a solid inside the view: their snapped places, and for each the gaps between the columns and the rows of pixel centres that it is in, each as an odd number (an even one is a
 /// centre), packed into one.
 #[inline(always)]
 pub(super) fn place_vertices<S: Simd>(
@@ -148,14 +122,11 @@ pub(super) fn place_vertices<S: Simd>(
     for memory in [&mut scratch.x, &mut scratch.y, &mut scratch.gaps] {
         memory.resize(count, 0);
     }
-    for memory in [&mut scratch.depth, &mut scratch.inverse_w] {
-        memory.resize(count, 0.0);
-    }
     let (half_width, half_height) = screen.half_size();
     let [x, y, z] = &shape.coordinates;
     for begin in (0..count).step_by(LANES) {
         let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
-        let [clip_x, clip_y, clip_z, w] = transform(rows, place);
+        let [clip_x, clip_y, _, w] = transform(rows, place);
         let inverse_w = F::splat(simd, 1.0) / w;
         let window = [clip_x * inverse_w * half_width + half_width, clip_y * inverse_w * -half_height + half_height];
         let [x, y] = map(
@@ -172,8 +143,6 @@ pub(super) fn place_vertices<S: Simd>(
             #[inline(always)]
             |place| (place >> 8) + ((place + (SUBPIXELS - 1)) >> 8),
         );
-        store(&mut scratch.depth, begin, (clip_z * inverse_w * 0.5 + 0.5) * FARTHEST);
-        store(&mut scratch.inverse_w, begin, inverse_w);
         store_whole(&mut scratch.x, begin, x);
         store_whole(&mut scratch.y, begin, y);
         store_whole(&mut scratch.gaps, begin, (gap_x & 0xffff) | (gap_y << 16));

@@ -2,9 +2,9 @@
 //!
 //! Text turns to the eye. Unless the projection is skewed, the quad of a glyph is then a rectangle of pixels with one
 //! depth, over which one texture coordinate changes along a row and the other along a column. So the level of the
-//! texture is chosen once for a triangle, its columns are found once for all rows, and nothing is divided by w. Of a
-//! small glyph, both triangles are drawn together, eight pixels of a row at once. The pixels are those of the quad's
-//! two [triangles], with the same arithmetic.
+//! texture is chosen once for a triangle, its columns are found once for all rows, and nothing is divided by w. Both
+//! triangles are drawn together, eight pixels of a row at once. The pixels are those of the quad's two [triangles],
+//! with the same arithmetic, and large glyphs are drawn as these.
 
 use std::ops::Range;
 
@@ -13,19 +13,15 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::{Glyph, Text};
 use wide::f32x4;
 
-use crate::cpu::band::{meet, unorm8, Band, Mode};
+use crate::cpu::band::{Band, Mode};
 use crate::cpu::clip::Outside;
-use crate::cpu::edges::SmallEdges;
-use crate::cpu::fill::in_channel;
+use crate::cpu::edges::{Edge, RowEdges, MAX_ROWS};
 use crate::cpu::lanes::{lane_indices, map, whole, F, I, LANES, M, U};
+use crate::cpu::paint::{in_channel, level, Paint, Surface};
 use crate::cpu::ranked::Extent;
-use crate::cpu::screen::{snap_lanes, ObjectTransform, Screen, FARTHEST};
-use crate::cpu::surface::{Paint, Surface};
-use crate::cpu::texture::{Between, GreyTexels, MipTexture, Sampler};
-use crate::cpu::triangles::{self, Corner, Plane, ScreenPosition, Slopes};
-
-/// Columns that are found at once.
-const COLUMNS: usize = 32;
+use crate::cpu::screen::{snap_lanes, ObjectTransform, Screen, ScreenPosition, FARTHEST};
+use crate::cpu::texture::{GreyTexels, MipTexture, Sampler};
+use crate::cpu::triangles::{self, Corner, Plane, Slopes};
 
 /// Whether the quads of a text are drawn here: they are textured rectangles of the picture, whose x depends on x alone,
 /// y on y alone and depth on neither.
@@ -181,29 +177,7 @@ impl GlyphRect {
             dispatch!(band.simd_level, simd => small.draw(simd, band));
             return;
         }
-        halves.into_iter().for_each(|half| draw_half(half, ink, band));
-    }
-}
-
-/// Draws one of the two triangles of a glyph.
-fn draw_half(corners: [&Corner; 3], ink: &Ink<'_>, band: &mut Band<'_>) {
-    let Some((corners, area)) = triangles::clockwise(corners) else { return };
-    let positions = corners.map(|corner| &corner.position);
-    let (left, right) = triangles::between(positions[0].x, positions[1].x, positions[2].x);
-    let half = Half::new(corners, area, ink);
-    for begin in (left.max(0)..right.min(band.width)).step_by(COLUMNS) {
-        let end = right.min(band.width).min(begin + COLUMNS as i32);
-        let mut columns = [Between::default(); COLUMNS];
-        for (column, x) in columns.iter_mut().zip(begin..end) {
-            *column = half.column(x);
-        }
-        triangles::for_rows(positions, band, |y, first, after, band| {
-            let (first, after) = (first.max(begin), after.min(end));
-            if first < after {
-                let columns = columns.get((first - begin) as usize..).unwrap_or(&[]);
-                half.draw_row(columns, y, first, after, band);
-            }
-        });
+        halves.into_iter().for_each(|half| triangles::draw(half, ink.surface, band));
     }
 }
 
@@ -211,7 +185,7 @@ fn draw_half(corners: [&Corner; 3], ink: &Ink<'_>, band: &mut Band<'_>) {
 /// covers it.
 struct SmallGlyph<'a> {
     halves: [Half<'a>; 2],
-    edges: [SmallEdges; 2],
+    edges: [[Edge<i32>; 3]; 2],
     texels: &'a GreyTexels,
     /// Its columns in the picture, and its rows in the band.
     columns: Range<i32>,
@@ -228,11 +202,13 @@ impl<'a> SmallGlyph<'a> {
     #[inline]
     fn new(rect: &GlyphRect, halves: [[&Corner; 3]; 2], ink: &'a Ink<'a>, band: &Band<'_>) -> Option<Self> {
         let ((left, right), (top, bottom)) = (rect.columns(), rect.rows());
-        if right - left > Self::MAX_WIDTH_PX || bottom - top > SmallEdges::MAX_HEIGHT_PX {
+        if right - left > Self::MAX_WIDTH_PX || bottom - top > MAX_ROWS {
             return None;
         }
         let ((a, area_a), (b, area_b)) = (triangles::clockwise(halves[0])?, triangles::clockwise(halves[1])?);
-        let around = |[a, b, c]: [&Corner; 3]| SmallEdges::around([&a.position, &b.position, &c.position], left, top);
+        let around = |corners: [&Corner; 3]| {
+            Edge::around(corners.map(|corner| &corner.position)).map(|edge| edge.measured_at(left, top))
+        };
         let edges = [around(a), around(b)];
         let halves = [Half::new(a, area_a, ink), Half::new(b, area_b, ink)];
         let (texels, others) = (ink.texture.grey(&halves[0].sampler)?, ink.texture.grey(&halves[1].sampler)?);
@@ -327,10 +303,10 @@ impl<'a> SmallGlyph<'a> {
                         let brightness = mix(pairs, 0, right, down);
                         let opacity = mix(pairs, 8, right, down);
                         let [r, g, b, a] = ink.line.color;
-                        let color = in_channel(brightness * r, 0)
-                            | in_channel(brightness * g, 1)
-                            | in_channel(brightness * b, 2)
-                            | in_channel(opacity * a, 3);
+                        let color = in_channel(level(brightness * r), 0)
+                            | in_channel(level(brightness * g), 1)
+                            | in_channel(level(brightness * b), 2)
+                            | in_channel(level(opacity * a), 3);
                         (seen, color)
                     },
                 );
@@ -344,7 +320,7 @@ struct Rows<S: Simd> {
     range: Range<i32>,
     /// Where they are in the texture, in each of the triangles.
     places: [RowPlaces; 2],
-    edges: [RowEdges<S>; 2],
+    edges: [RowEdges<S, 3>; 2],
 }
 
 /// Where rows of pixels are in a texture.
@@ -383,34 +359,6 @@ fn between<S: Simd>(place: F<S>) -> (I<S>, F<S>) {
     (texel, place - texel.to_float::<F<S>>())
 }
 
-/// The edges of a triangle at pixels side by side, row by row.
-#[derive(Clone, Copy)]
-struct RowEdges<S: Simd> {
-    at: [I<S>; 3],
-    down: [i32; 3],
-}
-
-impl<S: Simd> RowEdges<S> {
-    #[inline(always)]
-    fn new(edges: &SmallEdges, x: I<S>, y: i32) -> Self {
-        let (c, dx, down) = (edges.c.to_array(), edges.dx.to_array(), edges.dy.to_array());
-        let at = map(
-            [0, 1, 2],
-            #[inline(always)]
-            |i: usize| x * dx[i] + (c[i] + down[i] * y),
-        );
-        Self { at, down: [down[0], down[1], down[2]] }
-    }
-
-    /// Which pixels of the row are inside; goes on to the next row.
-    #[inline(always)]
-    fn next(&mut self) -> M<S> {
-        let [a, b, c] = self.at;
-        self.at = [a + self.down[0], b + self.down[1], c + self.down[2]];
-        (a | b | c).simd_ge(0)
-    }
-}
-
 /// A triangle of a glyph, ready to be drawn.
 struct Half<'a> {
     /// Divided by w.
@@ -433,13 +381,7 @@ impl<'a> Half<'a> {
         Self { u, v, sampler, ink }
     }
 
-    /// Where a column of pixels is in the texture.
-    #[inline]
-    fn column(&self, x: i32) -> Between {
-        self.sampler.column(self.u.value(x as f32, 0.0) * self.ink.w)
-    }
-
-    /// As [`Self::column`], of several where they are in a row of [`GreyTexels::pairs`], and the ways.
+    /// The places of some columns of pixels in a row of [`GreyTexels::pairs`], and the ways.
     #[inline(always)]
     fn columns<S: Simd>(&self, x: F<S>, texels: &GreyTexels) -> (I<S>, F<S>) {
         let Plane { at, dx, .. } = self.u;
@@ -447,7 +389,7 @@ impl<'a> Half<'a> {
         (texel.max(-1).min(texels.last[1]) + 1, way)
     }
 
-    /// As [`Self::row`], of several.
+    /// The places of some rows of pixels in the texture.
     #[inline(always)]
     fn rows<S: Simd>(&self, y: F<S>, texels: &GreyTexels) -> RowPlaces {
         let Plane { at, dy, .. } = self.v;
@@ -455,33 +397,5 @@ impl<'a> Half<'a> {
         let [last, stride] = [texels.last[0], texels.last[1] + 2];
         let (upper, lower) = (texel.max(0).min(last), texel.max(-1).min(last - 1) + 1);
         RowPlaces { begin: [(upper * stride).to_array(), (lower * stride).to_array()], way: way.to_array() }
-    }
-
-    /// Where a row of pixels is in the texture.
-    #[inline]
-    fn row(&self, y: i32) -> Between {
-        self.sampler.row(self.v.value(0.0, y as f32) * self.ink.w)
-    }
-
-    /// Draws the pixels of a row whose columns were found, from the first of them on.
-    #[inline]
-    fn draw_row(&self, columns: &[Between], y: i32, first: i32, after: i32, band: &mut Band<'_>) {
-        let Self { sampler, ink, .. } = self;
-        let (mode, depth) = (ink.surface.mode, ink.depth);
-        let row = self.row(y);
-        let (_, colors, depths) = band.span(y, first, after);
-        for ((pixel, pixel_depth), &column) in colors.iter_mut().zip(depths).zip(columns) {
-            if mode.depth_test && depth > *pixel_depth {
-                continue;
-            }
-            let texels = sampler.texels(column, row);
-            // What is fully transparent leaves a pixel as it is.
-            if mode == Mode::TRANSLUCENT && texels.as_flattened().iter().all(|[.., alpha]| *alpha == 0) {
-                continue;
-            }
-            let ([r, g, b, a], [ink_r, ink_g, ink_b, ink_a]) = (sampler.mix(texels, column, row), ink.line.color);
-            let color = [unorm8(ink_r * r), unorm8(ink_g * g), unorm8(ink_b * b), unorm8(ink_a * a)];
-            meet(pixel, pixel_depth, depth, color, mode);
-        }
     }
 }

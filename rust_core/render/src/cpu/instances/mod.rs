@@ -17,10 +17,7 @@
 
 mod batch;
 mod corners;
-mod covered;
-mod crowd;
 mod glyphs;
-mod lit;
 mod reach;
 mod shape;
 mod sieve;
@@ -35,24 +32,19 @@ use rcs_scene::{Material, Mesh, Solid};
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
-use self::covered::for_covered;
-use self::crowd::Member;
 use self::glyphs::GlyphRect;
-use self::reach::{reach, Reach};
+use self::reach::{place_box, Placement};
 use self::shape::Shape;
-pub(super) use self::shape::Shapes;
+pub(super) use self::shape::{shape_of, Shapes};
 use self::sieve::{sieve, Facing};
 use self::text::{glyph_triangles, UprightText};
 use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
-use crate::cpu::clip::{ClipVertex, Outside};
-use crate::cpu::fill::can_fill;
-use crate::cpu::lanes::LANES;
-use crate::cpu::occlusion::Area;
-use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
+use crate::cpu::clip::ClipVertex;
+use crate::cpu::paint::Surface;
+use crate::cpu::ranked::{Extent, Load, NearToFar};
 use crate::cpu::screen::{ObjectTransform, Screen};
-use crate::cpu::surface::{DepthBias, Surface};
-use crate::cpu::triangles::{self, Corner, ScreenPosition};
+use crate::cpu::triangles::{self, Corner};
 
 /// The triangles of a solid or a text that are ready to be drawn.
 #[derive(Clone, Debug)]
@@ -64,8 +56,6 @@ struct Placed {
     item: u32,
     /// A triangle may have to be cut.
     may_be_cut: bool,
-    /// It is a solid inside the view and has a small footprint.
-    is_small: bool,
     /// Index of its transform; of a text that has rectangles alone there is none.
     transform: Option<u32>,
     /// Index of what is known of an upright text.
@@ -84,10 +74,6 @@ pub(super) struct Instances {
     bins: Bins,
     next: u32,
     load: Load,
-    /// Solids of a crowd. Their triangles are numbered with the others.
-    members: Vec<Member>,
-    /// The members' indices.
-    member_bins: Bins,
 }
 
 /// A mesh where it stands.
@@ -112,8 +98,6 @@ impl Instances {
         self.upright.clear();
         self.rects.clear();
         self.bins.reset(screen);
-        self.members.clear();
-        self.member_bins.reset(screen);
         self.next = 0;
         self.load = Load::default();
     }
@@ -149,8 +133,8 @@ impl Instances {
         let &PlacedMesh { mesh, shape, .. } = placed;
         let view_from_object = view.view_from_fixed * placed.fixed_from_mesh;
         let rows = ObjectTransform::clip_rows(view.view.camera, &view_from_object);
-        let reach = shape.bounds.map_or(Reach::Crossing, |bounds| reach(&bounds, &rows, screen));
-        if reach == Reach::Unseen {
+        let placement = shape.bounds.map_or(Placement::Crossing, |bounds| place_box(&bounds, &rows, screen));
+        if placement == Placement::Unseen {
             return;
         }
         let of_solid;
@@ -161,10 +145,10 @@ impl Instances {
             }
             Look::Mesh(material, surface) => (material, surface),
         };
-        self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
+        self.load.in_order |= surface.mode != Mode::OPAQUE;
         let first = self.next;
-        let is_inside = matches!(reach, Reach::Inside(_));
-        let is_seen = if let Reach::Inside(footprint) = reach {
+        let is_inside = matches!(placement, Placement::Inside(_));
+        let is_seen = if let Placement::Inside(footprint) = placement {
             let facing = Facing::of(shape, surface, &rows, &footprint, screen);
             dispatch!(screen.simd_level, simd => {
                 place_vertices(simd, shape, &rows, screen, scratch);
@@ -183,9 +167,8 @@ impl Instances {
         };
         if is_seen {
             let transform = view.transform(&view_from_object);
-            let is_small = matches!(reach, Reach::Inside(footprint) if footprint.is_small());
             let transform = Some(self.keep(transform));
-            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, is_small, transform, upright: None });
+            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, transform, upright: None });
             self.next += shape.triangles.len() as u32;
         }
     }
@@ -309,10 +292,6 @@ impl Instances {
                 }
                 continue;
             };
-            if placed.is_small && these.len() > LANES {
-                placed.draw_small(these, transform, (batches, view), screen, scratch, band);
-                continue;
-            }
             scratch.begin();
             placed.with_source(transform, batches, view, |source, triangle| {
                 for number in these {
@@ -329,73 +308,49 @@ impl Instances {
 
     /// Draws a band's rows of the triangles of several jobs that need not be drawn in their order.
     pub(super) fn draw_ranked(
-        jobs: &[impl AsRef<Self>],
+        jobs: &[&Self],
         (batches, view): (&[Batch<'_>], &BatchView<'_>),
         (screen, index): (&Screen, usize),
-        scratch: &mut InstanceScratch,
-        ranked: &mut RankedScratch,
+        (scratch, order): (&mut InstanceScratch, &mut NearToFar),
         band: &mut Band<'_>,
     ) {
-        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |instances| instances.as_ref().bins.band(index));
-        let Some(first_rank) = ranked.list_chunks(numbers, jobs.len(), band) else {
-            return jobs
-                .iter()
-                .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
-        };
-        for i in 0..ranked.order.len() {
-            let at = ranked.order[i] as usize;
-            let Some(&chunk) = ranked.chunks.get(at) else { continue };
-            let Some(instances) = jobs.get(chunk[0] as usize).map(AsRef::as_ref) else { continue };
-            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
-                instances.draw_one_ranked(number, rank, (batches, view), screen, ranked, band);
+        let lists: Vec<&[u32]> = jobs.iter().map(|job| job.bins.band(index)).collect();
+        let count = order.sort(&lists, |job, number| jobs.get(job).map_or(0.0, |job| job.nearness(number, batches)));
+        match band.begin_ranks(count) {
+            Some(first) => {
+                for face in order.faces(&lists) {
+                    let Some(job) = jobs.get(face.job) else { continue };
+                    let Some(placed) = job.placed(face.number) else { continue };
+                    let Some(transform) = job.transform_of(placed) else { continue };
+                    band.set_rank(first + face.rank);
+                    scratch.begin();
+                    placed.with_source(transform, batches, view, |source, triangle| {
+                        if let Some(corners) = triangle(face.number - placed.first) {
+                            draw_triangle(corners, source, placed.may_be_cut, screen, scratch, band);
+                        }
+                    });
+                }
             }
+            None => jobs.iter().for_each(|job| job.draw(batches, view, screen, index, scratch, band)),
         }
+        band.end_ranks();
     }
 
-    fn draw_one_ranked(
-        &self,
-        number: u32,
-        rank: u32,
-        (batches, view): (&[Batch<'_>], &BatchView<'_>),
-        screen: &Screen,
-        ranked: &mut RankedScratch,
-        band: &mut Band<'_>,
-    ) {
-        let Some(placed) = self.placed(number) else { return };
-        let Some(transform) = self.transform_of(placed) else { return };
-        placed.with_source(transform, batches, view, |source, triangle| {
-            if let Some(corners) = triangle(number - placed.first) {
-                draw_triangle_ranked(corners, source, rank, screen, ranked, band);
-            }
-        });
+    /// How near a triangle of a solid or a mesh is: the w of its first corner.
+    fn nearness(&self, number: u32, batches: &[Batch<'_>]) -> f32 {
+        let vertex = |placed: &Placed| {
+            let shape = placed.shape(batches)?;
+            let [place, ..] = *shape.places.get((number - placed.first) as usize)?;
+            let [x, y, z] =
+                shape.coordinates.each_ref().map(|all| all.get(place as usize).copied().unwrap_or_default());
+            let [.., w] = self.transform_of(placed)?.clip([x, y, z]);
+            Some(w)
+        };
+        self.placed(number).and_then(vertex).unwrap_or(f32::INFINITY)
     }
 }
 
 impl Placed {
-    /// Draws a band's rows of triangles of a small solid inside the view.
-    fn draw_small(
-        &self,
-        numbers: &[u32],
-        transform: &ObjectTransform,
-        (batches, view): (&[Batch<'_>], &BatchView<'_>),
-        screen: &Screen,
-        scratch: &mut InstanceScratch,
-        band: &mut Band<'_>,
-    ) {
-        let Some(shape) = self.shape(batches) else { return };
-        let area = Area { left: 0, right: band.width, top: band.first_row, bottom: band.end_row };
-        let triangles = numbers.iter().map(|number| number - self.first);
-        let mut cover = std::mem::take(&mut scratch.cover);
-        self.with_source(transform, batches, view, |source, _| {
-            let rows = &source.transform.clip_from_object;
-            dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
-            for_covered((shape, triangles), (source, area, screen), scratch, &mut cover, |corners, _, rows| {
-                triangles::draw_rows(corners, source.surface, rows, band);
-            });
-        });
-        scratch.cover = cover;
-    }
-
     /// The shape of a solid or a mesh.
     fn shape<'b>(&self, batches: &'b [Batch<'_>]) -> Option<&'b Shape> {
         match batches.get(self.batch as usize)? {
@@ -478,36 +433,6 @@ fn draw_triangle(
     } else {
         triangles::draw([&a, &b, &c], source.surface, band);
     }
-}
-
-/// As [`draw_triangle`], not in its turn but with its rank in it.
-fn draw_triangle_ranked(
-    corners: [u32; 3],
-    source: &Source<'_>,
-    rank: u32,
-    screen: &Screen,
-    ranked: &mut RankedScratch,
-    band: &mut Band<'_>,
-) {
-    let vertices = corners.map(|corner| source.vertex(corner));
-    let [Some(a), Some(b), Some(c)] = vertices else { return };
-    let clipped = [a, b, c].map(|vertex| (vertex, source.transform.clip(vertex.position)));
-    if clipped.iter().any(|(_, position)| Outside::new(*position).guard != 0) {
-        return cut(corners, source, screen, |corners| {
-            triangles::draw_ranked(corners.each_ref(), source.surface, rank, None, band, &mut ranked.occluders);
-        });
-    }
-    let positions = clipped.map(|(_, position)| ScreenPosition::new(position, screen));
-    let [a, b, c] = positions.map(|position| position.bits());
-    let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
-    if source.surface.depth_bias == DepthBias::NONE && ranked.recent_triangles.covers(&key, rank) {
-        return;
-    }
-    let [a, b, c] = [0, 1, 2].map(|i| {
-        let (vertex, _) = &clipped[i];
-        Corner { position: positions[i], color: source.color(vertex), uv: vertex.uv }
-    });
-    triangles::draw_ranked([&a, &b, &c], source.surface, rank, None, band, &mut ranked.occluders);
 }
 
 /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.

@@ -1,12 +1,12 @@
 //! Meshes as many solids use them: their vertices side by side, for several lanes at once.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
-use nalgebra::{Matrix3, Vector3};
-use rcs_scene::Mesh;
+use nalgebra::Matrix3;
+use rcs_scene::{Aabb, Mesh};
 
-use super::reach::ShapeBounds;
+use crate::cache::Derived;
 use crate::cpu::lanes::{LANES, WIDE};
 
 /// A mesh as solids use it.
@@ -14,53 +14,38 @@ use crate::cpu::lanes::{LANES, WIDE};
 pub(in crate::cpu) struct Shape {
     /// The coordinates of the places of vertices, each place once, filled up to a whole number of lanes.
     pub(super) coordinates: [Vec<f32>; 3],
-    /// The normals of the vertices, each once, filled up to a whole number of lanes; none where one is not finite.
-    pub(super) normals: [Vec<f32>; 3],
     /// The corners of each triangle, which all exist.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The places of each triangle's corners.
     pub(super) places: Vec<[u32; 3]>,
-    /// The normals of each triangle's corners.
-    pub(super) triangle_normals: Vec<[u32; 3]>,
     /// Of so many triangles side by side the [`minors`] of their corners: the planes that they lie in.
     pub(super) planes: Vec<[[f32; WIDE]; 4]>,
     /// The most that a triangle reaches along one of the axes, over what the box does.
     pub(super) longest: f32,
     /// The box around the vertices; `None` where one is not finite.
-    pub(super) bounds: Option<ShapeBounds>,
+    pub(super) bounds: Option<Aabb>,
 }
 
 impl Shape {
     pub(super) fn new(mesh: &Mesh) -> Self {
         let (coordinates, place_of_vertex) = each_once(mesh.vertices.iter().map(|vertex| vertex.position));
-        let (normals, normal_of_vertex) = each_once(mesh.vertices.iter().map(|vertex| vertex.normal));
         let corners = mesh.indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
         let of = |corners: [u32; 3], all: &[u32]| {
             let [a, b, c] = corners.map(|corner| all.get(corner as usize).copied());
             Some([a?, b?, c?])
         };
         let triangles: Vec<[u32; 3]> = corners.filter(|&corners| of(corners, &place_of_vertex).is_some()).collect();
-        let [places, triangle_normals] = [&place_of_vertex, &normal_of_vertex]
-            .map(|all| triangles.iter().filter_map(|&corners| of(corners, all)).collect::<Vec<_>>());
-        let has_normals = normals.iter().flatten().all(|coordinate| coordinate.is_finite());
-        let normals = if has_normals { normals } else { Default::default() };
-        let positions = || mesh.vertices.iter().map(|vertex| Vector3::from(vertex.position));
-        let is_finite = positions().all(|position| position.iter().all(|c| c.is_finite()));
-        let low = positions().reduce(|low, position| low.inf(&position));
-        let high = positions().reduce(|high, position| high.sup(&position));
-        let bounds = low.zip(high).filter(|_| is_finite).map(|(low, high)| ShapeBounds::new(low, high));
+        let places: Vec<_> = triangles.iter().filter_map(|&corners| of(corners, &place_of_vertex)).collect();
+        let positions = || mesh.vertices.iter().map(|vertex| vertex.position);
+        let is_finite = positions().flatten().all(f32::is_finite);
+        let bounds = Aabb::around(positions()).filter(|_| is_finite);
         let planes = planes(&coordinates, &places);
         let longest = longest(&coordinates, &places);
-        Self { coordinates, normals, triangles, places, triangle_normals, planes, longest, bounds }
-    }
-
-    /// Whether the normals are there.
-    pub(super) fn has_normals(&self) -> bool {
-        !self.normals[0].is_empty()
+        Self { coordinates, triangles, places, planes, longest, bounds }
     }
 }
 
-/// Places or normals, each of them once and the axes by themselves, filled up to a whole number of lanes; and for each
+/// Places, each of them once and the axes by themselves, filled up to a whole number of lanes; and for each
 /// that was given which one it is.
 fn each_once(all: impl Iterator<Item = [f32; 3]>) -> ([Vec<f32>; 3], Vec<u32>) {
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
@@ -122,24 +107,12 @@ pub(super) fn minors(rows: [[f64; 4]; 3]) -> [f64; 4] {
         .map(|columns| Matrix3::from_fn(|row, column| rows[row][columns[column]]).determinant())
 }
 
-/// The shapes that are alive.
-#[derive(Debug, Default)]
-pub(in crate::cpu) struct Shapes {
-    by_address: HashMap<usize, (Weak<Mesh>, Arc<Shape>)>,
-}
+/// The shapes of the meshes that are alive.
+pub(in crate::cpu) type Shapes = Derived<Mesh, Arc<Shape>>;
 
-impl Shapes {
-    /// The shape of a mesh, made now if it is new.
-    pub(in crate::cpu) fn get(&mut self, mesh: &Arc<Mesh>) -> Arc<Shape> {
-        let address = Arc::as_ptr(mesh) as usize;
-        let make = || (Arc::downgrade(mesh), Arc::new(Shape::new(mesh)));
-        self.by_address.entry(address).or_insert_with(make).1.clone()
-    }
-
-    /// Drops those whose meshes are gone.
-    pub(in crate::cpu) fn forget_dead(&mut self) {
-        self.by_address.retain(|_, (mesh, _)| mesh.strong_count() > 0);
-    }
+/// The shape of a mesh out of the cache, made now if there is none.
+pub(in crate::cpu) fn shape_of(mesh: &Arc<Mesh>, shapes: &mut Shapes) -> Arc<Shape> {
+    shapes.get(mesh, |mesh| Arc::new(Shape::new(mesh))).clone()
 }
 
 #[cfg(test)]
@@ -157,8 +130,6 @@ mod tests {
         let shape = Shape::new(&mesh);
         assert_eq!(shape.coordinates[0], [0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 0.0, 0.0]);
         assert_eq!(shape.triangles, [[0, 1, 2], [3, 4, 5], [6, 6, 6], [0, 1, 2], [6, 0, 1]]);
-        // All vertices have one normal.
-        assert_eq!((&shape.normals[2][..2], shape.triangle_normals.as_slice()), (&[1.0, 0.0][..], &[[0; 3]; 5][..]));
         assert_eq!(shape.places, [[0, 1, 2], [2, 1, 3], [4, 4, 4], [0, 1, 2], [4, 0, 1]]);
         // The triangle that is a point has no plane, and the others lie in z = 0; the last one is the largest.
         assert_eq!(shape.planes.len(), 1);

@@ -14,8 +14,8 @@ use super::corners::InstanceScratch;
 use super::reach::Footprint;
 use super::shape::{minors, Shape};
 use crate::cpu::lanes::{WideF, WIDE};
+use crate::cpu::paint::Surface;
 use crate::cpu::screen::Screen;
-use crate::cpu::surface::Surface;
 use crate::cpu::triangles;
 
 /// Where the eye is, as a shape's triangles see it.
@@ -50,7 +50,7 @@ impl Facing {
             return None;
         }
         // A side of a triangle is no longer than its share of the box's, and a fifth for the perspective.
-        let sides_px = 2.0 * shape.longest * (footprint.width_and_height_px() + 2.0);
+        let sides_px = 2.0 * shape.longest * (footprint.width_and_height_px + 2.0);
         let unsure_area = 4.0 * footprint.error_px * (sides_px + 1.0);
         let (half_width, half_height) = screen.half_size();
         let scale = sign * f64::from(half_width) * f64::from(half_height);
@@ -132,7 +132,7 @@ mod tests {
     use rcs_scene::{Camera, Intrinsics, Material};
 
     use super::super::corners::place_vertices;
-    use super::super::reach::{reach, Reach};
+    use super::super::reach::{place_box, Placement};
     use super::super::tests::ball;
     use super::*;
     use crate::cpu::screen::ObjectTransform;
@@ -145,7 +145,7 @@ mod tests {
         let screen = Screen::new(301, 203, 1);
         let view_from_solid = camera.fixed_from_view().inverse().to_homogeneous() * optical_from_solid;
         let rows = ObjectTransform::clip_rows(&camera, &view_from_solid);
-        let Reach::Inside(footprint) = reach(&shape.bounds.unwrap(), &rows, &screen) else { return None };
+        let Placement::Inside(footprint) = place_box(&shape.bounds.unwrap(), &rows, &screen) else { return None };
         let surface = Surface { cull, ..Surface::of(&Material::unlit(false), None) };
         let facing = Facing::of(shape, &surface, &rows, &footprint, &screen);
         let mut scratch = InstanceScratch::default();

@@ -1,11 +1,11 @@
 //! The glyphs of [`Text`] among the many small things: made ready in groups, drawn as [rectangles](super::glyphs) where
 //! they stand upright, else as two triangles.
 
-use nalgebra::Vector3;
-use rcs_scene::{Drawable, Glyph, Text};
+use nalgebra::{Point3, Vector3};
+use rcs_scene::{Aabb, Drawable, Glyph, Text};
 
 use super::glyphs::{are_upright, GlyphRect, Ink, Line, Place, Placer};
-use super::reach::{reach, Reach, ShapeBounds};
+use super::reach::{place_box, Placement};
 use super::{BatchPiece, BatchView, InstanceScratch, Instances, Placed, Source, Vertices};
 use crate::cpu::band::Band;
 use crate::cpu::screen::Screen;
@@ -43,7 +43,8 @@ impl Instances {
         for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
             let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
             let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
-            if reach(&bounds_of_glyphs(glyphs, text.height_m()), &transform.clip_from_object, screen) == Reach::Unseen {
+            let bounds = bounds_of_glyphs(glyphs, text.height_m());
+            if place_box(&bounds, &transform.clip_from_object, screen) == Placement::Unseen {
                 continue;
             }
             for (glyph, placed) in group.zip(glyphs) {
@@ -73,7 +74,7 @@ impl Instances {
             self.upright.len() as u32 - 1
         });
         let transform = has_triangles.then(|| self.keep(transform));
-        self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform, upright });
+        self.placed.push(Placed { first, batch, item, may_be_cut: true, transform, upright });
         self.next += 2 * range.len() as u32;
     }
 
@@ -131,7 +132,7 @@ pub(super) fn glyph_triangles(glyph: u32) -> [[u32; 3]; 2] {
 }
 
 /// The box around glyphs; not finite where one of them is not.
-fn bounds_of_glyphs(glyphs: &[Glyph], height_m: f32) -> ShapeBounds {
+fn bounds_of_glyphs(glyphs: &[Glyph], height_m: f32) -> Aabb {
     let infinity = Vector3::repeat(f32::INFINITY);
     let (mut low, mut high) = (infinity, -infinity);
     let mut poison = 0.0;
@@ -142,5 +143,5 @@ fn bounds_of_glyphs(glyphs: &[Glyph], height_m: f32) -> ShapeBounds {
         high = high.sup(&Vector3::new(glyph.left_m.max(glyph.right_m), glyph.top_m.max(bottom_m), 0.0));
         poison += (glyph.left_m + glyph.right_m + glyph.top_m + bottom_m) * 0.0;
     }
-    ShapeBounds::new(low.add_scalar(poison), high)
+    Aabb::new(Point3::from(low.add_scalar(poison)).cast(), Point3::from(high).cast())
 }

@@ -5,11 +5,10 @@
 use std::ops::Range;
 
 use fearless_simd::{dispatch, Simd};
-use rcs_scene::PointBuffer;
+use rcs_scene::{Aabb, InFrustum, PointBuffer};
 
 use super::sprites;
 use super::{Cloud, BLOCK};
-use crate::bounds::Bounds;
 use crate::cpu::band::pack;
 use crate::cpu::bins::Bins;
 use crate::cpu::ranked::Load;
@@ -61,8 +60,10 @@ impl Cloud<'_> {
         if selected.any(is_inside) {
             return false;
         }
-        let bounds = Bounds::around(positions);
-        bounds.is_none_or(|bounds| !bounds.may_be_seen(self.camera, self.fixed_from_object))
+        let clip_from_fixed = self.camera.clip_from_view() * self.camera.fixed_from_view().inverse().to_homogeneous();
+        // The box lies along the fixed frame's axes.
+        let bounds = Aabb::around(positions.iter().copied()).map(|bounds| bounds.transformed(self.fixed_from_object));
+        bounds.is_none_or(|bounds| bounds.in_frustum(&clip_from_fixed, 0.0) == InFrustum::Outside)
     }
 
     #[inline(always)]
@@ -131,6 +132,8 @@ pub(super) struct PointBlock {
     pub len: usize,
     /// Their indices.
     pub indices: [u32; BLOCK],
+    /// Their ranks, where they are drawn by these.
+    pub ranks: [u32; BLOCK],
     /// Their positions in the cloud's frame, all x, all y and all z.
     pub positions: [[f32; BLOCK]; 3],
     /// Their colours, packed.
@@ -139,24 +142,24 @@ pub(super) struct PointBlock {
 
 impl Default for PointBlock {
     fn default() -> Self {
-        Self { len: 0, indices: [0; BLOCK], positions: [[0.0; BLOCK]; 3], colors: [0; BLOCK] }
+        Self { len: 0, indices: [0; BLOCK], ranks: [0; BLOCK], positions: [[0.0; BLOCK]; 3], colors: [0; BLOCK] }
     }
 }
 
 impl PointBlock {
-    /// Replaces the content by up to [`BLOCK`] points; those that are too faint are left out.
+    /// Replaces the content by the next [`BLOCK`] points with their ranks; those that are too faint are left out.
     #[inline(always)]
-    pub(super) fn gather(&mut self, cloud: &Cloud<'_>, indices: &[u32]) {
+    pub(super) fn gather(&mut self, cloud: &Cloud<'_>, indices: impl Iterator<Item = (u32, u32)>) {
         let PointBuffer { positions, colors } = &*cloud.points.buffer;
         let mut count = 0;
         let [xs, ys, zs] = &mut self.positions;
-        for &index in indices.iter().take(BLOCK) {
+        for (index, rank) in indices.take(BLOCK) {
             let Some(position) = positions.get(index as usize) else { continue };
             let [r, g, b, a] = colors.get(index as usize);
             let Some(opacity) = cloud.opacities[usize::from(a)] else { continue };
             // There are at most as many as there is room for.
             let i = count % BLOCK;
-            self.indices[i] = index;
+            (self.indices[i], self.ranks[i]) = (index, rank);
             (xs[i], ys[i], zs[i]) = (position[0], position[1], position[2]);
             self.colors[i] = pack([r, g, b, opacity]);
             count += 1;

@@ -21,8 +21,8 @@ use rcs_scene::{CullMode, PointStyle, Points};
 use super::is_visible;
 use crate::cpu::band::Mode;
 use crate::cpu::clip::ClipVertex;
+use crate::cpu::paint::{DepthBias, Paint, Surface};
 use crate::cpu::screen::ObjectTransform;
-use crate::cpu::surface::{DepthBias, Paint, Surface};
 use crate::shading::{Number, BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
 /// The faces of a cloud.
@@ -75,22 +75,8 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// How many a point has.
-    pub(super) fn count(&self) -> usize {
-        match self.points.style {
-            PointStyle::Boxes { .. } => 6,
-            _ => 1,
-        }
-    }
-
-    /// Makes the triangles of some faces of a point: those whose bit is set.
-    pub(super) fn triangles(
-        &self,
-        transform: &ObjectTransform,
-        index: usize,
-        wanted: u32,
-        mut out: impl FnMut([&ClipVertex; 3]),
-    ) {
+    /// Makes the triangles of a point's faces.
+    pub(super) fn triangles(&self, transform: &ObjectTransform, index: usize, mut out: impl FnMut([&ClipVertex; 3])) {
         let Some(&position) = self.points.buffer.positions.get(index) else { return };
         let [r, g, b, a] = self.points.buffer.colors.get(index).map(|c| f32::from(c) / 255.0);
         let alpha = a * self.points.alpha;
@@ -126,15 +112,11 @@ impl<'a> Faces<'a> {
             PointStyle::Boxes { size_m } => {
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 let axes = [0, 1, 2].map(|axis: usize| along(axes[axis], size_m[axis] * factor * 0.5));
-                for (i, axis) in [2, 0, 1].into_iter().enumerate() {
+                for axis in [2, 0, 1] {
                     let (normal, u, v) = (axes[axis], axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
                     let middle = |sign: f32| [0, 1, 2, 3].map(|i| center[i] + sign * normal[i]);
-                    if wanted & 1 << (2 * i) != 0 {
-                        face(middle(1.0), u, v, color(BOX_SIDES_ALONG[axis]));
-                    }
-                    if wanted & 2 << (2 * i) != 0 {
-                        face(middle(-1.0), v, u, color(BOX_SIDES_AGAINST[axis]));
-                    }
+                    face(middle(1.0), u, v, color(BOX_SIDES_ALONG[axis]));
+                    face(middle(-1.0), v, u, color(BOX_SIDES_AGAINST[axis]));
                 }
             }
             _ => {}

@@ -21,32 +21,24 @@
 //! [`triangles`](super::triangles) instead; the pixels are the same.
 
 mod choose;
+mod draw;
 mod faces;
-mod hiding;
-mod paint;
 mod place;
-mod ranked;
-mod rough;
-mod small;
+mod quad;
 mod sprites;
 #[cfg(test)]
 mod tests;
 
-use fearless_simd::dispatch;
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, PointStyle, Points};
 
 use self::choose::PointBlock;
+pub(super) use self::draw::{draw, draw_ranked};
 use self::faces::Faces;
-use self::hiding::InnerAreas;
-use self::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
-use self::place::FaceBlock;
-use self::rough::RoughFaces;
-use super::band::Mode;
-use super::band::{unorm8, Band};
-use super::ranked::RankedScratch;
-use super::screen::{ObjectTransform, Screen};
-use super::surface::Surface;
+use self::place::{FaceBlock, SIDES};
+use super::band::{unorm8, Mode};
+use super::paint::Surface;
+use super::screen::ObjectTransform;
 use crate::shading::MAX_REJECTED_ALPHA;
 
 /// Points of a block.
@@ -104,102 +96,23 @@ fn is_inside_out(size_m: [f32; 3]) -> bool {
     !size_m.iter().all(|side_m| *side_m >= 0.0)
 }
 
-/// Draws a band's rows of a cloud by the ranks of its points, given the indices of those that touch the band, by job.
-pub(super) fn draw_ranked<'i>(
-    cloud: &Cloud<'_>,
-    indices: impl Fn(usize) -> &'i [u32],
-    jobs: usize,
-    screen: &Screen,
-    scratch: &mut PointScratch,
-    ranked: &mut RankedScratch,
-    band: &mut Band<'_>,
-) {
-    if cloud.is_culled {
-        return;
-    }
-    let Some(first_rank) = ranked.list_chunks(&indices, jobs, band) else {
-        return (0..jobs).for_each(|job| draw(cloud, indices(job), screen, scratch, band));
-    };
-    let (eye, positions) = (cloud.faces.eye(), &cloud.points.buffer.positions);
-    ranked.order_chunks(&indices, |_, index| match positions.get(index as usize) {
-        Some([x, y, z]) => (x - eye[0]).powi(2) + (y - eye[1]).powi(2) + (z - eye[2]).powi(2),
-        None => f32::INFINITY,
-    });
-    let run = ranked::Run { cloud, indices, first_rank };
-    match cloud.points.style {
-        PointStyle::Points { .. } => {}
-        PointStyle::FlatSquares { .. } => run.draw::<{ PLAIN }>(screen, scratch, ranked, band),
-        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => run.draw::<{ EDGED }>(screen, scratch, ranked, band),
-        PointStyle::Spheres { .. } => run.draw::<{ DISC }>(screen, scratch, ranked, band),
-        PointStyle::Boxes { .. } => run.draw::<{ BOX_SIDE }>(screen, scratch, ranked, band),
-    }
-}
-
 /// Whether something of this opacity is drawn at all; boxes are, whatever theirs is.
 #[inline]
 fn is_visible(alpha: f32) -> bool {
     alpha > MAX_REJECTED_ALPHA
 }
 
-/// Draws a band's rows of a cloud, given the indices of the points that touch the band.
-pub(super) fn draw(
-    cloud: &Cloud<'_>,
-    indices: &[u32],
-    screen: &Screen,
-    scratch: &mut PointScratch,
-    band: &mut Band<'_>,
-) {
-    if cloud.is_culled || indices.is_empty() {
-        return;
-    }
-    match cloud.points.style {
-        PointStyle::Points { .. } => {
-            let points = &mut scratch.points;
-            dispatch!(screen.simd_level, simd => sprites::draw(simd, cloud, indices, screen, points, band));
-        }
-        PointStyle::FlatSquares { .. } => paint_faces::<{ PLAIN }>(cloud, indices, screen, scratch, band),
-        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
-            paint_faces::<{ EDGED }>(cloud, indices, screen, scratch, band);
-        }
-        PointStyle::Spheres { .. } => paint_faces::<{ DISC }>(cloud, indices, screen, scratch, band),
-        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
-            paint::draw_exactly(cloud, indices, screen, band);
-        }
-        PointStyle::Boxes { .. } => paint_faces::<{ BOX_SIDE }>(cloud, indices, screen, scratch, band),
-    }
-}
-
-/// Draws faces of one kind. Each kind is compiled by itself: all of them in one function take minutes.
-fn paint_faces<const PAINT: u8>(
-    cloud: &Cloud<'_>,
-    indices: &[u32],
-    screen: &Screen,
-    scratch: &mut PointScratch,
-    band: &mut Band<'_>,
-) {
-    dispatch!(screen.simd_level, simd => paint::draw::<_, PAINT>(simd, cloud, indices, screen, scratch, band));
-}
-
-/// The memory in which a worker draws points.
+/// Scratch buffers of a worker that draws points.
 #[derive(Debug)]
 pub(super) struct PointScratch {
     /// A block's points.
     points: PointBlock,
     /// Their faces.
-    faces: Box<[FaceBlock; place::SIDES]>,
-    /// The pixels that surely are theirs.
-    inner: [InnerAreas; place::SIDES],
-    /// Their large faces.
-    rough: RoughFaces,
+    faces: Box<[FaceBlock; SIDES]>,
 }
 
 impl Default for PointScratch {
     fn default() -> Self {
-        Self {
-            points: PointBlock::default(),
-            faces: FaceBlock::of_boxes(),
-            inner: Default::default(),
-            rough: RoughFaces::default(),
-        }
+        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes() }
     }
 }

@@ -3,9 +3,8 @@
 //! A cloud's faces are mostly small: a square of some pixels, the three sides of a box that are seen. Such a face is
 //! drawn as one quadrangle, without going through the general way of triangles: its four edges, its depth and its
 //! place (u, v) are linear in the window, found here for several points at once and then evaluated for several pixels
-//! at once by [`paint`](super::paint). The corners are those of [`faces`](super::faces), snapped as everywhere, and the
-//! edges own the pixels on them by the same rule, so that the pixels are the same. Depths come first, because of a face
-//! that is hidden nothing else is needed.
+//! at once ([`Quad`]). The corners are those of [`faces`](super::faces), snapped as everywhere, and the edges are the
+//! same, so that the pixels are the same.
 //!
 //! Rectangles of a fixed orientation are seen from both sides; their corners go round the other way from behind.
 //!
@@ -21,9 +20,13 @@ use rcs_scene::PointStyle;
 
 use super::choose::PointBlock;
 use super::faces::{cross, size_m, upright};
+use super::quad::{Gradient, Quad, EDGES};
 use super::{Cloud, BLOCK};
-use crate::cpu::lanes::{inlined, load, map, nearest, store, store_whole, transform, whole, F, I, LANES, M};
-use crate::cpu::screen::{FARTHEST, SUBPIXELS};
+use crate::cpu::edges::Edge;
+use crate::cpu::lanes::{inlined, load, map, nearest, store, store_whole, transform, whole, F, LANES, M};
+use crate::cpu::paint::{FaceColor, BOX_SIDE, PLAIN};
+use crate::cpu::screen::{Area, FARTHEST, SUBPIXELS};
+use crate::shading::{BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
 /// Sides of a box that can be seen at once: those across z, x and y. Other faces have one.
 pub(super) const SIDES: usize = 3;
@@ -35,19 +38,12 @@ pub(super) const AXES: [usize; SIDES] = [2, 0, 1];
 const SMALL_PX: f32 = 512.0;
 
 /// Snapped places to a pixel.
-pub(super) const SUB: f32 = SUBPIXELS as f32;
-
-/// A value that is linear in the window: at the centre of the first pixel of the face's first row, and its change by a
-/// pixel to the right and down.
-pub(super) type Plane<T> = [T; 3];
-
-/// Edges of a face.
-pub(super) const EDGES: usize = 4;
+const SUB: f32 = SUBPIXELS as f32;
 
 /// What is linear in the window: the depth, and 1/w, u/w and v/w in units of the middle's 1/w.
 const PLANES: usize = 4;
-pub(super) const DEPTH: usize = 0;
-pub(super) const PLACE: usize = 1;
+const DEPTH: usize = 0;
+const PLACE: usize = 1;
 
 /// One face of each point of a block, each of their numbers side by side.
 #[derive(Clone, Debug)]
@@ -64,8 +60,8 @@ pub(super) struct FaceBlock {
     /// so that no pixel depends on how high bands are.
     pub first_rows: [i32; BLOCK],
     /// A pixel is inside of an edge where the edge's value is not negative.
-    edges: [Plane<[i32; BLOCK]>; EDGES],
-    planes: [Plane<[f32; BLOCK]>; PLANES],
+    edges: [Gradient<[i32; BLOCK]>; EDGES],
+    planes: [Gradient<[f32; BLOCK]>; PLANES],
 }
 
 const _: () = assert!(BLOCK <= u32::BITS as usize && BLOCK.is_multiple_of(LANES));
@@ -90,16 +86,39 @@ impl FaceBlock {
         (self.small, self.general, self.along) = (0, 0, 0);
     }
 
-    /// The value of a face's edge.
+    /// The depth of a face, and its pixels in the band.
     #[inline(always)]
-    pub(super) fn edge(&self, edge: usize, i: usize) -> Plane<i32> {
-        let [at, dx, dy] = &self.edges[edge];
-        [at[i], dx[i], dy[i]]
+    pub(super) fn depth(&self, i: usize) -> (Gradient<f32>, Area) {
+        let [left, right, top, bottom] = self.bounds.each_ref().map(|all| all[i]);
+        (self.plane(DEPTH, i), Area { left, right, top, bottom })
     }
 
-    /// What is linear in the window, of a face.
+    /// A face that was traced, in its packed colour; of a box it is the side across an axis.
     #[inline(always)]
-    pub(super) fn plane(&self, plane: usize, i: usize) -> Plane<f32> {
+    pub(super) fn quad<S: Simd, const PAINT: u8>(&self, simd: S, i: usize, axis: usize, color: u32) -> Quad<S, PAINT> {
+        let (depth, area) = self.depth(i);
+        let edge = inlined(
+            #[inline(always)]
+            |edge: usize| {
+                let [at, dx, dy] = &self.edges[edge];
+                Edge { at: at[i], dx: dx[i], dy: dy[i] }
+            },
+        );
+        let sides = if self.along & 1 << i != 0 { BOX_SIDES_ALONG } else { BOX_SIDES_AGAINST };
+        let brightness = if PAINT == BOX_SIDE { sides[axis] } else { 1.0 };
+        Quad {
+            simd,
+            area,
+            first_row: self.first_rows[i],
+            edges: [edge(0), edge(1), edge(2), edge(3)],
+            depth,
+            place: [self.plane(PLACE, i), self.plane(PLACE + 1, i), self.plane(PLACE + 2, i)],
+            color: FaceColor::new(simd, color, brightness),
+        }
+    }
+
+    #[inline(always)]
+    fn plane(&self, plane: usize, i: usize) -> Gradient<f32> {
         let [at, dx, dy] = &self.planes[plane];
         [at[i], dx[i], dy[i]]
     }
@@ -157,13 +176,13 @@ fn snap<S: Simd>(window: F<S>) -> F<S> {
 
 /// The largest whole number not above a value that is a multiple of 1/256.
 #[inline(always)]
-pub(super) fn floor<S: Simd>(value: F<S>) -> F<S> {
+fn floor<S: Simd>(value: F<S>) -> F<S> {
     nearest(value - (0.5 - 0.5 / SUB))
 }
 
 /// The smallest whole number not below a value that is a multiple of 1/256.
 #[inline(always)]
-pub(super) fn ceil<S: Simd>(value: F<S>) -> F<S> {
+fn ceil<S: Simd>(value: F<S>) -> F<S> {
     nearest(value + (0.5 - 0.5 / SUB))
 }
 
@@ -251,7 +270,7 @@ impl<S: Simd> Quads<S> {
     /// What is linear in the window and changes from the first corner to its neighbours by so much, in the first pixel,
     /// and its changes by a pixel.
     #[inline(always)]
-    fn plane(&self, at: F<S>, along_right: F<S>, along_up: F<S>) -> Plane<F<S>> {
+    fn plane(&self, at: F<S>, along_right: F<S>, along_up: F<S>) -> Gradient<F<S>> {
         let [a, b, _, d] = &self.corners;
         let (x1, y1, x3, y3) = (b.x - a.x, b.y - a.y, d.x - a.x, d.y - a.y);
         let (dx, dy) = (self.left * SUB - a.x, self.first_row * SUB - a.y);
@@ -319,22 +338,15 @@ impl FaceBlock {
 
     /// Finds the edges of faces that were placed, and the places on them.
     #[inline(always)]
-    pub(super) fn trace<S: Simd>(&mut self, simd: S, quads: &Quads<S>, begin: usize) {
+    pub(super) fn trace<S: Simd>(&mut self, quads: &Quads<S>, begin: usize) {
         let [a, b, c, d] = &quads.corners;
-        // In whole pixels, whose fractions decide nothing: an edge's changes are whole numbers of them.
-        let (left, top) = (whole(quads.left), whole(quads.first_row));
+        let origin = [whole(quads.left), whole(quads.first_row)];
         let (xs, ys) = (map([a.x, b.x, c.x, d.x], whole), map([a.y, b.y, c.y, d.y], whole));
-        let none = I::splat(simd, 0);
-        for (plane, (a, b)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {
-            let (along_x, along_y) = (xs[b] - xs[a], ys[b] - ys[a]);
-            // Left edges go up, top edges go right: these own the pixels on them.
-            let owns = along_y.simd_lt(none) | (along_y.simd_eq(none) & along_x.simd_gt(none));
-            let fraction = along_y * (xs[a] & (SUBPIXELS - 1)) - along_x * (ys[a] & (SUBPIXELS - 1));
-            let fraction = (fraction - owns.select(none, I::splat(simd, 1))) >> SUBPIXELS.ilog2();
-            let (right, down) = (left - (xs[a] >> SUBPIXELS.ilog2()), top - (ys[a] >> SUBPIXELS.ilog2()));
-            store_whole(&mut plane[0], begin, along_x * down - along_y * right + fraction);
-            store_whole(&mut plane[1], begin, -along_y);
-            store_whole(&mut plane[2], begin, along_x);
+        for (all, (from, to)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {
+            let edge = Edge::new([xs[from], ys[from]], [xs[to], ys[to]], origin);
+            for (all, value) in all.iter_mut().zip([edge.at, edge.dx, edge.dy]) {
+                store_whole(all, begin, value);
+            }
         }
         if quads.with_place {
             self.store_plane(PLACE, begin, quads.plane(a.q, b.q - a.q, d.q - a.q));
@@ -344,7 +356,7 @@ impl FaceBlock {
     }
 
     #[inline(always)]
-    fn store_plane<S: Simd>(&mut self, plane: usize, begin: usize, values: Plane<F<S>>) {
+    fn store_plane<S: Simd>(&mut self, plane: usize, begin: usize, values: Gradient<F<S>>) {
         for (all, value) in self.planes[plane].iter_mut().zip(values) {
             store(all, begin, value);
         }
@@ -376,9 +388,35 @@ fn positions<S: Simd>(batch: &Batch<'_, S>) -> ([F<S>; 3], F<S>, [F<S>; 4]) {
     (position, factor, transform(&cloud.transform.clip_from_object, position))
 }
 
+/// The number of faces of a point that may be seen.
+pub(super) const fn sides_of<const PAINT: u8>() -> usize {
+    if PAINT == BOX_SIDE {
+        SIDES
+    } else {
+        1
+    }
+}
+
+/// Places a batch's faces: of each point those that [may be seen](sides_of).
+#[inline(always)]
+pub(super) fn place_faces<S: Simd, const PAINT: u8>(
+    batch: &Batch<'_, S>,
+    faces: &mut [FaceBlock; SIDES],
+) -> [Quads<S>; SIDES] {
+    if PAINT == BOX_SIDE {
+        return place_boxes(batch, faces);
+    }
+    let [faces, ..] = faces;
+    let quads = match batch.cloud.points.style {
+        PointStyle::Tiles { .. } => place_tiles(batch, faces),
+        _ => place_upright(batch, PAINT != PLAIN, faces),
+    };
+    [quads; SIDES]
+}
+
 /// Places faces that face the eye and stand upright.
 #[inline(always)]
-pub(super) fn place_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, faces: &mut FaceBlock) -> Quads<S> {
+fn place_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, faces: &mut FaceBlock) -> Quads<S> {
     let Batch { simd, cloud, view, begin, .. } = *batch;
     let ([x, y, z], factor, middle) = positions(batch);
     let [eye_x, eye_y, eye_z] = cloud.faces.eye();
@@ -402,7 +440,7 @@ pub(super) fn place_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, fac
 
 /// Places rectangles of a fixed orientation, which are seen from both sides.
 #[inline(always)]
-pub(super) fn place_tiles<S: Simd>(batch: &Batch<'_, S>, faces: &mut FaceBlock) -> Quads<S> {
+fn place_tiles<S: Simd>(batch: &Batch<'_, S>, faces: &mut FaceBlock) -> Quads<S> {
     let Batch { simd, cloud, view, begin, .. } = *batch;
     let [right, up] = cloud.faces.tile_sides().unwrap_or_default();
     let (position, _, middle) = positions(batch);
@@ -448,7 +486,7 @@ fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], view: &B
 
 /// Places the sides of boxes that are turned to the eye.
 #[inline(always)]
-pub(super) fn place_boxes<S: Simd>(batch: &Batch<'_, S>, sides: &mut [FaceBlock; SIDES]) -> [Quads<S>; SIDES] {
+fn place_boxes<S: Simd>(batch: &Batch<'_, S>, sides: &mut [FaceBlock; SIDES]) -> [Quads<S>; SIDES] {
     let Batch { simd, cloud, view, begin, .. } = *batch;
     let size_m = if let PointStyle::Boxes { size_m } = cloud.points.style { size_m } else { [0.0; 3] };
     let (position, factor, middle) = positions(batch);

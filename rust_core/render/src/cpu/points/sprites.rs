@@ -70,16 +70,9 @@ impl SpriteBlock {
     }
 }
 
-/// Draws a band's rows of a cloud.
+/// Draws a block's points.
 #[inline(always)]
-pub(super) fn draw<S: Simd>(
-    simd: S,
-    cloud: &Cloud<'_>,
-    indices: &[u32],
-    screen: &Screen,
-    points: &mut PointBlock,
-    band: &mut Band<'_>,
-) {
+pub(super) fn draw<S: Simd>(simd: S, cloud: &Cloud<'_>, points: &PointBlock, screen: &Screen, band: &mut Band<'_>) {
     let Some(diameter_px) = diameter_px(cloud.points) else { return };
     let mode = cloud.surface.mode;
     let per_px = 1.0 / diameter_px;
@@ -92,37 +85,34 @@ pub(super) fn draw<S: Simd>(
     };
     let mut block = SpriteBlock { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
     let lane_indices = lane_indices(simd).to_float::<F<S>>();
-    for indices in indices.chunks(BLOCK) {
-        points.gather(cloud, indices);
-        for begin in (0..points.len).step_by(LANES) {
-            block.project(simd, &in_band, &points.positions, begin);
-        }
-        for i in 0..points.len {
-            let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
-            let depths = F::splat(simd, block.depth[i]);
-            let colors = U::splat(simd, points.colors[i]);
-            for begin in (left..right).step_by(LANES) {
-                let dx = (lane_indices + (begin as f32 + 0.5 - block.x[i])) * per_px;
-                let dx_squared = dx * dx;
-                let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
-                band.for_windows(
-                    top..bottom,
-                    begin,
-                    #[inline(always)]
-                    |window| {
-                        let scaled = dy * per_px;
-                        let mask = (dx_squared + scaled * scaled).simd_lt(DISC_RADIUS_SQUARED);
-                        window.meet(
-                            mask,
-                            depths,
-                            mode,
-                            #[inline(always)]
-                            |seen| (seen, colors),
-                        );
-                        dy += 1.0;
-                    },
-                );
-            }
+    for begin in (0..points.len).step_by(LANES) {
+        block.project(simd, &in_band, &points.positions, begin);
+    }
+    for i in 0..points.len {
+        let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
+        let depths = F::splat(simd, block.depth[i]);
+        let colors = U::splat(simd, points.colors[i]);
+        for begin in (left..right).step_by(LANES) {
+            let dx = (lane_indices + (begin as f32 + 0.5 - block.x[i])) * per_px;
+            let dx_squared = dx * dx;
+            let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
+            band.for_windows(
+                top..bottom,
+                begin,
+                #[inline(always)]
+                |window| {
+                    let scaled = dy * per_px;
+                    let mask = (dx_squared + scaled * scaled).simd_lt(DISC_RADIUS_SQUARED);
+                    window.meet(
+                        mask,
+                        depths,
+                        mode,
+                        #[inline(always)]
+                        |seen| (seen, colors),
+                    );
+                    dy += 1.0;
+                },
+            );
         }
     }
 }

@@ -10,7 +10,8 @@ use rcs_scene::{
     Points, RenderGroup, Scene,
 };
 
-use super::{draw, paint, Cloud, PointScratch};
+use super::draw::draw_triangles;
+use super::{draw, Cloud, PointScratch};
 use crate::cpu::band::{pack, BandBuffers};
 use crate::cpu::screen::{ObjectTransform, Screen, FARTHEST};
 use crate::{CpuRenderer, Renderer, View};
@@ -111,7 +112,7 @@ fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
                 let mut band = one_way.begin(&screen, index, background);
                 draw(&cloud, &[0], &screen, &mut scratch, &mut band);
                 let mut other_band = other_way.begin(&screen, index, background);
-                paint::draw_exactly(&cloud, &[0], &screen, &mut other_band);
+                draw_triangles(&cloud, 0, &screen, &mut other_band);
                 let is_covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
                 for (row, other_row) in band.pixel_rows().zip(other_band.pixel_rows()) {
                     differ += row.iter().zip(other_row).filter(|(a, b)| is_covered(a) != is_covered(b)).count();
