@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct BagError {
     /// The bag.
     pub path: PathBuf,
-    /// What is wrong with it, with the offset of a damaged part and the command that mends the file where there is one.
+    /// The fault, with the offset of a damaged part and the command that mends the file where there is one.
     pub problem: String,
 }
 

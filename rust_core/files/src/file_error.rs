@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct FileError {
     /// File or folder.
     pub path: PathBuf,
-    /// What is wrong with it, with the line, offset or key where there is one.
+    /// The fault, with the line, offset or key where there is one.
     pub problem: String,
 }
 

@@ -13,7 +13,7 @@ pub const MAX_FILE_BYTES: u64 = 8 << 20;
 pub struct ConfigError {
     /// The file's name as it was given, with the line and column of invalid text.
     pub place: String,
-    /// What is wrong there.
+    /// The fault.
     pub problem: String,
 }
 

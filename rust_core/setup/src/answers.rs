@@ -125,7 +125,7 @@ pub(crate) fn complete(
     })
 }
 
-/// What the projector is mounted on.
+/// Mount of the projector.
 fn profile(interview: &mut Interview<'_, '_>, args: &SetupArgs) -> Result<Option<Profile>, DialogError> {
     if args.profile.is_none() {
         interview.say(PROFILES)?;
@@ -300,7 +300,7 @@ fn resolve(show: &Show, found: &Found) -> Result<&'static DisplayType, String> {
     Err(format!("{topic} is published by nobody, so its type is unknown{hint}; write {topic}=TYPE"))
 }
 
-/// What is odd about the answers, compared with what was found.
+/// Warnings about answers that do not fit what was found.
 pub(crate) fn warnings(answers: &Answers, found: &Found) -> Vec<String> {
     let known = found.frame_names();
     let frame = |option: &str, name: &str| {

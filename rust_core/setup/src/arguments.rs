@@ -19,7 +19,7 @@ pub struct SetupArgs {
     /// The folder to write; made if it does not exist
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// What the projector is mounted on: a Fetch's torso, a stand or ceiling, another robot, or a robot with the
+    /// Mount of the projector: a Fetch's torso, a stand or ceiling, another robot, or a robot with the
     /// projector at another computer
     #[arg(long, value_name = "fetch|fixed|mobile|two-computers", value_parser = Profile::parse)]
     pub profile: Option<Profile>,

@@ -1,4 +1,4 @@
-//! What a running ROS and the desktop tell: frames, links, topics and how often they are published, monitors.
+//! Answers from a running ROS and the desktop: frames, links, topics and how often they are published, monitors.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ const ENOUGH_MESSAGES: usize = 5;
 /// Parameter with the robot's description.
 const ROBOT_DESCRIPTION: &str = "robot_description";
 
-/// What was found.
+/// Everything found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Found {
     /// Frames of TF.

@@ -13,7 +13,7 @@ const INDENTATION: usize = 4;
 
 /// Near Clip Distance, metres.
 const NEAR_CLIP_M: f32 = 0.01;
-/// The same where frames have names and axes: those of links beside the lens would cover the image.
+/// Near Clip Distance where frames have names and axes, metres: those of links beside the lens would cover the image.
 const TRY_NEAR_CLIP_M: f32 = 0.5;
 
 const HEAD: &str = "\

@@ -19,7 +19,7 @@ pub(crate) struct Finding {
     pub(crate) mark: Mark,
     /// Name of the check, with the topic or display that it is about.
     pub(crate) name: String,
-    /// What was found.
+    /// Text of the finding.
     pub(crate) text: String,
     /// What to do about it; empty where nothing is to be done, or where the text says so.
     pub(crate) advice: String,

@@ -1,4 +1,4 @@
-//! What the doctor's checks look at after it has listened.
+//! Input of the doctor's checks, after it has listened.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -40,7 +40,7 @@ use crate::options::Options;
 use crate::safety::names::of_camera;
 use crate::safety::read_rules::age_limits;
 
-/// What the checks came to.
+/// Result of all checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Nothing is wrong.

@@ -56,7 +56,7 @@ struct Stamps {
     offset_secs: f64,
 }
 
-/// What was observed.
+/// Topics and images received while the doctor listens.
 #[derive(Debug, Default)]
 pub(super) struct Observed {
     /// By whole name.

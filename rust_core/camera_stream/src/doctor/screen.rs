@@ -12,7 +12,7 @@ use super::windows::Windows;
 /// Time in which a display server answers.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// What the display server says.
+/// Answer of the display server.
 struct Screen {
     monitors: Vec<MonitorInfo>,
     /// The chosen monitor of each window, with its report, or why there is none.
@@ -144,7 +144,7 @@ fn beside(name: &str, other: &MonitorInfo) -> String {
     format!("xrandr --output {name} --auto --right-of {}", other.name)
 }
 
-/// What is wrong with a monitor, and what to do about it.
+/// Faults of a monitor, and advice.
 fn faults(
     monitor: &MonitorInfo,
     report: &MonitorReport,

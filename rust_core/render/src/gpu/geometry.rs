@@ -1,4 +1,4 @@
-//! What the buffers of geometries have in common.
+//! Buffers of geometries: the part that all share.
 
 /// No buffer is larger than this; larger geometries are split.
 pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;

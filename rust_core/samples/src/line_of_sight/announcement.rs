@@ -14,7 +14,7 @@ use rcs_node_support::poses::pose_message;
 /// Definition of moveit_msgs/CollisionObject that the planner uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum MoveitMsgs {
-    /// That of the environment's ROS_DISTRO
+    /// The definition of the environment's ROS_DISTRO
     Auto,
     /// moveit_msgs 0.11 and newer
     Noetic,
