@@ -202,7 +202,8 @@ for version, date, content in changes.foreach_version():
 
 #[test]
 fn catkin_lint_finds_nothing() {
-    // Without the path, on which it would look through all of /usr; with the dependencies of the plugin that is exported.
+    // Without the path, on which it would look through all of /usr; with the dependencies of the plugin that is
+    // exported.
     let lint = "env -u CMAKE_PREFIX_PATH RVIZ_CAMERA_STREAM_PLUGIN=ON catkin_lint --offline -W1 --strict ros_pkg";
     let output = bash(&format!("command -v catkin_lint >/dev/null || exit 77; {lint}"));
     if output.status.code() == Some(77) {

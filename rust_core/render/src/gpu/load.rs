@@ -1,8 +1,8 @@
 //! Which pictures the CPU draws instead of the GPU.
 //!
-//! A GPU visits each pixel of each face, also where something nearer hides it, and goes through all primitives, wherever
-//! they are. The CPU renderer finds out first what may be seen. So there is one rule: a picture has a load, the largest
-//! of three shares of what a GPU of the kind draws in some 10 ms:
+//! A GPU visits each pixel of each face, also where something nearer hides it, and goes through all primitives,
+//! wherever they are. The CPU renderer finds out first what may be seen. So there is one rule: a picture has a load,
+//! the largest of three shares of what a GPU of the kind draws in some 10 ms:
 //!
 //! - pixels of faces, counted as often as they are covered. Translucent faces hide nothing, so that they count only for
 //!   software drivers, which visit their pixels no faster than the CPU renderer does;

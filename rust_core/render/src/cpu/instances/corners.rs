@@ -108,8 +108,8 @@ impl InstanceScratch {
     }
 }
 
-/// Places the vertices of a solid inside the view: their snapped places, and for each the gaps between the columns and the rows of pixel centres that it is in, each as an odd number (an even one is a
-/// centre), packed into one.
+/// Places the vertices of a solid inside the view: their snapped places, and for each the gaps between the columns and
+/// the rows of pixel centres that it is in, each as an odd number (an even one is a centre), packed into one.
 #[inline(always)]
 pub(super) fn place_vertices<S: Simd>(
     simd: S,
