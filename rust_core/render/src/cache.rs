@@ -1,4 +1,4 @@
-//! What is derived from a geometry of the scene, once, and kept for as long as that geometry lives.
+//! Values derived from a geometry of the scene, once, and kept for as long as that geometry lives.
 
 use std::collections::HashMap;
 use std::fmt;

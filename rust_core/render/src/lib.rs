@@ -47,16 +47,17 @@
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
-#![expect(clippy::too_many_arguments, clippy::too_many_lines, reason = "the renderers are to be rewritten")]
 
 mod cache;
+mod choice;
 mod cpu;
 mod gpu;
-mod last_step;
+mod post;
 mod renderer;
 mod shading;
 
+pub use choice::{create, RendererChoice};
 pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
-pub use last_step::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
-pub use renderer::{create, Finished, RenderError, Renderer, RendererChoice, View};
+pub use post::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
+pub use renderer::{Finished, RenderError, Renderer, View};

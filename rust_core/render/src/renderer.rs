@@ -1,18 +1,15 @@
-//! The interface of the renderers, and the choice between them.
+//! The interface of the renderers.
 
 use std::any::Any;
-use std::str::FromStr;
 use std::time::Duration;
 
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Encoding, Picture, Scene};
 use thiserror::Error;
 
-use crate::{CpuRenderer, GpuRenderer};
-
 /// A scene as a camera sees it: the input of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What is drawn.
+    /// The scene.
     pub scene: &'a Scene,
     /// The camera that sees it; it also gives the picture's size.
     pub camera: &'a Camera,
@@ -113,8 +110,8 @@ pub trait Renderer: Send {
         Vec::new()
     }
 
-    /// How many pictures may be in flight with a gain. Where that is one, a picture that is begun before another is
-    /// finished only keeps that one waiting.
+    /// The number of pictures in flight from which more bring no gain. Where that is one, a picture that is begun
+    /// before another is finished only keeps that one waiting.
     fn pictures_at_once(&self) -> usize {
         1
     }
@@ -154,57 +151,5 @@ pub trait Renderer: Send {
         self.submit(view)?;
         while self.finish(picture)? == Finished::Drawn {}
         Ok(())
-    }
-}
-
-/// The renderer that a user asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum RendererChoice {
-    /// A hardware GPU where there is one, else the CPU.
-    #[default]
-    Auto,
-    /// The CPU.
-    Cpu,
-    /// The GPU, software drivers included.
-    Gpu,
-}
-
-impl FromStr for RendererChoice {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        match name {
-            "auto" => Ok(Self::Auto),
-            "cpu" => Ok(Self::Cpu),
-            "gpu" => Ok(Self::Gpu),
-            _ => Err(format!("{name} is not one of auto, cpu, gpu")),
-        }
-    }
-}
-
-/// Makes the chosen renderer.
-///
-/// ```
-/// use rcs_render::{create, RendererChoice};
-///
-/// let choice: RendererChoice = "cpu".parse()?;
-/// let renderer = create(choice)?;
-/// assert!(renderer.describe().starts_with("cpu ("));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`RenderError::NoAdapter`] when the GPU is asked for and there is none that works.
-pub fn create(choice: RendererChoice) -> Result<Box<dyn Renderer>, RenderError> {
-    match choice {
-        RendererChoice::Cpu => Ok(Box::new(CpuRenderer::new())),
-        RendererChoice::Gpu => Ok(Box::new(GpuRenderer::new(false)?)),
-        RendererChoice::Auto => Ok(match GpuRenderer::new(true) {
-            Ok(gpu) => Box::new(gpu),
-            Err(error) => {
-                log::debug!("drawing on the CPU: {error}");
-                Box::new(CpuRenderer::new())
-            }
-        }),
     }
 }

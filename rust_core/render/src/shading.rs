@@ -140,7 +140,7 @@ shading! {
         /// A point or disc fills its square's inscribed circle: the square of that one's radius.
         const DISC_RADIUS_SQUARED = 0.25;
 
-        /// How much brightness a disc (`Style: Spheres`) would lose at a whole side from its middle; at its rim it has
+        /// The brightness that a disc (`Style: Spheres`) would lose at a whole side from its middle; at its rim it has
         /// lost a fifth.
         const DISC_FALLOFF = 0.8;
 
@@ -164,7 +164,8 @@ shading! {
     }
 
     formulas {
-        /// Whether a place on a square is in its inside along one axis: 1 inside, 0 on the edge, smooth between.
+        /// The share of a place on a square that is in its inside along one axis: 1 inside, 0 on the edge, smooth
+        /// between.
         fn inside_along(from_middle) {
             let t = clamp((EDGE_FROM - abs(from_middle)) * (1.0 / EDGE_SOFTNESS), 0.0, 1.0);
             return t * t * (3.0 - t * 2.0);
@@ -195,7 +196,7 @@ shading! {
             return 1.0 - distance_squared * DISC_FALLOFF;
         }
 
-        /// How much light falls on a surface, given the scalar product of its normal and the unit vector to the light,
+        /// The light that falls on a surface, given the scalar product of its normal and the unit vector to the light,
         /// and the normal's length. None on the side turned away.
         fn light_on_surface(normal_dot_light, normal_length) {
             return max(normal_dot_light / normal_length, 0.0);
@@ -229,7 +230,7 @@ pub(crate) fn drawn_point_size_px(size_px: f32) -> f32 {
 /// How far the squared length of an axis of an object may be off 1 before Ogre takes the object for scaled.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
-/// Whether OpenGL brings an object's normals to unit length. Ogre asks for that where the object is scaled.
+/// True if OpenGL brings an object's normals to unit length. Ogre asks for that where the object is scaled.
 pub(crate) fn normalizes_normals(fixed_from_object: &Matrix3<f64>) -> bool {
     fixed_from_object.column_iter().any(|axis| (axis.norm_squared() - 1.0).abs() > SCALE_TOLERANCE)
 }

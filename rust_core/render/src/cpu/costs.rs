@@ -9,14 +9,14 @@ use rcs_scene::DisplayId;
 
 /// The times of one worker.
 #[derive(Debug, Default)]
-pub(super) struct WorkerCosts {
+pub(in crate::cpu) struct WorkerCosts {
     by_job: Vec<Duration>,
     last: Option<Instant>,
 }
 
 impl WorkerCosts {
     /// Begins with a picture of so many jobs.
-    pub(super) fn reset(&mut self, jobs: usize) {
+    pub(in crate::cpu) fn reset(&mut self, jobs: usize) {
         self.by_job.clear();
         self.by_job.resize(jobs, Duration::ZERO);
         self.last = None;
@@ -24,13 +24,13 @@ impl WorkerCosts {
 
     /// What follows is measured.
     #[inline]
-    pub(super) fn begin(&mut self) {
+    pub(in crate::cpu) fn begin(&mut self) {
         self.last = Some(Instant::now());
     }
 
-    /// What was done since [`Self::begin`], or since this was last called, was done for these jobs together.
+    /// Adds the time since [`Self::begin`], or since the last call, to these jobs together.
     #[inline]
-    pub(super) fn add(&mut self, jobs: std::ops::Range<usize>) {
+    pub(in crate::cpu) fn add(&mut self, jobs: std::ops::Range<usize>) {
         let now = Instant::now();
         let took = self.last.replace(now).map_or(Duration::ZERO, |last| now.saturating_duration_since(last));
         let share = took / u32::try_from(jobs.len()).unwrap_or(u32::MAX).max(1);
@@ -40,8 +40,8 @@ impl WorkerCosts {
     }
 }
 
-/// What each display adds to the time of a picture that the workers draw together.
-pub(super) fn by_display<'w>(
+/// The share of each display in the time of a picture that the workers draw together.
+pub(in crate::cpu) fn by_display<'w>(
     displays: &[DisplayId],
     workers: impl ExactSizeIterator<Item = &'w WorkerCosts>,
 ) -> Vec<(DisplayId, Duration)> {

@@ -7,14 +7,14 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rcs_scene::{CellSheet, CullMode, Material};
 
-use super::band::{channel_shift, pack, unorm8, Mode};
-use super::lanes::{map, F, LANES, M, U};
 use super::texture::MipTexture;
+use super::tile::band::{channel_shift, pack, unorm8, Mode};
+use super::tile::lanes::{map, F, LANES, M, U};
 use crate::shading::{box_brightness, disc_brightness, edge_contrast, inside, with_edge, DISC_RADIUS_SQUARED};
 
 /// How a fragment gets its colour.
 #[derive(Clone, Debug)]
-pub(super) enum Paint {
+pub(in crate::cpu) enum Paint {
     /// The interpolated vertex colour.
     Color,
     /// The interpolated vertex colour times a texture.
@@ -31,20 +31,20 @@ pub(super) enum Paint {
 
 /// A surface.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
-    /// Where the colour comes from.
+pub(in crate::cpu) struct Surface {
+    /// Source of the colour.
     pub paint: Paint,
     /// How fragments meet the pixels.
     pub mode: Mode,
     /// Which side is not drawn.
     pub cull: CullMode,
-    /// How much nearer it is drawn than it is.
+    /// Shift towards the eye.
     pub depth_bias: DepthBias,
 }
 
 /// A shift of depth towards the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct DepthBias {
+pub(in crate::cpu) struct DepthBias {
     /// Smallest depth steps.
     pub steps: f32,
     /// Changes of the depth from a pixel to the next.
@@ -53,12 +53,12 @@ pub(super) struct DepthBias {
 
 impl DepthBias {
     /// None.
-    pub(super) const NONE: Self = Self { steps: 0.0, slopes: 0.0 };
+    pub(in crate::cpu) const NONE: Self = Self { steps: 0.0, slopes: 0.0 };
 }
 
 impl Surface {
     /// The surface of a mesh.
-    pub(super) fn of(material: &Material, texture: Option<MipTexture>) -> Self {
+    pub(in crate::cpu) fn of(material: &Material, texture: Option<MipTexture>) -> Self {
         Self {
             paint: texture.map_or(Paint::Color, Paint::Texture),
             mode: Mode {
@@ -72,7 +72,7 @@ impl Surface {
     }
 
     /// The surface of cells.
-    pub(super) fn of_cells(sheet: &CellSheet) -> Self {
+    pub(in crate::cpu) fn of_cells(sheet: &CellSheet) -> Self {
         Self {
             paint: Paint::Cells(sheet.clone()),
             mode: Mode {
@@ -86,7 +86,7 @@ impl Surface {
     }
 
     /// The surface with its sides exchanged: Ogre turns the culling round for objects that are mirrored.
-    pub(super) fn mirrored(self) -> Self {
+    pub(in crate::cpu) fn mirrored(self) -> Self {
         let cull = match self.cull {
             CullMode::None => CullMode::None,
             CullMode::Back => CullMode::Front,
@@ -99,7 +99,7 @@ impl Surface {
     /// has, and their colours. `footprint` gives the change of a lane's texture coordinates to the next pixel along the
     /// row and along the column.
     #[inline(always)]
-    pub(super) fn colors<S: Simd>(
+    pub(in crate::cpu) fn colors<S: Simd>(
         &self,
         color: [F<S>; 4],
         uv: [F<S>; 2],
@@ -142,13 +142,13 @@ fn each_seen<S: Simd>(uv: [F<S>; 2], seen: M<S>, color: impl Fn(usize, [f32; 2])
 
 /// A channel of 0 to 1 as a level of 0 to 255; NaN becomes 0.
 #[inline(always)]
-pub(super) fn level<S: Simd>(value: F<S>) -> F<S> {
+pub(in crate::cpu) fn level<S: Simd>(value: F<S>) -> F<S> {
     value.simd_gt(0.0).select(value.min(1.0) * 255.0, F::splat(value.token(), 0.0))
 }
 
 /// Levels of 0 to 255, to the nearest whole number, in the place of a channel of a packed colour.
 #[inline(always)]
-pub(super) fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
+pub(in crate::cpu) fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
     // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next
     // two are zero, and the first is shifted out of the number where the last is shifted at all.
     const NO_FRACTION: f32 = 8_388_608.0;
@@ -160,16 +160,16 @@ pub(super) fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
 }
 
 /// A face of one colour, for [`FaceColor`].
-pub(super) const PLAIN: u8 = 0;
+pub(in crate::cpu) const PLAIN: u8 = 0;
 /// As [`Paint::Edged`].
-pub(super) const EDGED: u8 = 1;
+pub(in crate::cpu) const EDGED: u8 = 1;
 /// As [`Paint::BoxSide`].
-pub(super) const BOX_SIDE: u8 = 2;
+pub(in crate::cpu) const BOX_SIDE: u8 = 2;
 /// As [`Paint::Disc`].
-pub(super) const DISC: u8 = 3;
+pub(in crate::cpu) const DISC: u8 = 3;
 
 /// The colour of a point's face, by the place on it: 1/w, u/w and v/w, in any unit.
-pub(super) struct FaceColor<S: Simd, const PAINT: u8> {
+pub(in crate::cpu) struct FaceColor<S: Simd, const PAINT: u8> {
     /// The opacity, or all of a plain colour.
     packed: U<S>,
     /// 0 to 255.
@@ -181,20 +181,21 @@ pub(super) struct FaceColor<S: Simd, const PAINT: u8> {
 impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
     /// A packed colour, of this brightness.
     #[inline(always)]
-    pub(super) fn new(simd: S, color: u32, brightness: f32) -> Self {
-        let splat = |value: f32| F::splat(simd, value);
+    pub(in crate::cpu) fn new(simd: S, color: u32, brightness: f32) -> Self {
+        let none = F::splat(simd, 0.0);
         if PAINT == PLAIN {
-            return Self { packed: U::splat(simd, color), rgb: [splat(0.0); 3], contrast: splat(0.0) };
+            return Self { packed: U::splat(simd, color), rgb: [none; 3], contrast: none };
         }
         let [r, g, b, a] = color.to_ne_bytes();
         let rgb = [f32::from(r) * brightness, f32::from(g) * brightness, f32::from(b) * brightness];
-        let contrast = if PAINT == EDGED {
-            let [r, g, b] = rgb.map(|c| c / 255.0);
-            edge_contrast(r, g, b) * 255.0
-        } else {
-            0.0
-        };
-        Self { packed: U::splat(simd, pack([0, 0, 0, a])), rgb: rgb.map(splat), contrast: splat(contrast) }
+        let contrast =
+            if PAINT == EDGED { edge_contrast(rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0) * 255.0 } else { 0.0 };
+        let rgb = map(
+            rgb,
+            #[inline(always)]
+            |level| F::splat(simd, level),
+        );
+        Self { packed: U::splat(simd, pack([0, 0, 0, a])), rgb, contrast: F::splat(simd, contrast) }
     }
 
     /// Interpolated colours, of 0 to 1.
@@ -204,16 +205,16 @@ impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
         Self { packed: in_channel(level(a), 3), rgb: [r * 255.0, g * 255.0, b * 255.0], contrast }
     }
 
-    /// Those of the fragments at texture coordinates that belong to the face, and their colours.
+    /// The fragments at texture coordinates that belong to the face, and their colours.
     #[inline(always)]
     fn fragments(&self, [u, v]: [F<S>; 2], seen: M<S>) -> (M<S>, U<S>) {
         let place = [F::splat(u.token(), 1.0), u, v];
         (self.mask(place, seen), self.colors(place))
     }
 
-    /// Those of the places that belong to the face.
+    /// The places that belong to the face.
     #[inline(always)]
-    pub(super) fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
+    pub(in crate::cpu) fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
         if PAINT == DISC {
             mask & (u * u + v * v).simd_lt(q * q * DISC_RADIUS_SQUARED)
         } else {
@@ -223,7 +224,7 @@ impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
 
     /// The colours at places.
     #[inline(always)]
-    pub(super) fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
+    pub(in crate::cpu) fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
         if PAINT == PLAIN {
             return self.packed;
         }

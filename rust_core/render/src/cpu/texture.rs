@@ -13,17 +13,17 @@ use crate::cache::Derived;
 
 /// A texture with its smaller copies.
 #[derive(Clone, Debug)]
-pub(super) struct MipTexture {
+pub(in crate::cpu) struct MipTexture {
     full: Arc<Texture>,
     mips: Arc<Mips>,
 }
 
 /// The mipmaps of the textures that are alive.
-pub(super) type Textures = Derived<Texture, Arc<Mips>>;
+pub(in crate::cpu) type Textures = Derived<Texture, Arc<Mips>>;
 
 /// The smaller copies of a texture.
 #[derive(Debug)]
-pub(super) struct Mips {
+pub(in crate::cpu) struct Mips {
     smaller: Vec<Texels>,
     /// All sizes without colours, once they were asked for; `None` for a texture that has some.
     grey: OnceLock<Option<Vec<GreyTexels>>>,
@@ -31,7 +31,7 @@ pub(super) struct Mips {
 
 /// One size of a texture that has no colours and ends at its edges ([`Wrapping::Clamp`]).
 #[derive(Debug)]
-pub(super) struct GreyTexels {
+pub(in crate::cpu) struct GreyTexels {
     /// The last row and column.
     pub last: [i32; 2],
     /// Of each texel its brightness, its opacity, and those of the next in its row, from the lowest byte on. Each row
@@ -71,7 +71,7 @@ impl Mips {
 
 impl MipTexture {
     /// A texture with its mipmaps out of the cache, which are made now if there are none.
-    pub(super) fn new(texture: &Arc<Texture>, textures: &mut Textures) -> Self {
+    pub(in crate::cpu) fn new(texture: &Arc<Texture>, textures: &mut Textures) -> Self {
         let mips = textures.get(texture, |texture| Arc::new(Mips::new(texture))).clone();
         Self { full: texture.clone(), mips }
     }
@@ -79,7 +79,7 @@ impl MipTexture {
     /// The texture's colour, each channel 0 to 1. Where it matters, `footprint` gives the change of the texture
     /// coordinates to the next pixel along the row and along the column.
     #[inline]
-    pub(super) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
+    pub(in crate::cpu) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
         let sampler = self.sampler(footprint);
         if self.full.filtering == Filtering::Nearest {
             return sampler.nearest([u, v]).map(|c| f32::from(c) / 255.0);
@@ -90,14 +90,14 @@ impl MipTexture {
 
     /// The texture in the size for a footprint, as in [`Self::sample`].
     #[inline]
-    pub(super) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
+    pub(in crate::cpu) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
         let index = if self.mips.smaller.is_empty() { 0 } else { self.level_for(footprint()) };
         Sampler { level: self.level(index), index, wrapping: self.full.wrapping }
     }
 
     /// The size that a sampler reads, if the texture has no colours and ends at its edges.
     #[inline]
-    pub(super) fn grey(&self, sampler: &Sampler<'_>) -> Option<&GreyTexels> {
+    pub(in crate::cpu) fn grey(&self, sampler: &Sampler<'_>) -> Option<&GreyTexels> {
         let levels = || {
             let levels = (0..=self.mips.smaller.len()).map(|index| self.level(index).grey());
             if self.full.wrapping == Wrapping::Clamp {
@@ -124,7 +124,7 @@ impl MipTexture {
 
 /// A texture in one of its sizes.
 #[derive(Clone, Copy)]
-pub(super) struct Sampler<'a> {
+pub(in crate::cpu) struct Sampler<'a> {
     level: MipLevel<'a>,
     /// Which of the sizes that is.
     index: usize,
@@ -133,7 +133,7 @@ pub(super) struct Sampler<'a> {
 
 /// A place between the middles of two texels of a row or a column: the first one, and the way from it to the next.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Between {
+pub(in crate::cpu) struct Between {
     /// The first texel.
     pub texel: i32,
     /// From 0 at its middle to 1 at that of the next.
@@ -143,17 +143,17 @@ pub(super) struct Between {
 impl Sampler<'_> {
     /// Texels in a row and in a column.
     #[inline]
-    pub(super) fn size(&self) -> [f32; 2] {
+    pub(in crate::cpu) fn size(&self) -> [f32; 2] {
         [self.level.width as f32, self.level.height as f32]
     }
 
-    /// Where a texture coordinate is along the rows.
+    /// Place of a texture coordinate along the rows.
     #[inline]
     fn column(&self, u: f32) -> Between {
         Between::new(u * self.level.width as f32)
     }
 
-    /// Where a texture coordinate is along the columns.
+    /// Place of a texture coordinate along the columns.
     #[inline]
     fn row(&self, v: f32) -> Between {
         Between::new(v * self.level.height as f32)

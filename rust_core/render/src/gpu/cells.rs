@@ -110,7 +110,7 @@ impl Layers {
         self.size.map(|side| side.min(self.side))
     }
 
-    /// Where a tile lies: x, y and layer.
+    /// Position of a tile: x, y and layer.
     fn place(&self, tile: &CellTile<'_>) -> wgpu::Origin3d {
         let layer = tile.y / self.side * self.columns + tile.x / self.side;
         wgpu::Origin3d { x: tile.x % self.side, y: tile.y % self.side, z: layer }

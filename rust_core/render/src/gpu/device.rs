@@ -118,12 +118,12 @@ impl Device {
         }
     }
 
-    /// What it draws with.
+    /// The kind of its hardware.
     pub(super) fn kind(&self) -> DeviceType {
         self.kind
     }
 
-    /// Whether it was waited for in vain. To drop it may then take for ever.
+    /// True if it was waited for in vain. To drop it may then take for ever.
     pub(super) fn is_hung(&self) -> bool {
         self.is_hung.load(Ordering::Acquire)
     }
@@ -229,8 +229,8 @@ fn open_first(adapters: Vec<Adapter>, failure: &mut Option<RenderError>) -> Opti
     })
 }
 
-/// What an adapter draws with. GL does not report what it runs on; wgpu then recognises llvmpipe and its like by their
-/// names.
+/// The kind of an adapter's hardware. GL does not report what it runs on; wgpu then recognises llvmpipe and its like by
+/// their names.
 fn kind(adapter: &Adapter) -> DeviceType {
     let info = adapter.get_info();
     if info.device_type != DeviceType::Other {
@@ -245,7 +245,7 @@ fn kind(adapter: &Adapter) -> DeviceType {
     }
 }
 
-/// Whether it is no software driver.
+/// True if it is no software driver.
 fn is_hardware(adapter: &Adapter) -> bool {
     kind(adapter) != DeviceType::Cpu
 }

@@ -1,4 +1,4 @@
-//! Buffers of geometries: the part that all share.
+//! Buffers of geometries: common parts.
 
 /// No buffer is larger than this; larger geometries are split.
 pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;
@@ -8,7 +8,7 @@ pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;
 pub(super) struct Instances {
     /// The buffer.
     pub(super) buffer: wgpu::Buffer,
-    /// How many there are.
+    /// Their number.
     pub(super) count: u32,
 }
 

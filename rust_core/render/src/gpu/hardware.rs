@@ -1,4 +1,4 @@
-//! Whether the machine may have a GPU, without loading any graphics driver.
+//! Looks for a GPU without loading any graphics driver.
 //!
 //! Vulkan's and GL's loaders map every driver that is installed before they say which hardware it found. On a machine
 //! without a GPU those are Mesa's software drivers, which take 50 MB and dozens of threads and stay. But a GPU that
@@ -13,7 +13,7 @@ const DEVICES: [&str; 9] = ["nvidia", "nvhost-gpu", "nvgpu", "nvmap", "mali", "k
 /// controller, only show.
 const RENDER_NODE: &str = "renderD";
 
-/// Whether there is a device file of a GPU. On other systems than Linux and Android that is unknown, so: true.
+/// True if there is a device file of a GPU. On other systems than Linux and Android that is unknown, so: true.
 pub(super) fn may_have_gpu() -> bool {
     cfg!(not(any(target_os = "linux", target_os = "android"))) || has_device(Path::new("/dev"))
 }
@@ -22,7 +22,7 @@ fn has_device(dev: &Path) -> bool {
     has_name(dev, &DEVICES) || has_name(&dev.join("dri"), &[RENDER_NODE])
 }
 
-/// Whether a folder has a file with one of these beginnings.
+/// True if a folder has a file with one of these beginnings.
 fn has_name(folder: &Path, beginnings: &[&str]) -> bool {
     // A folder that does not exist has none.
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());

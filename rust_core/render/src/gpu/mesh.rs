@@ -34,7 +34,7 @@ pub(super) struct GpuVertex {
 }
 
 impl GpuVertex {
-    /// Where each of its fields is.
+    /// Offsets of its fields.
     pub(super) const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4];
 

@@ -76,7 +76,7 @@ pub struct GpuRenderer {
     gpu: Option<Gpu>,
     /// Draws depths, which WebGL 2 cannot read back, and pictures of a high [`load`]. Made when it is needed.
     cpu: Option<Box<CpuRenderer>>,
-    /// Whether the picture that was finished last was one of those.
+    /// True if the picture that was finished last was one of those.
     last_by_cpu: bool,
 }
 
@@ -85,20 +85,26 @@ pub struct GpuRenderer {
 struct Gpu {
     device: Device,
     uniforms: Uniforms,
-    points: PointPipelines,
-    lines: LinePipelines,
-    triangles: TrianglePipelines,
-    texts: TextPipelines,
-    cells: CellPipelines,
+    pipelines: Pipelines,
     order: DrawOrder,
     load: LoadRule,
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<InFlight>,
-    /// What is drawn of a picture that a lens bends.
+    /// A picture before a lens bends it.
     before_lens: Picture,
     /// Memory for the next picture that the CPU draws.
     unused_picture: Picture,
+}
+
+/// The pipelines of all kinds of primitives.
+#[derive(Debug)]
+struct Pipelines {
+    points: PointPipelines,
+    lines: LinePipelines,
+    triangles: TrianglePipelines,
+    texts: TextPipelines,
+    cells: CellPipelines,
 }
 
 /// A picture that was submitted and not yet returned.
@@ -110,7 +116,7 @@ enum InFlight {
     Drawn(Picture),
 }
 
-/// What becomes a picture when the GPU has drawn it.
+/// A picture that the GPU draws.
 #[derive(Debug)]
 struct Submitted {
     target: Target,
@@ -120,7 +126,7 @@ struct Submitted {
     flip: Flip,
 }
 
-/// What a picture is seen through.
+/// The lens of a picture.
 #[derive(Debug)]
 struct LensView {
     map: Arc<PixelMap>,
@@ -146,7 +152,7 @@ struct Viewpoint<'a> {
     clip_from_view: Matrix4<f64>,
     view_from_fixed: Matrix4<f64>,
     clip_from_fixed: Matrix4<f64>,
-    /// The same for OpenGL's clip coordinates: depth -w to w.
+    /// For OpenGL's clip coordinates: depth −w to w.
     clip_from_fixed_gl: Matrix4<f64>,
     /// Unit vector towards the light, in the view frame.
     to_light: Option<[f32; 3]>,
@@ -274,11 +280,7 @@ impl Gpu {
         Ok(Self {
             device,
             uniforms,
-            points,
-            lines,
-            triangles,
-            texts,
-            cells,
+            pipelines: Pipelines { points, lines, triangles, texts, cells },
             order,
             load,
             targets,
@@ -305,7 +307,7 @@ impl Gpu {
         let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = target.begin(&mut encoder, view.background);
-            let instances = self.triangles.upload_instances(&self.device);
+            let instances = self.pipelines.triangles.upload_instances(&self.device);
             let mut previous = None;
             for draw in &draws {
                 match draw {
@@ -364,11 +366,12 @@ impl Gpu {
 
     /// Uploads new geometries, drops dead ones, and lists the draws.
     fn prepare(&mut self, view: &View<'_>) -> Vec<Draw> {
-        self.points.forget_dead();
-        self.lines.forget_dead();
-        self.triangles.forget_dead();
-        self.texts.forget_dead();
-        self.cells.forget_dead();
+        let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
+        points.forget_dead();
+        lines.forget_dead();
+        triangles.forget_dead();
+        texts.forget_dead();
+        cells.forget_dead();
         self.uniforms.clear();
         let camera = view.camera;
         let clip_from_view = depth_from_zero() * camera.clip_from_view();
@@ -381,7 +384,7 @@ impl Gpu {
             clip_from_fixed_gl: camera.clip_from_view() * view_from_fixed,
             to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
         };
-        self.triangles.begin(&mut self.uniforms, &viewpoint);
+        self.pipelines.triangles.begin(&mut self.uniforms, &viewpoint);
         let mut order = std::mem::take(&mut self.order);
         order.sort(view.scene, view.visible, &camera.eye());
         let mut draws = Vec::new();
@@ -406,30 +409,28 @@ impl Gpu {
     /// The draw of a drawable; those of solids, of which there may be many, are added to the list.
     fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) -> Option<Draw> {
         let (device, uniforms) = (&self.device, &mut self.uniforms);
+        let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
         let fixed_from_object = &ordered.drawable.fixed_from_object;
         match &ordered.drawable.geometry {
-            Geometry::Points(points) => {
-                self.points.prepare(device, uniforms, viewpoint, fixed_from_object, points).map(Draw::Points)
+            Geometry::Points(cloud) => {
+                points.prepare(device, uniforms, viewpoint, fixed_from_object, cloud).map(Draw::Points)
             }
-            Geometry::Lines(lines) => {
-                self.lines.prepare(device, uniforms, viewpoint, fixed_from_object, lines).map(Draw::Lines)
+            Geometry::Lines(strips) => {
+                lines.prepare(device, uniforms, viewpoint, fixed_from_object, strips).map(Draw::Lines)
             }
             Geometry::Ribbons(ribbons) => {
-                self.triangles.prepare_ribbons(device, viewpoint, fixed_from_object, ribbons).map(Draw::Triangles)
+                triangles.prepare_ribbons(device, viewpoint, fixed_from_object, ribbons).map(Draw::Triangles)
             }
             Geometry::Mesh { mesh, material } => {
-                self.triangles.prepare_mesh(device, viewpoint, fixed_from_object, mesh, material).map(Draw::Triangles)
+                triangles.prepare_mesh(device, viewpoint, fixed_from_object, mesh, material).map(Draw::Triangles)
             }
-            Geometry::Text(text) => {
-                self.texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Text)
-            }
+            Geometry::Text(text) => texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Text),
             Geometry::Cells(sheet) => {
-                self.cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Cells)
+                cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Cells)
             }
             Geometry::Solids(solids) => {
                 let range = ordered.solids.clone();
-                self.triangles
-                    .prepare_solids(device, viewpoint, solids, range, |draw| draws.push(Draw::Triangles(draw)));
+                triangles.prepare_solids(device, viewpoint, solids, range, |draw| draws.push(Draw::Triangles(draw)));
                 None
             }
             Geometry::Facing(_) => None,

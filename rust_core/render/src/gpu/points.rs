@@ -165,7 +165,7 @@ impl PointPipelines {
 /// Vertices of a box that may show its far sides.
 const INSIDE_OUT_BOX_VERTICES: u32 = 36;
 
-/// Whether boxes may be mirrored by a negative size, so that not only their near sides can be seen.
+/// True if boxes may be mirrored by a negative size, so that not only their near sides can be seen.
 fn shows_insides(points: &Points) -> bool {
     match points.style {
         PointStyle::Boxes { size_m: [x, y, z] } => points.auto_size || x * y * z < 0.0,
@@ -252,7 +252,7 @@ impl Chunk {
         Self { buffer, count: positions.len() as u32 }
     }
 
-    /// Where the colours begin.
+    /// Offset of the colours.
     fn positions_end(&self) -> u64 {
         u64::from(self.count) * POSITION_BYTES as u64
     }

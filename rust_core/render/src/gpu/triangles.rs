@@ -31,7 +31,7 @@ pub(super) struct TrianglePipelines {
     meshes: Derived<Mesh, Arc<[Triangles]>>,
     ribbons: Derived<Ribbons, TurnedRibbons>,
     images: Derived<Texture, wgpu::BindGroup>,
-    /// Those of this picture.
+    /// Instances of this picture.
     instances: Vec<Instance>,
     max_instances: usize,
     instance_buffer: wgpu::Buffer,

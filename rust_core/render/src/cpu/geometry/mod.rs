@@ -1,0 +1,6 @@
+//! From the scene to primitives on the picture.
+
+pub(super) mod instances;
+pub(super) mod lighting;
+pub(super) mod meshes;
+pub(super) mod points;

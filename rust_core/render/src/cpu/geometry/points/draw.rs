@@ -1,0 +1,168 @@
+//! Drawing a band's rows of a cloud, block by block.
+
+use fearless_simd::{dispatch, Simd};
+use rcs_scene::PointStyle;
+
+use super::place::{place_faces, sides_of, BandView, FaceBlock, PointLanes, AXES};
+use super::{is_inside_out, sprites, Cloud, PointScratch};
+use crate::cpu::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
+use crate::cpu::raster::quad::depth_bound;
+use crate::cpu::raster::triangle;
+use crate::cpu::tile::band::Band;
+use crate::cpu::tile::lanes::LANES;
+use crate::cpu::tile::near_to_far::NearToFar;
+use crate::cpu::tile::screen::{Area, Screen};
+
+/// Draws a band's rows of a cloud, given the indices of the points that touch the band.
+pub(in crate::cpu) fn draw(
+    cloud: &Cloud<'_>,
+    indices: &[u32],
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    if !cloud.is_culled {
+        draw_blocks(cloud, indices.iter().map(|&index| (index, 0)), screen, scratch, band);
+    }
+}
+
+/// Draws a band's rows of a cloud by the ranks of its points, given the indices of those that touch the band, by job.
+pub(in crate::cpu) fn draw_ranked(
+    cloud: &Cloud<'_>,
+    indices: &[&[u32]],
+    screen: &Screen,
+    (scratch, order): (&mut PointScratch, &mut NearToFar),
+    band: &mut Band<'_>,
+) {
+    if cloud.is_culled {
+        return;
+    }
+    let (eye, positions) = (cloud.faces.eye(), &cloud.points.buffer.positions);
+    let count = order.sort(indices, |_, index| match positions.get(index as usize) {
+        Some([x, y, z]) => (x - eye[0]).powi(2) + (y - eye[1]).powi(2) + (z - eye[2]).powi(2),
+        None => f32::INFINITY,
+    });
+    match band.begin_ranks(count) {
+        Some(first) => {
+            let faces = order.faces(indices).map(|face| (face.number, first + face.rank));
+            draw_blocks(cloud, faces, screen, scratch, band);
+        }
+        None => indices.iter().for_each(|indices| draw(cloud, indices, screen, scratch, band)),
+    }
+    band.end_ranks();
+}
+
+/// Draws points, given by their indices and ranks.
+fn draw_blocks(
+    cloud: &Cloud<'_>,
+    points: impl Iterator<Item = (u32, u32)>,
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    let mut points = points.peekable();
+    while points.peek().is_some() {
+        scratch.points.gather(cloud, &mut points);
+        match cloud.points.style {
+            PointStyle::Points { .. } => {
+                let points = &scratch.points;
+                dispatch!(screen.simd_level, simd => sprites::draw(simd, cloud, points, screen, band));
+            }
+            PointStyle::FlatSquares { .. } => draw_faces::<{ PLAIN }>(cloud, screen, scratch, band),
+            PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+                draw_faces::<{ EDGED }>(cloud, screen, scratch, band);
+            }
+            PointStyle::Spheres { .. } => draw_faces::<{ DISC }>(cloud, screen, scratch, band),
+            PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
+                for &index in &scratch.points.indices[..scratch.points.len] {
+                    draw_triangles(cloud, index, screen, band);
+                }
+            }
+            PointStyle::Boxes { .. } => draw_faces::<{ BOX_SIDE }>(cloud, screen, scratch, band),
+        }
+    }
+}
+
+/// Draws the faces of a block. Each kind is compiled by itself: all of them in one function take minutes.
+fn draw_faces<const PAINT: u8>(cloud: &Cloud<'_>, screen: &Screen, scratch: &mut PointScratch, band: &mut Band<'_>) {
+    dispatch!(screen.simd_level, simd => draw_faces_by_lanes::<_, PAINT>(simd, cloud, screen, scratch, band));
+}
+
+#[inline(always)]
+fn draw_faces_by_lanes<S: Simd, const PAINT: u8>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    let PointScratch { points, faces } = scratch;
+    let view = BandView {
+        width_px: screen.width_px as f32,
+        rows: [band.first_row as f32, band.end_row as f32],
+        half_size: screen.half_size(),
+    };
+    faces.iter_mut().take(sides_of::<PAINT>()).for_each(FaceBlock::clear);
+    for begin in (0..points.len).step_by(LANES) {
+        place_faces::<S, PAINT>(&PointLanes { simd, cloud, view: &view, points, begin }, faces);
+    }
+    let sides = &faces[..sides_of::<PAINT>()];
+    let there = (!0u32).checked_shr(u32::BITS - points.len as u32).unwrap_or(0);
+    let general = sides.iter().fold(0, |any, faces| any | faces.general) & there;
+    let mut seen = sides.iter().fold(general, |any, faces| any | faces.small) & there;
+    while seen != 0 {
+        let i = seen.trailing_zeros() as usize;
+        seen &= seen - 1;
+        band.set_rank(points.ranks[i]);
+        if general & 1 << i != 0 {
+            draw_triangles(cloud, points.indices[i], screen, band);
+            continue;
+        }
+        for (faces, axis) in sides.iter().zip(AXES) {
+            if faces.small & 1 << i != 0 {
+                draw_quad::<S, PAINT>(simd, cloud, faces, (i, axis, points.colors[i]), band);
+            }
+        }
+    }
+}
+
+/// Draws the small face of a point: in its turn, or the tiles in which something of it may be seen.
+#[inline(always)]
+fn draw_quad<S: Simd, const PAINT: u8>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    faces: &FaceBlock,
+    (i, axis, color): (usize, usize, u32),
+    band: &mut Band<'_>,
+) {
+    let mode = cloud.surface.mode;
+    if !band.is_ranked() {
+        let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
+        quad.draw(quad.area, mode, band);
+        return;
+    }
+    let (depth, area) = faces.depth(i);
+    let plane = depth_bound(depth, area, faces.first_rows[i]);
+    if band.find_visible(simd, plane, area) {
+        let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
+        band.draw_visible(
+            simd,
+            [plane.dx, plane.dy],
+            #[inline(always)]
+            |band, tile| {
+                let pixels = Area { top: tile.top.max(area.top), bottom: tile.bottom.min(area.bottom), ..tile };
+                quad.draw(pixels, mode, band)
+            },
+        );
+    }
+}
+
+/// Draws a point's faces as triangles: those that are too large for quadrangles, or cut by the near plane.
+#[cold]
+pub(in crate::cpu) fn draw_triangles(cloud: &Cloud<'_>, index: u32, screen: &Screen, band: &mut Band<'_>) {
+    cloud.faces.triangles(&cloud.transform, index as usize, |triangle| {
+        triangle::cut(triangle, &cloud.surface, screen, |corners| {
+            triangle::draw(corners.each_ref(), &cloud.surface, band);
+        });
+    });
+}

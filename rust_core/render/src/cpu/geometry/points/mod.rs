@@ -1,0 +1,118 @@
+//! Point clouds, drawn in three steps: choosing, placing, painting.
+//!
+//! ```text
+//! choosing   choose    which points of a cloud may be seen, and the bands that they touch; the points of a band,
+//!                      gathered in blocks; whether Ogre culls the whole cloud
+//! placing    faces     what one point's face is: its corners in clip coordinates, as triangles
+//!            place     the faces of a block on the picture, as quadrangles of a few pixels
+//!            sprites   the round points of a block on the picture (and their painting, which is one colour)
+//! painting   paint     the pixels of a block's quadrangles, with the colours of `shading`
+//!            (triangles, in the folder above, paints faces that are too large for that)
+//! ```
+//!
+//! **Choosing** is done twice. Before drawing, a pass over all points drops those that are surely outside of the view
+//! and finds the rows that each of the others can touch, with a margin; the bands of these rows note the point's index.
+//! So a cloud costs little more than 4 bytes a point, however it is drawn. When a band is drawn, its points are
+//! gathered by their indices in blocks of [`BLOCK`], without those that are too faint.
+//!
+//! **Placing** projects a block's points and sets up what is linear in the window, several points at once; for that a
+//! block keeps its coordinates apart (all x, all y, …). **Painting** goes over the pixels of one face after another,
+//! several pixels at once. Faces that are large, cut by the near plane or turned to a line go as two triangles through
+//! [`triangles`](crate::cpu::raster::triangle) instead; the pixels are the same.
+
+mod choose;
+mod draw;
+mod faces;
+mod place;
+mod sprites;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::Matrix4;
+use rcs_scene::{Camera, PointStyle, Points};
+
+pub(in crate::cpu) use self::choose::BinnedPoints;
+use self::choose::PointBlock;
+pub(in crate::cpu) use self::draw::{draw, draw_ranked};
+use self::faces::Faces;
+use self::place::{FaceBlock, SIDES};
+use crate::cpu::paint::Surface;
+use crate::cpu::tile::band::{unorm8, Mode};
+use crate::cpu::tile::screen::ObjectTransform;
+use crate::shading::MAX_REJECTED_ALPHA;
+
+/// Points of a block.
+const BLOCK: usize = 32;
+
+/// A cloud and all that is the same for its points.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct Cloud<'a> {
+    /// The scene's cloud.
+    pub points: &'a Points,
+    transform: ObjectTransform,
+    faces: Faces<'a>,
+    surface: Surface,
+    camera: &'a Camera,
+    fixed_from_object: &'a Matrix4<f64>,
+    /// Ogre would not draw it.
+    pub is_culled: bool,
+    /// For each opacity of a colour that which is drawn; none where that is too faint.
+    opacities: [Option<u8>; 256],
+}
+
+impl<'a> Cloud<'a> {
+    /// A cloud at a pose, seen by a camera.
+    pub(in crate::cpu) fn new(
+        points: &'a Points,
+        transform: ObjectTransform,
+        camera: &'a Camera,
+        fixed_from_object: &'a Matrix4<f64>,
+    ) -> Self {
+        let faces = Faces::of(points, camera.eye_in_object(fixed_from_object));
+        let is_box = matches!(points.style, PointStyle::Boxes { .. });
+        let opacities = std::array::from_fn(|level| {
+            let alpha = level as f32 / 255.0 * points.alpha;
+            (is_box || is_visible(alpha)).then(|| unorm8(alpha))
+        });
+        let surface = faces.surface();
+        Self { points, transform, faces, surface, camera, fixed_from_object, is_culled: false, opacities }
+    }
+}
+
+impl Cloud<'_> {
+    /// True if its faces need not be drawn in their order.
+    pub(in crate::cpu) fn can_be_ranked(&self) -> bool {
+        let has_faces = match self.points.style {
+            PointStyle::Points { .. } => false,
+            PointStyle::Boxes { size_m } => !is_inside_out(size_m),
+            _ => true,
+        };
+        has_faces && self.surface.mode == Mode::OPAQUE
+    }
+}
+
+/// Boxes that a negative size turns inside out show other sides.
+fn is_inside_out(size_m: [f32; 3]) -> bool {
+    !size_m.iter().all(|side_m| *side_m >= 0.0)
+}
+
+/// True if something of this opacity is drawn at all; boxes are, whatever theirs is.
+#[inline]
+fn is_visible(alpha: f32) -> bool {
+    alpha > MAX_REJECTED_ALPHA
+}
+
+/// Scratch buffers of a worker that draws points.
+#[derive(Debug)]
+pub(in crate::cpu) struct PointScratch {
+    /// A block's points.
+    points: PointBlock,
+    /// Their faces.
+    faces: Box<[FaceBlock; SIDES]>,
+}
+
+impl Default for PointScratch {
+    fn default() -> Self {
+        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes() }
+    }
+}

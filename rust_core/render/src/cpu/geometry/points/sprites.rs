@@ -1,0 +1,116 @@
+//! `Style: Points`: round points of a fixed size on the picture, drawn as OpenGL draws point sprites.
+//!
+//! A pixel belongs to a point where its centre lies less than half the size from the point's position, so that a point
+//! of 1 px can miss every pixel centre. No point is smaller than that: see [`drawn_point_size_px`]. A point whose
+//! position is outside of the picture is not drawn at all, however far its disc would reach inside. A disc has one
+//! depth, that of its point.
+
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
+
+use super::choose::PointBlock;
+use super::faces::diameter_px;
+use super::{Cloud, BLOCK};
+use crate::cpu::tile::band::Band;
+use crate::cpu::tile::lanes::{lane_indices, load, map, store, store_whole, transform, whole, F, LANES, U};
+use crate::cpu::tile::screen::{Screen, FARTHEST};
+use crate::shading::DISC_RADIUS_SQUARED;
+
+/// The band that points are drawn in.
+struct SpriteBand<'a> {
+    cloud: &'a Cloud<'a>,
+    half_size: (f32, f32),
+    width_px: f32,
+    /// The band's first row and the one after its last.
+    rows: [f32; 2],
+    diameter_px: f32,
+}
+
+/// A block of points on the picture.
+struct SpriteBlock {
+    x: [f32; BLOCK],
+    y: [f32; BLOCK],
+    depth: [f32; BLOCK],
+    /// The first pixel and the one after the last of those that a point may touch along a row, and the same along a
+    /// column; none where it is not drawn.
+    bounds: [[i32; BLOCK]; 4],
+}
+
+impl SpriteBlock {
+    /// Projects the points from `begin` on.
+    #[inline(always)]
+    fn project<S: Simd>(&mut self, simd: S, in_band: &SpriteBand<'_>, positions: &[[f32; BLOCK]; 3], begin: usize) {
+        let [x, y, z] = positions;
+        let position = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
+        let [x, y, z, w] = transform(&in_band.cloud.transform.clip_from_object, position);
+        let is_inside = w.simd_gt(0.0) & z.simd_ge(-w) & z.simd_le(w) & x.abs().simd_le(w) & y.abs().simd_le(w);
+        let inverse_w = 1.0 / w;
+        let (half_width, half_height) = in_band.half_size;
+        let (x, y) = ((x * inverse_w) * half_width + half_width, half_height - (y * inverse_w) * half_height);
+        store(&mut self.x, begin, x);
+        store(&mut self.y, begin, y);
+        store(&mut self.depth, begin, (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST);
+        let reach = in_band.diameter_px * 0.5 + 0.5;
+        let columns = [(x - reach).ceil().max(0.0), (x + reach).ceil().min(in_band.width_px)];
+        let rows = [(y - reach).ceil().max(in_band.rows[0]), (y + reach).ceil().min(in_band.rows[1])];
+        let [left, right] = map(columns, whole);
+        let [top, bottom] = map(rows, whole);
+        let right = is_inside.select(right, left);
+        for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
+            store_whole(all, begin, value);
+        }
+    }
+}
+
+/// Draws a block's points.
+#[inline(always)]
+pub(in crate::cpu) fn draw<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    points: &PointBlock,
+    screen: &Screen,
+    band: &mut Band<'_>,
+) {
+    let Some(diameter_px) = diameter_px(cloud.points) else { return };
+    let mode = cloud.surface.mode;
+    let per_px = 1.0 / diameter_px;
+    let in_band = SpriteBand {
+        cloud,
+        half_size: screen.half_size(),
+        width_px: band.width as f32,
+        rows: [band.first_row as f32, band.end_row as f32],
+        diameter_px,
+    };
+    let mut block = SpriteBlock { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
+    let lane_indices = lane_indices(simd).to_float::<F<S>>();
+    for begin in (0..points.len).step_by(LANES) {
+        block.project(simd, &in_band, &points.positions, begin);
+    }
+    for i in 0..points.len {
+        let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
+        let depths = F::splat(simd, block.depth[i]);
+        let colors = U::splat(simd, points.colors[i]);
+        for begin in (left..right).step_by(LANES) {
+            let dx = (lane_indices + (begin as f32 + 0.5 - block.x[i])) * per_px;
+            let dx_squared = dx * dx;
+            let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
+            band.for_windows(
+                top..bottom,
+                begin,
+                #[inline(always)]
+                |window| {
+                    let scaled = dy * per_px;
+                    let mask = (dx_squared + scaled * scaled).simd_lt(DISC_RADIUS_SQUARED);
+                    window.meet(
+                        mask,
+                        depths,
+                        mode,
+                        #[inline(always)]
+                        |seen| (seen, colors),
+                    );
+                    dy += 1.0;
+                },
+            );
+        }
+    }
+}

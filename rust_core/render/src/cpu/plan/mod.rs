@@ -1,0 +1,142 @@
+//! The work for one picture: what is to be drawn, in which order, by whom.
+//!
+//! The scene's drawables, in their order, are cut into [jobs](Job) of about equal size ([`Builder`]). A job turns a
+//! chunk of a cloud, several meshes and lines, or many small solids and glyphs together into primitives that are sorted
+//! into the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
+//! give the picture.
+//!
+//! A plan borrows from its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
+
+mod builder;
+mod outcome;
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use rcs_scene::{DisplayId, DrawOrder, Mesh};
+
+use self::builder::Builder;
+pub(in crate::cpu) use self::builder::Caches;
+pub(in crate::cpu) use self::outcome::{DrawContext, Outcome, Scratch};
+use super::geometry::instances::{Batch, BatchPiece, BatchView};
+use super::geometry::meshes::{Shape, Solid};
+use super::geometry::points::Cloud;
+use crate::View;
+
+/// One job.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) enum Job {
+    /// Points of the cloud with this index.
+    Points(usize, Range<usize>),
+    /// Some of the plan's pieces.
+    Meshes(Range<usize>),
+    /// Some of the plan's pieces of batches.
+    Instances(Range<usize>),
+}
+
+impl Job {
+    /// True if the faces of both may be drawn together: both are of one cloud, or both of triangles.
+    pub(in crate::cpu) fn goes_with(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Points(cloud, _), Self::Points(other, _)) => cloud == other,
+            (Self::Meshes(_), Self::Meshes(_)) => true,
+            _ => false,
+        }
+    }
+}
+
+/// Some primitives of the solid with this index.
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct Piece {
+    /// Index of the solid.
+    pub solid: usize,
+    /// Its triangles or lines.
+    pub range: Range<usize>,
+}
+
+/// All jobs of a picture.
+#[derive(Debug, Default)]
+pub(in crate::cpu) struct Plan<'a> {
+    /// In the order of drawing.
+    pub jobs: Vec<Job>,
+    /// The display of each job; where several share one, the first one's.
+    pub job_displays: Vec<DisplayId>,
+    clouds: Vec<Cloud<'a>>,
+    /// The jobs of each cloud.
+    cloud_jobs: Vec<Range<usize>>,
+    /// Meshes, ribbons and lines, and the pieces of them that jobs draw.
+    solids: Vec<Solid<'a>>,
+    pieces: Vec<Piece>,
+    /// Many small solids together, and texts, and the pieces of them that jobs draw.
+    batches: Vec<Batch<'a>>,
+    batch_pieces: Vec<BatchPiece>,
+    /// Common to the batches, where there are some.
+    batch_view: Option<BatchView<'a>>,
+}
+
+/// The memory of a picture's plan, for the next one.
+#[derive(Debug, Default)]
+pub(in crate::cpu) struct PlanMemory {
+    order: DrawOrder,
+    plan: Plan<'static>,
+    /// For wide lines that turn to the camera.
+    ribbon_meshes: Vec<Mesh>,
+}
+
+impl PlanMemory {
+    /// Takes the memory of a plan that is not needed any more.
+    pub(in crate::cpu) fn keep(&mut self, mut plan: Plan<'_>) {
+        // Those that this picture did not use are dropped.
+        self.ribbon_meshes.clear();
+        self.ribbon_meshes.extend(plan.solids.iter_mut().filter_map(|solid| match &mut solid.shape {
+            Shape::Mesh(Cow::Owned(mesh), _) => Some(std::mem::take(mesh)),
+            _ => None,
+        }));
+        // The next picture's are taken from the end.
+        self.ribbon_meshes.reverse();
+        self.plan = Plan {
+            jobs: emptied(plan.jobs),
+            job_displays: emptied(plan.job_displays),
+            clouds: emptied(plan.clouds),
+            cloud_jobs: emptied(plan.cloud_jobs),
+            solids: emptied(plan.solids),
+            pieces: emptied(plan.pieces),
+            batches: emptied(plan.batches),
+            batch_pieces: emptied(plan.batch_pieces),
+            batch_view: None,
+        };
+    }
+}
+
+/// The memory of a vector for elements of the same type with another lifetime: the library collects in place here. The
+/// memory of a much larger picture is given back.
+fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
+    const SPARE: usize = 1024;
+    let (used, room) = (vector.len(), vector.capacity());
+    let mut vector: Vec<U> = vector.into_iter().filter_map(|_| None).collect();
+    if room > 4 * used + SPARE {
+        vector.shrink_to(used);
+    }
+    vector
+}
+
+impl<'a> Plan<'a> {
+    /// Plans a picture.
+    pub(in crate::cpu) fn new(view: &View<'a>, caches: &mut Caches, memory: &mut PlanMemory) -> Self {
+        let mut order = std::mem::take(&mut memory.order);
+        order.sort(view.scene, view.visible, &view.camera.eye());
+        let mut builder = Builder::new(view, caches, memory);
+        order.of(view.scene).for_each(|ordered| builder.add(&ordered));
+        let plan = builder.finish();
+        memory.order = order;
+        plan
+    }
+
+    /// Marks the clouds that Ogre would not draw, given the outcomes of the jobs.
+    pub(in crate::cpu) fn cull_clouds(&mut self, outcomes: &[Outcome]) {
+        for (cloud, jobs) in self.clouds.iter_mut().zip(&self.cloud_jobs) {
+            let outcomes = outcomes.get(jobs.clone()).unwrap_or_default();
+            cloud.is_culled = cloud.lies_outside(outcomes.iter().flat_map(Outcome::points));
+        }
+    }
+}

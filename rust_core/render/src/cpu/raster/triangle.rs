@@ -1,0 +1,508 @@
+//! Triangles, from clip coordinates to fragments.
+//!
+//! Which pixels belong to a triangle is decided by its [edges](super::edges). Between them depth is linear in the
+//! window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per pixel. Narrow
+//! triangles are tested pixel by pixel, several at once; of wide ones the first and the last pixel of each row are
+//! found. Where faces are drawn by ranks, a triangle is drawn tile by tile, without those in which it is hidden.
+
+use std::ops::Range;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, Simd};
+use rcs_scene::CullMode;
+
+use super::clip::{ClipVertex, Outside, Polygon};
+use super::edges::{Edge, RowEdges, SpanEdges, MAX_ROWS};
+use crate::cpu::paint::{DepthBias, Paint, Surface};
+use crate::cpu::tile::band::{pack, unorm8, Band};
+use crate::cpu::tile::lanes::{lane_indices, map, F, LANES, M, U};
+use crate::cpu::tile::screen::{first_pixel, rounding, Area, DepthPlane, Screen, ScreenPosition, FARTHEST, SUBPIXELS};
+
+/// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
+/// and by a pixel down.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cpu) struct Plane {
+    pub at: f32,
+    pub dx: f32,
+    pub dy: f32,
+}
+
+impl Plane {
+    /// The values in several columns of a row.
+    #[inline(always)]
+    pub(in crate::cpu) fn values<S: Simd>(&self, x: F<S>, y: f32) -> F<S> {
+        (x * self.dx + self.at) + self.dy * y
+    }
+}
+
+/// About as many of the picture's pixels as a triangle covers; none for thin ones, such as wide lines, which cover no
+/// tiles.
+#[inline]
+pub(in crate::cpu) fn covered_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> u64 {
+    const THIN_PX: i64 = 32;
+    let ((left, right), (top, bottom)) = (between(a.x, b.x, c.x), between(a.y, b.y, c.y));
+    let doubled_px = doubled_area([a, b, c]).abs() / i64::from(SUBPIXELS * SUBPIXELS);
+    if doubled_px < i64::from((right - left).max(bottom - top)) * THIN_PX {
+        return 0;
+    }
+    let width = right.min(screen.width_px as i32) - left.max(0);
+    let height = bottom.min(screen.height_px as i32) - top.max(0);
+    (width.max(0) as u64 * height.max(0) as u64).min(doubled_px as u64) / 2
+}
+
+/// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative
+/// one.
+#[inline]
+fn doubled_area(positions: [&ScreenPosition; 3]) -> i64 {
+    doubled_area_of(positions.map(|position| [position.x, position.y]))
+}
+
+/// As [`doubled_area`], of places anywhere.
+#[inline]
+pub(in crate::cpu) fn doubled_area_of([a, b, c]: [[i32; 2]; 3]) -> i64 {
+    let (bx, by) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
+    let (cx, cy) = (i64::from(c[0]) - i64::from(a[0]), i64::from(c[1]) - i64::from(a[1]));
+    bx * cy - cx * by
+}
+
+/// True if the sides that are not drawn include the one that is seen.
+#[inline]
+fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
+    match cull {
+        CullMode::None => doubled_area == 0,
+        CullMode::Back => doubled_area >= 0,
+        CullMode::Front => doubled_area <= 0,
+    }
+}
+
+/// True if a triangle between these snapped places may cover the centre of a pixel, of the picture or beside it: of
+/// tiny ones it is found out.
+#[inline]
+pub(in crate::cpu) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
+    const TINY_PX: i32 = 2;
+    let [a, b, c] = places.map(|[x, y]| ScreenPosition { x, y, ..ScreenPosition::default() });
+    let ((left, right), (top, bottom)) = (between(a.x, b.x, c.x), between(a.y, b.y, c.y));
+    if right - left > TINY_PX || bottom - top > TINY_PX {
+        return true;
+    }
+    let positions = if doubled_area([&a, &b, &c]) < 0 { [&a, &c, &b] } else { [&a, &b, &c] };
+    let edges = Edge::around(positions);
+    (top..bottom).any(|y| (left..right).any(|x| edges.iter().all(|edge| edge.covers(x, y))))
+}
+
+/// True if a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn.
+/// Of a detailed mesh most do not, and are spared the light on their corners.
+#[inline]
+pub(in crate::cpu) fn may_be_seen([a, b, c]: [&ScreenPosition; 3], surface: &Surface, screen: &Screen) -> bool {
+    let touches = |a: i32, b: i32, c: i32, end: u32| {
+        let (first, after) = between(a, b, c);
+        first.max(0) < after.min(end as i32)
+    };
+    touches(a.x, b.x, c.x, screen.width_px)
+        && touches(a.y, b.y, c.y, screen.height_px)
+        && !is_hidden(doubled_area([a, b, c]), surface.cull)
+}
+
+/// A vertex on the picture, with the values that are interpolated over its triangles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cpu) struct Corner {
+    /// Its position.
+    pub position: ScreenPosition,
+    /// Red, green, blue, alpha, each 0 to 1.
+    pub color: [f32; 4],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}
+
+impl Corner {
+    fn new(vertex: &ClipVertex, screen: &Screen) -> Self {
+        Self { position: ScreenPosition::new(vertex.position, screen), color: vertex.color, uv: vertex.uv }
+    }
+}
+
+/// The first row of a triangle and the row after its last; may lie outside of the picture.
+#[inline]
+pub(in crate::cpu) fn rows([a, b, c]: [&ScreenPosition; 3]) -> (i32, i32) {
+    between(a.y, b.y, c.y)
+}
+
+/// The first pixel and the pixel after the last that snapped places reach over.
+#[inline]
+pub(in crate::cpu) fn between(a: i32, b: i32, c: i32) -> (i32, i32) {
+    (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
+}
+
+/// Clips a triangle and passes on the parts that are to be drawn.
+pub(in crate::cpu) fn cut(
+    triangle: [&ClipVertex; 3],
+    surface: &Surface,
+    screen: &Screen,
+    mut out: impl FnMut(&[Corner; 3]),
+) {
+    let outside = triangle.map(|vertex| Outside::new(vertex.position));
+    if outside.iter().all(|outside| outside.guard == 0) {
+        // Nothing is cut off.
+        let corners = triangle.map(|vertex| Corner::new(vertex, screen));
+        let positions = corners.each_ref().map(|corner| &corner.position);
+        if outside.iter().fold(!0, |all, outside| all & outside.view) == 0 && may_be_seen(positions, surface, screen) {
+            out(&corners);
+        }
+        return;
+    }
+    let Some(polygon) = Polygon::clip(triangle) else { return };
+    let Some((first, rest)) = polygon.vertices().split_first() else { return };
+    let first = Corner::new(first, screen);
+    for pair in rest.windows(2) {
+        let corners = [first, Corner::new(&pair[0], screen), Corner::new(&pair[1], screen)];
+        if may_be_seen(corners.each_ref().map(|corner| &corner.position), surface, screen) {
+            out(&corners);
+        }
+    }
+}
+
+/// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the
+/// area; none where that is zero.
+#[inline]
+pub(in crate::cpu) fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
+    match doubled_area([&a.position, &b.position, &c.position]) {
+        0 => None,
+        area if area < 0 => Some(([a, c, b], -area)),
+        area => Some(([a, b, c], area)),
+    }
+}
+
+/// Draws the rows of a band. Culling is done by then.
+#[inline]
+pub(in crate::cpu) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
+    let positions = corners.map(|corner| &corner.position);
+    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
+    let (begin, end) = rows(positions);
+    let Range { start: top, end: bottom } = band.rows(begin, end);
+    let area = Area { left: left.max(0), right: right.min(band.width), top, bottom };
+    if area.is_empty() {
+        return;
+    }
+    let is_narrow = right - left <= LANES as i32 && end - begin <= MAX_ROWS;
+    if let Some((corners, doubled_area)) = clockwise(corners) {
+        let triangle = Triangle { corners, doubled_area, surface, area, is_narrow };
+        dispatch!(band.simd_level, simd => triangle.draw(simd, band));
+    }
+}
+
+/// A triangle in a band.
+struct Triangle<'a> {
+    /// With the inside on the right of each edge as the picture shows it.
+    corners: [&'a Corner; 3],
+    doubled_area: i64,
+    surface: &'a Surface,
+    /// The band's pixels around it.
+    area: Area,
+    is_narrow: bool,
+}
+
+impl Triangle<'_> {
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
+        let edges = Edge::around(self.corners.map(|corner| &corner.position));
+        if band.is_ranked() {
+            self.draw_visible(simd, &edges, band);
+        } else if self.is_narrow {
+            let [a, b, c] = edges;
+            let edges = map(
+                [a, b, c],
+                #[inline(always)]
+                |edge| edge.measured_at(self.area.left, self.area.top),
+            );
+            // Many a triangle of a detailed mesh lies between the pixels' centres.
+            let mut rows = RowEdges::new(&edges, lane_indices(simd), 0);
+            let mut row = self.area.top;
+            while row < self.area.bottom && !rows.next().any_true() {
+                row += 1;
+            }
+            if row < self.area.bottom {
+                let planes = self.planes();
+                let rows = Area { top: row, ..self.area };
+                Fragments::new(simd, &planes, self.surface).draw_narrow(&edges, row - self.area.top, rows, band);
+            }
+        } else {
+            let mut spans = SpanEdges::new(&edges, self.area.top, self.area.left..self.area.right);
+            let planes = self.planes();
+            let fragments = Fragments::new(simd, &planes, self.surface);
+            for y in self.area.top..self.area.bottom {
+                let span = spans.next();
+                if span.start < span.end {
+                    fragments.draw_span(y, span, band);
+                }
+            }
+        }
+    }
+
+    /// Draws the tiles in which something of it may be seen.
+    #[inline(always)]
+    fn draw_visible<S: Simd>(&self, simd: S, edges: &[Edge<i64>; 3], band: &mut Band<'_>) {
+        let planes = self.planes();
+        let least = least_depth(self.corners.map(|corner| &corner.position), self.surface);
+        let depth = planes.depth_bound(self.area, least);
+        if !band.find_visible(simd, depth, self.area) {
+            return;
+        }
+        let fragments = Fragments::new(simd, &planes, self.surface);
+        band.draw_visible(
+            simd,
+            [depth.dx, depth.dy],
+            #[inline(always)]
+            |band, tile| {
+                if edges.iter().any(|edge| edge.excludes(tile)) {
+                    return false;
+                }
+                let pixels =
+                    Area { top: tile.top.max(self.area.top), bottom: tile.bottom.min(self.area.bottom), ..tile };
+                let edges = map(
+                    [edges[0], edges[1], edges[2]],
+                    #[inline(always)]
+                    |edge| edge.measured_at(pixels.left, pixels.top),
+                );
+                fragments.draw_narrow(&edges, 0, pixels, band)
+            },
+        );
+    }
+
+    fn planes(&self) -> Planes {
+        Planes::new(self.corners, self.doubled_area, self.surface)
+    }
+}
+
+/// A depth that no fragment of a triangle is nearer than, by however much its plane is rounded; infinitely near for
+/// thin ones, whose planes are steep.
+#[inline]
+pub(in crate::cpu) fn least_depth(positions: [&ScreenPosition; 3], surface: &Surface) -> f32 {
+    const THIN_PX: i64 = 16;
+    const STEPS: f32 = 32.0;
+    const SHARE: f32 = 1.0 / 1024.0;
+    let [first, second, third] = positions;
+    let (left, right) = between(first.x, second.x, third.x);
+    let (top, bottom) = between(first.y, second.y, third.y);
+    let longest = i64::from((right - left).max(bottom - top));
+    let is_thin = doubled_area(positions).abs() / i64::from(SUBPIXELS * SUBPIXELS) < longest * THIN_PX;
+    let [a, b, c] = positions.map(|position| position.depth);
+    let (near, far) = (a.min(b).min(c), a.max(b).max(c));
+    if surface.depth_bias != DepthBias::NONE {
+        f32::NEG_INFINITY
+    } else if near == far {
+        near
+    } else if is_thin {
+        f32::NEG_INFINITY
+    } else {
+        near - (far - near) * SHARE - STEPS
+    }
+}
+
+/// How a triangle lies in the picture, for what is linear over it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct Slopes {
+    along: [f32; 4],
+    per_area: f32,
+    first: [f32; 2],
+}
+
+impl Slopes {
+    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    #[inline]
+    pub(in crate::cpu) fn new([a, b, c]: [&ScreenPosition; 3], doubled_area: i64) -> Self {
+        let scale = SUBPIXELS as f32;
+        let along = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
+        let per_area = (scale as f64 * scale as f64 / doubled_area as f64) as f32;
+        Self { along, per_area, first: [a.x as f32 / scale, a.y as f32 / scale] }
+    }
+
+    /// A plane with these values at the corners.
+    #[inline]
+    pub(in crate::cpu) fn plane(&self, [va, vb, vc]: [f32; 3]) -> Plane {
+        let ([dx1, dy1, dx2, dy2], [x, y]) = (self.along, self.first);
+        let dx = ((vb - va) * dy2 - (vc - va) * dy1) * self.per_area;
+        let dy = ((vc - va) * dx1 - (vb - va) * dx2) * self.per_area;
+        Plane { at: va - dx * x - dy * y, dx, dy }
+    }
+
+    /// The depth, nearer by a surface's bias.
+    #[inline]
+    pub(in crate::cpu) fn depth(&self, depths: [f32; 3], surface: &Surface) -> Plane {
+        let mut depth = self.plane(depths);
+        if surface.depth_bias != DepthBias::NONE {
+            let DepthBias { steps, slopes } = surface.depth_bias;
+            depth.at -= steps + slopes * depth.dx.abs().max(depth.dy.abs());
+        }
+        depth
+    }
+}
+
+/// The values that are interpolated over a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct Planes {
+    /// All corners have one colour, which `color` holds undivided.
+    pub flat: bool,
+    pub depth: Plane,
+    pub inverse_w: Plane,
+    pub color: [Plane; 4],
+    /// Only where the surface has use for it.
+    pub uv: [Plane; 2],
+}
+
+impl Planes {
+    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    pub(in crate::cpu) fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
+        let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
+            corners.map(|corner| (&corner.position, &corner.color, &corner.uv));
+        let slopes = Slopes::new([a, b, c], doubled_area);
+        let plane = |va, vb, vc| slopes.plane([va, vb, vc]);
+        let depth = slopes.depth([a.depth, b.depth, c.depth], surface);
+        let flat = color_a == color_b && color_a == color_c;
+        let color = if flat {
+            color_a.map(|at| Plane { at, dx: 0.0, dy: 0.0 })
+        } else {
+            [0, 1, 2, 3].map(|i| plane(color_a[i] * a.inverse_w, color_b[i] * b.inverse_w, color_c[i] * c.inverse_w))
+        };
+        let uv = if matches!(surface.paint, Paint::Color) {
+            [Plane::default(); 2]
+        } else {
+            [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w))
+        };
+        Self { flat, depth, inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w), color, uv }
+    }
+
+    /// The change of texture coordinates to the next pixel along the row and along the column.
+    fn footprint(&self, uv: [f32; 2], w: f32) -> [[f32; 2]; 2] {
+        let change = |plane: &Plane, value: f32| {
+            [(plane.dx - value * self.inverse_w.dx) * w, (plane.dy - value * self.inverse_w.dy) * w]
+        };
+        let [[ux, uy], [vx, vy]] = [change(&self.uv[0], uv[0]), change(&self.uv[1], uv[1])];
+        [[ux, vx], [uy, vy]]
+    }
+
+    /// The depths of the fragments in an area, not below `least` but for rounding.
+    fn depth_bound(&self, area: Area, least: f32) -> DepthPlane {
+        let Plane { at, dx, dy } = self.depth;
+        let (right, down) = (dx.abs() * area.right as f32, dy.abs() * area.bottom as f32);
+        let noise = if dx == 0.0 && dy == 0.0 {
+            0.0
+        } else {
+            let sum = at.abs() + right;
+            1.01 * (rounding(right) + rounding(sum) + rounding(down) + rounding((sum + down).min(2.0 * FARTHEST)))
+        };
+        let (x, y) =
+            (if dx < 0.0 { area.right - 1 } else { area.left }, if dy < 0.0 { area.bottom - 1 } else { area.top });
+        let least = least.max(at + dx * x as f32 + dy * y as f32) - noise;
+        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least }
+    }
+}
+
+/// The fragments of a triangle, several at once.
+struct Fragments<'a, S: Simd> {
+    simd: S,
+    planes: &'a Planes,
+    surface: &'a Surface,
+    /// The only colour, packed.
+    single: Option<u32>,
+}
+
+impl<'a, S: Simd> Fragments<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, planes: &'a Planes, surface: &'a Surface) -> Self {
+        let is_single = planes.flat && matches!(surface.paint, Paint::Color);
+        let single = is_single.then(|| pack(planes.color.map(|plane| unorm8(plane.at))));
+        Self { simd, planes, surface, single }
+    }
+
+    /// The places of [`LANES`] pixels from `x` on.
+    #[inline(always)]
+    fn columns(&self, x: i32) -> F<S> {
+        lane_indices(self.simd).to_float::<F<S>>() + x as f32
+    }
+
+    #[inline(always)]
+    fn depths(&self, x: F<S>, y: f32) -> F<S> {
+        let depth = self.planes.depth.values(x, y);
+        // NaN stays.
+        let depth = depth.simd_lt(0.0).select(F::splat(self.simd, 0.0), depth);
+        depth.simd_gt(FARTHEST).select(F::splat(self.simd, FARTHEST), depth)
+    }
+
+    /// The fragments seen there that the surface has, and their colours.
+    #[inline(always)]
+    fn colors(&self, x: F<S>, y: f32, seen: M<S>) -> (M<S>, U<S>) {
+        if let Some(single) = self.single {
+            return (seen, U::splat(self.simd, single));
+        }
+        let planes = self.planes;
+        let w = 1.0 / planes.inverse_w.values(x, y);
+        let color = if planes.flat {
+            map(
+                planes.color,
+                #[inline(always)]
+                |plane| F::splat(self.simd, plane.at),
+            )
+        } else {
+            map(
+                planes.color,
+                #[inline(always)]
+                |plane| plane.values(x, y) * w,
+            )
+        };
+        let uv = map(
+            planes.uv,
+            #[inline(always)]
+            |plane| plane.values(x, y) * w,
+        );
+        self.surface.colors(color, uv, seen, |lane, uv| planes.footprint(uv, w.to_array()[lane]))
+    }
+
+    /// Draws the pixels of a row's span, which must be the picture's.
+    #[inline(always)]
+    fn draw_span(&self, y: i32, span: Range<i32>, band: &mut Band<'_>) {
+        let row = y as f32;
+        for begin in span.clone().step_by(LANES) {
+            let columns = self.columns(begin);
+            let mask = columns.simd_lt(span.end as f32);
+            let depths = self.depths(columns, row);
+            band.for_windows(
+                y..y + 1,
+                begin,
+                #[inline(always)]
+                |window| {
+                    window.meet(
+                        mask,
+                        depths,
+                        self.surface.mode,
+                        #[inline(always)]
+                        |seen| self.colors(columns, row, seen),
+                    );
+                },
+            );
+        }
+    }
+
+    /// Draws the pixels of an area of at most [`LANES`] columns that are inside of edges, which are measured from its
+    /// first column and `row` rows above its first row. Returns true if some are seen.
+    #[inline(always)]
+    fn draw_narrow(&self, edges: &[Edge<i32>; 3], row: i32, area: Area, band: &mut Band<'_>) -> bool {
+        let columns = self.columns(area.left);
+        let mut rows = RowEdges::new(edges, lane_indices(self.simd), row);
+        let (mut y, mut is_seen) = (area.top as f32, false);
+        band.for_windows(
+            area.top..area.bottom,
+            area.left,
+            #[inline(always)]
+            |window| {
+                is_seen |= window.meet(
+                    rows.next(),
+                    self.depths(columns, y),
+                    self.surface.mode,
+                    #[inline(always)]
+                    |seen| self.colors(columns, y, seen),
+                );
+                y += 1.0;
+            },
+        );
+        is_seen
+    }
+}

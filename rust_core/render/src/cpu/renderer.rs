@@ -1,0 +1,340 @@
+//! The renderer: from a view to a picture, in two steps on all threads.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::time::Duration;
+
+use fearless_simd::Level;
+use rcs_camera::{see_depth_through, see_through};
+use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
+
+use super::costs::{self, WorkerCosts};
+use super::plan::{Caches, DrawContext, Outcome, Plan, PlanMemory, Scratch};
+use super::threads::in_parallel;
+use super::tile::band::{pack, Band, BandBuffers};
+use super::tile::depths::Depths;
+use super::tile::near_to_far::Load;
+use super::tile::screen::Screen;
+use crate::renderer::panic_text;
+use crate::{Finished, RenderError, Renderer, View};
+
+/// Draws on the CPU.
+#[derive(Debug, Default)]
+pub struct CpuRenderer {
+    workers: Vec<Worker>,
+    /// By job; some more may be left of other pictures.
+    outcomes: Vec<Outcome>,
+    caches: Caches,
+    /// The instruction set to use; `None`: the best that there is.
+    simd_level: Option<Level>,
+    culling: Culling,
+    runs: Vec<Run>,
+    memory: PlanMemory,
+    pictures: Pictures,
+    /// The displays of the last picture's jobs.
+    job_displays: Vec<DisplayId>,
+    /// The next picture's first job panics.
+    #[cfg(test)]
+    pub(super) panics_next: bool,
+}
+
+/// Pictures of a renderer.
+#[derive(Debug, Default)]
+struct Pictures {
+    /// Drawn and not yet returned, the oldest first.
+    finished: VecDeque<Picture>,
+    /// Memory for the next one.
+    unused: Picture,
+    /// Drawn before a lens bends it.
+    before_lens: Picture,
+    depth_before_lens: DepthPicture,
+}
+
+/// When faces that others hide are looked for. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Culling {
+    /// In pictures in which many large faces lie over each other.
+    #[default]
+    Heavy,
+    /// Everywhere.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+/// Jobs that are drawn one after the other in each band.
+#[derive(Clone, Debug)]
+enum Run {
+    /// In their order.
+    InOrder(Range<usize>),
+    /// By the ranks of their faces.
+    Ranked(Range<usize>),
+}
+
+/// The memory that a thread keeps.
+#[derive(Debug, Default)]
+struct Worker {
+    band: BandBuffers,
+    scratch: Scratch,
+    costs: WorkerCosts,
+}
+
+impl CpuRenderer {
+    /// A renderer that uses all cores.
+    pub fn new() -> Self {
+        Self::with_threads(rayon::current_num_threads())
+    }
+
+    /// A renderer that uses this many threads (at least one). The picture does not depend on it.
+    pub fn with_threads(threads: usize) -> Self {
+        let workers = (0..threads.max(1)).map(|_| Worker::default()).collect();
+        Self { workers, ..Self::default() }
+    }
+
+    /// Chooses when faces that others hide are looked for; for tests and measurements.
+    #[must_use]
+    pub fn with_culling(self, culling: Culling) -> Self {
+        Self { culling, ..self }
+    }
+
+    /// Chooses the instruction set.
+    #[cfg(test)]
+    pub(super) fn with_simd_level(self, level: Level) -> Self {
+        Self { simd_level: Some(level), ..self }
+    }
+}
+
+impl Renderer for CpuRenderer {
+    fn describe(&self) -> String {
+        match self.workers.len() {
+            0 | 1 => "cpu (1 thread)".into(),
+            threads => format!("cpu ({threads} threads)"),
+        }
+    }
+
+    fn costs(&self) -> Vec<(DisplayId, Duration)> {
+        costs::by_display(&self.job_displays, self.workers.iter().map(|worker| &worker.costs))
+    }
+
+    /// Draws at once: all cores are busy with one picture.
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        self.submit_both(view, None)
+    }
+
+    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        self.submit_both(view, Some(depth))
+    }
+
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
+        let Some(drawn) = self.pictures.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
+        self.pictures.unused = std::mem::replace(picture, drawn);
+        self.pictures.unused.give_back_memory(picture.data.len());
+        Ok(Finished::Drawn)
+    }
+
+    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+        self.pictures.finished.clear();
+        self.draw(view, picture, None)
+    }
+}
+
+impl CpuRenderer {
+    /// Draws how far away is what a picture of the view would show, and drops the picture.
+    pub(crate) fn draw_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        let mut picture = std::mem::take(&mut self.pictures.unused);
+        let drawn = self.draw(view, &mut picture, Some(depth));
+        self.pictures.unused = picture;
+        drawn
+    }
+
+    fn submit_both(&mut self, view: &View<'_>, depth: Option<&mut DepthPicture>) -> Result<(), RenderError> {
+        let mut picture = std::mem::take(&mut self.pictures.unused);
+        let drawn = self.draw(view, &mut picture, depth);
+        match drawn {
+            Ok(()) => self.pictures.finished.push_back(picture),
+            Err(_) => self.pictures.unused = picture,
+        }
+        drawn
+    }
+
+    /// Draws a picture, and how far away is what it shows. A panic is an error: what the renderer kept for the next
+    /// pictures is dropped, and those go on.
+    pub(crate) fn draw(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
+        let drawn = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, picture, depth)));
+        drawn.unwrap_or_else(|panic| {
+            let (simd_level, culling) = (self.simd_level, self.culling);
+            let finished = std::mem::take(&mut self.pictures.finished);
+            *self = Self { simd_level, culling, ..Self::with_threads(self.workers.len()) };
+            self.pictures.finished = finished;
+            Err(RenderError::Panicked { renderer: self.describe(), reason: panic_text(panic.as_ref()).to_owned() })
+        })
+    }
+
+    fn draw_unguarded(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        mut depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
+        let flip = view.camera.flip();
+        let Some(map) = view.camera.lens() else {
+            self.draw_straight(view, picture, depth.as_deref_mut())?;
+            flip.picture(picture);
+            depth.into_iter().for_each(|depth| flip.depth(depth));
+            return Ok(());
+        };
+        let mut drawn = std::mem::take(&mut self.pictures.before_lens);
+        let mut drawn_depth = std::mem::take(&mut self.pictures.depth_before_lens);
+        let straight = View { encoding: Encoding::Rgba8, ..*view };
+        let result = self.draw_straight(&straight, &mut drawn, depth.is_some().then_some(&mut drawn_depth));
+        if result.is_ok() {
+            see_through(map, &drawn, view.background, view.encoding, picture);
+            flip.picture(picture);
+            if let Some(depth) = depth {
+                see_depth_through(map, &drawn_depth, depth);
+                flip.depth(depth);
+            }
+        }
+        (self.pictures.before_lens, self.pictures.depth_before_lens) = (drawn, drawn_depth);
+        result
+    }
+
+    /// Draws the view of a camera without its lens, before it is flipped.
+    fn draw_straight(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
+        let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
+        if width_px.max(height_px) > MAX_SIDE_PX {
+            let renderer = self.describe();
+            return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
+        }
+        picture.reset(width_px, height_px, view.encoding);
+        let depths = Depths::new(view.camera, depth);
+        if picture.data.is_empty() {
+            return Ok(());
+        }
+        if self.workers.is_empty() {
+            self.workers.push(Worker::default());
+        }
+        let scene = view.scene.seen_from(view.camera);
+        let view = &View { scene: &scene, ..*view };
+        let mut screen = Screen::new(width_px, height_px, self.workers.len());
+        screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
+        self.caches.forget_dead();
+        let mut plan = Plan::new(view, &mut self.caches, &mut self.memory);
+        self.prepare(&plan, &screen);
+        plan.cull_clouds(&self.outcomes);
+        self.list_runs(&plan, &screen);
+        self.draw_bands(&DrawContext { plan: &plan, screen: &screen }, view, picture, depths);
+        std::mem::swap(&mut self.job_displays, &mut plan.job_displays);
+        self.memory.keep(plan);
+        Ok(())
+    }
+
+    /// The first step: all jobs.
+    fn prepare(&mut self, plan: &Plan<'_>, screen: &Screen) {
+        let jobs = plan.jobs.len();
+        if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
+            self.outcomes.resize_with(jobs, Outcome::default);
+        }
+        self.workers.iter_mut().for_each(|worker| worker.costs.reset(jobs));
+        #[cfg(test)]
+        let panics = std::mem::take(&mut self.panics_next);
+        let context = DrawContext { plan, screen };
+        let jobs = plan.jobs.iter().zip(&mut self.outcomes).enumerate();
+        in_parallel(&mut self.workers, jobs, |worker, (index, (job, outcome))| {
+            worker.costs.begin();
+            #[cfg(test)]
+            assert!(!panics, "a test's panic");
+            outcome.prepare(job, &context, &mut worker.scratch);
+            worker.costs.add(index..index + 1);
+        });
+    }
+
+    /// Lists the jobs in their order, those together whose faces are drawn by their ranks.
+    fn list_runs(&mut self, plan: &Plan<'_>, screen: &Screen) {
+        self.runs.clear();
+        let mut begin = 0;
+        while let Some(job) = plan.jobs.get(begin) {
+            let (mut end, mut load) = (begin, Load::default());
+            for (job_there, outcome) in plan.jobs.iter().zip(&self.outcomes).skip(begin) {
+                let both = load.and(outcome.load(job_there, plan));
+                if both.in_order || !job.goes_with(job_there) {
+                    break;
+                }
+                (end, load) = (end + 1, both);
+            }
+            let is_ranked = match self.culling {
+                Culling::Heavy => load.is_heavy(screen),
+                Culling::Always => end > begin,
+                Culling::Never => false,
+            };
+            let jobs = begin..end.max(begin + 1);
+            begin = jobs.end;
+            self.runs.push(if is_ranked { Run::Ranked(jobs) } else { Run::InOrder(jobs) });
+        }
+    }
+
+    /// The second step: all bands.
+    fn draw_bands(&mut self, context: &DrawContext<'_>, view: &View<'_>, picture: &mut Picture, depths: Depths<'_>) {
+        let [r, g, b] = view.background;
+        let background = pack([r, g, b, 255]);
+        let (step, width, rows) = (picture.step(), picture.width_px as usize, context.screen.band_rows());
+        let (outcomes, runs) = (self.outcomes.as_slice(), &self.runs);
+        let to_metres = depths.to_metres();
+        let bands = picture.data.chunks_mut(step * rows).zip(depths.into_bands(width * rows)).enumerate();
+        in_parallel(&mut self.workers, bands, |worker, (index, (rows, depths))| {
+            let Worker { band, scratch, costs } = worker;
+            let mut band = band.begin(context.screen, index, background);
+            costs.begin();
+            for run in runs {
+                run.draw(context, (outcomes, index), scratch, costs, &mut band);
+            }
+            for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
+                view.encoding.write_row(pixels, row);
+            }
+            if let Some(depths) = depths {
+                to_metres.write(band.depth_rows(), width, depths);
+            }
+        });
+    }
+}
+
+impl Run {
+    /// Draws the rows of the band of an index.
+    fn draw(
+        &self,
+        context: &DrawContext<'_>,
+        (outcomes, index): (&[Outcome], usize),
+        scratch: &mut Scratch,
+        costs: &mut WorkerCosts,
+        band: &mut Band<'_>,
+    ) {
+        let jobs = &context.plan.jobs;
+        match self {
+            Self::InOrder(range) => {
+                for at in range.clone() {
+                    if let (Some(job), Some(outcome)) = (jobs.get(at), outcomes.get(at)) {
+                        outcome.draw(job, context, index, scratch, band);
+                        costs.add(at..at + 1);
+                    }
+                }
+            }
+            Self::Ranked(range) => {
+                if let (Some(job), Some(outcomes)) = (jobs.get(range.start), outcomes.get(range.clone())) {
+                    Outcome::draw_ranked((job, outcomes), context, index, scratch, band);
+                    costs.add(range.clone());
+                }
+            }
+        }
+    }
+}

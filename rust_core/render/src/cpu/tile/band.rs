@@ -1,0 +1,512 @@
+//! The pixels of one band of rows: colour and depth, and how fragments are tested and blended.
+//!
+//! A worker draws one band after another into the same two buffers, which stay in its core's cache; a finished band
+//! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
+//! blend rounds, with the arithmetic of Mesa's rasteriser.
+
+use std::ops::Range;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd};
+
+use super::hiz::{Face, Hiz, VisibleTiles};
+use super::lanes::{inlined, lane_indices, F, LANES, M, U};
+use super::screen::{rounding, Area, DepthPlane, Screen, FARTHEST, TILE_PX};
+
+/// How fragments are combined with the pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::cpu) struct Mode {
+    /// `colour · alpha + behind · (1 − alpha)`, else the colour replaces.
+    pub blend: bool,
+    /// A nearer pixel hides the fragment.
+    pub depth_test: bool,
+    /// The fragment's depth is kept.
+    pub depth_write: bool,
+}
+
+impl Mode {
+    /// Hides what is behind.
+    pub(in crate::cpu) const OPAQUE: Self = Self { blend: false, depth_test: true, depth_write: true };
+    /// Blends with what is behind and leaves its depth.
+    pub(in crate::cpu) const TRANSLUCENT: Self = Self { blend: true, depth_test: true, depth_write: false };
+
+    /// One of the two.
+    pub(in crate::cpu) const fn new(blend: bool) -> Self {
+        if blend {
+            Self::TRANSLUCENT
+        } else {
+            Self::OPAQUE
+        }
+    }
+}
+
+/// The buffers that a worker keeps.
+#[derive(Debug, Default)]
+pub(in crate::cpu) struct BandBuffers {
+    color: Vec<u32>,
+    depth: Vec<f32>,
+    rank: Vec<u32>,
+    hiz: Hiz,
+    visible: Vec<VisibleTiles>,
+}
+
+impl BandBuffers {
+    /// The band of this index, cleared.
+    pub(in crate::cpu) fn begin(&mut self, screen: &Screen, index: usize, background: u32) -> Band<'_> {
+        let first_row = index * screen.band_rows();
+        let rows = screen.band_rows().min((screen.height_px as usize).saturating_sub(first_row));
+        let width = screen.width_px as usize;
+        let stride = width + LANES;
+        self.color.clear();
+        self.color.resize(stride * rows, background);
+        self.depth.clear();
+        self.depth.resize(stride * rows, FARTHEST);
+        Band {
+            width: width as i32,
+            first_row: first_row as i32,
+            end_row: (first_row + rows) as i32,
+            simd_level: screen.simd_level,
+            stride,
+            color: &mut self.color,
+            depth: &mut self.depth,
+            ranks: &mut self.rank,
+            hiz: &mut self.hiz,
+            visible: &mut self.visible,
+            rank: IN_ORDER,
+            next_rank: IN_ORDER,
+        }
+    }
+}
+
+/// The rank of faces that are drawn in their order.
+const IN_ORDER: u32 = 0;
+
+/// A band that is being drawn.
+///
+/// Faces are drawn in their order, or in any order by their ranks: of equal depths the higher rank wins then, and what
+/// is hidden is looked for before it is drawn.
+#[derive(Debug)]
+pub(in crate::cpu) struct Band<'a> {
+    /// Pixels in a row.
+    pub width: i32,
+    /// The band's first row in the picture.
+    pub first_row: i32,
+    /// The row after its last.
+    pub end_row: i32,
+    /// The instruction set that loops over pixels use.
+    pub simd_level: Level,
+    /// Pixels from row to row: behind each row there is room for what sticks out of it.
+    stride: usize,
+    color: &'a mut [u32],
+    depth: &'a mut [f32],
+    /// The rank of the face that each pixel shows, from the first run of ranks on.
+    ranks: &'a mut Vec<u32>,
+    hiz: &'a mut Hiz,
+    /// Scratch buffer for the tiles of a face.
+    visible: &'a mut Vec<VisibleTiles>,
+    /// The rank of what is drawn.
+    rank: u32,
+    /// The first rank that is free.
+    next_rank: u32,
+}
+
+/// A band's pixels: that in row `y` of the band and column `x` is at `y · stride + x`.
+#[derive(Debug)]
+pub(in crate::cpu) struct Pixels<'a> {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub rows: usize,
+    /// From row to row.
+    pub stride: usize,
+    /// Their colours.
+    pub color: &'a mut [u32],
+    /// Their depths.
+    pub depth: &'a mut [f32],
+}
+
+impl Band<'_> {
+    /// The part of a range of picture rows that lies in this band.
+    #[inline]
+    pub(in crate::cpu) fn rows(&self, begin: i32, end: i32) -> Range<i32> {
+        begin.max(self.first_row)..end.min(self.end_row)
+    }
+
+    /// Its pixels in the picture.
+    #[inline(always)]
+    pub(in crate::cpu) fn area(&self) -> Area {
+        Area { left: 0, right: self.width, top: self.first_row, bottom: self.end_row }
+    }
+
+    /// The colour and the depth of one pixel, if it is one of the band's.
+    #[inline(always)]
+    pub(in crate::cpu) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
+        // Negative values wrap to large ones and fail the same check.
+        let (x, row) = (x as u32, (y - self.first_row) as u32);
+        if x >= self.width as u32 || row >= (self.end_row - self.first_row) as u32 {
+            return None;
+        }
+        let at = row as usize * self.stride + x as usize;
+        Some((self.color.get_mut(at)?, self.depth.get_mut(at)?))
+    }
+
+    /// All of them.
+    #[inline(always)]
+    pub(in crate::cpu) fn pixels(&mut self) -> Pixels<'_> {
+        let rows = (self.end_row - self.first_row) as usize;
+        Pixels { width: self.width as usize, rows, stride: self.stride, color: self.color, depth: self.depth }
+    }
+
+    /// [`LANES`] pixels from `begin` on of each row of a range. All must be the band's.
+    #[inline(always)]
+    pub(in crate::cpu) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
+        let Some(down) = (rows.end - rows.start).checked_sub(1).filter(|down| *down >= 0) else { return };
+        let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
+        let range = start..start + down as usize * self.stride + LANES;
+        let (Some(colors), Some(depths)) = (self.color.get_mut(range.clone()), self.depth.get_mut(range.clone()))
+        else {
+            return;
+        };
+        let rank = self.rank;
+        let ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
+        let ranks = ranks.unwrap_or_default();
+        let mut at = 0;
+        while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
+            let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
+            let ranks = ranks.get_mut(at..).and_then(<[u32]>::first_chunk_mut);
+            work(Window { colors, depths, ranks, rank });
+            at += self.stride;
+        }
+    }
+
+    /// Begins a run of faces that are drawn by ranks: of this number, from the returned one on. `None` where there are
+    /// no more of them.
+    pub(in crate::cpu) fn begin_ranks(&mut self, count: usize) -> Option<u32> {
+        if self.next_rank == IN_ORDER {
+            self.hiz.reset(self.area());
+            self.ranks.clear();
+            self.ranks.resize(self.color.len(), IN_ORDER);
+            self.next_rank = IN_ORDER + 1;
+        }
+        let first = self.next_rank;
+        self.next_rank = first.checked_add(u32::try_from(count).ok()?)?;
+        Some(first)
+    }
+
+    /// Draws by a rank of the run from now on.
+    #[inline(always)]
+    pub(in crate::cpu) fn set_rank(&mut self, rank: u32) {
+        self.rank = rank;
+    }
+
+    /// Draws in order from now on.
+    pub(in crate::cpu) fn end_ranks(&mut self) {
+        self.rank = IN_ORDER;
+    }
+
+    /// True if faces are drawn by their ranks.
+    #[inline(always)]
+    pub(in crate::cpu) fn is_ranked(&self) -> bool {
+        self.rank != IN_ORDER
+    }
+
+    /// Finds the tiles in which something of a face of the present rank may be seen. Returns true if there are some.
+    #[inline(always)]
+    pub(in crate::cpu) fn find_visible<S: Simd>(&mut self, simd: S, plane: DepthPlane, area: Area) -> bool {
+        self.hiz.list_visible(simd, &Face { plane, rank: self.rank, area }, self.visible);
+        !self.visible.is_empty()
+    }
+
+    /// Draws the tiles that were found, of a face whose depth changes by so much to the right and down. `draw` returns
+    /// true where something is seen.
+    #[inline(always)]
+    pub(in crate::cpu) fn draw_visible<S: Simd>(
+        &mut self,
+        simd: S,
+        slopes: [f32; 2],
+        mut draw: impl FnMut(&mut Self, Area) -> bool,
+    ) {
+        let visible = std::mem::take(self.visible);
+        for of_block in &visible {
+            let (mut is_nearer, mut left) = (false, of_block.tiles);
+            while left != 0 {
+                let tile = left.trailing_zeros();
+                left &= left - 1;
+                let pixels = self.hiz.area(*of_block, tile);
+                if draw(self, pixels) {
+                    if let Some((bound, rank)) = self.farthest(simd, pixels, slopes) {
+                        is_nearer |= self.hiz.offer(*of_block, tile, &bound, rank);
+                    }
+                }
+            }
+            if is_nearer {
+                self.hiz.join(*of_block, slopes);
+            }
+        }
+        *self.visible = visible;
+    }
+
+    /// A bound of a tile's depths, as one depth or as a plane of these changes to the right and down, and the lowest
+    /// rank in it; `None` where pixels are outside of the picture.
+    #[inline(always)]
+    fn farthest<S: Simd>(&self, simd: S, tile: Area, [dx, dy]: [f32; 2]) -> Option<(DepthPlane, u32)> {
+        let mut farthest = F::splat(simd, 0.0);
+        let mut above = F::splat(simd, 0.0);
+        let mut first_rank = U::splat(simd, u32::MAX);
+        if tile.right - tile.left < TILE_PX {
+            return None;
+        }
+        let mut at = (tile.top - self.first_row) as usize * self.stride + tile.left as usize;
+        let right = lane_indices(simd).to_float::<F<S>>() * dx;
+        for row in 0..tile.bottom - tile.top {
+            let depths = F::load_array_ref(simd, self.depth.get(at..)?.first_chunk()?);
+            farthest = farthest.max(depths);
+            above = above.max(depths - (right + row as f32 * dy));
+            first_rank = first_rank.min(U::load_array_ref(simd, self.ranks.get(at..)?.first_chunk()?));
+            at += self.stride;
+        }
+        // Of numbers that are not negative, the larger one has the larger bits.
+        let greatest =
+            |numbers: F<S>| f32::from_bits(numbers.to_array().map(f32::to_bits).into_iter().fold(0, u32::max));
+        let (farthest, above) = (greatest(farthest), greatest(above));
+        let mut bound = DepthPlane::level(farthest);
+        // A plane, where it is finite and less at the tile's middle.
+        let reach = (dx.abs() + dy.abs()) * (TILE_PX - 1) as f32;
+        if above + (dx + dy) * ((TILE_PX - 1) as f32 * 0.5) < farthest && reach < FARTHEST {
+            let noise = 1.01 * (3.0 * rounding(reach) + rounding(FARTHEST + reach));
+            bound = DepthPlane { at: above, dx, dy, x: tile.left as f32, y: tile.top as f32, noise, ..bound };
+        }
+        Some((bound, first_rank.to_array().into_iter().fold(u32::MAX, u32::min)))
+    }
+
+    /// The finished rows, from the top.
+    pub(in crate::cpu) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
+        let width = self.width as usize;
+        self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
+    }
+
+    /// The depths of each row.
+    pub(in crate::cpu) fn depth_rows(&self) -> impl Iterator<Item = &[f32]> + '_ {
+        let width = self.width as usize;
+        self.depth.chunks_exact(self.stride).map(move |row| &row[..width])
+    }
+}
+
+/// [`LANES`] pixels side by side.
+#[derive(Debug)]
+pub(in crate::cpu) struct Window<'a> {
+    colors: &'a mut [u32; LANES],
+    depths: &'a mut [f32; LANES],
+    /// Present while faces are drawn by their ranks.
+    ranks: Option<&'a mut [u32; LANES]>,
+    rank: u32,
+}
+
+impl Window<'_> {
+    /// Tests and blends fragments side by side, those whose mask is set. `shade` is called only where some of them are
+    /// seen; it returns which of these are really covered, and their colours. Returns true if some are.
+    ///
+    /// The nearer fragment wins, of equal depths the later one; where there are ranks, that of the higher rank.
+    #[inline(always)]
+    pub(in crate::cpu) fn meet<S: Simd>(
+        self,
+        mask: M<S>,
+        depths: F<S>,
+        mode: Mode,
+        shade: impl FnOnce(M<S>) -> (M<S>, U<S>),
+    ) -> bool {
+        let simd = depths.token();
+        let behind = F::load_array_ref(simd, self.depths);
+        // NaN is in front of nothing.
+        let mut wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
+        if let Some(ranks) = &self.ranks {
+            wins &= depths.simd_lt(behind) | U::load_array_ref(simd, *ranks).simd_le(self.rank);
+        }
+        if !wins.any_true() {
+            return false;
+        }
+        let (wins, colors) = shade(wins);
+        if let Some(ranks) = self.ranks {
+            wins.select(U::splat(simd, self.rank), U::load_array_ref(simd, ranks)).store_array(ranks);
+        }
+        if mode.depth_write {
+            wins.select(depths, behind).store_array(self.depths);
+        }
+        let there = U::load_array_ref(simd, self.colors);
+        let colors = if mode.blend { blend_lanes(there, colors) } else { colors };
+        wins.select(colors, there).store_array(self.colors);
+        wins.any_true()
+    }
+}
+
+/// A colour as the buffers hold it: four bytes, red first in memory.
+#[inline]
+pub(in crate::cpu) fn pack(color: [u8; 4]) -> u32 {
+    u32::from_ne_bytes(color)
+}
+
+/// Tests a fragment against a pixel and writes or blends it.
+#[inline]
+pub(in crate::cpu) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u8; 4], mode: Mode) {
+    // NaN is not drawn.
+    if mode.depth_test && (depth > *pixel_depth || depth.is_nan()) {
+        return;
+    }
+    // As most of a glyph's pixels, which stay as they are.
+    if mode == Mode::TRANSLUCENT && color[3] == 0 {
+        return;
+    }
+    if mode.depth_write {
+        *pixel_depth = depth;
+    }
+    *pixel = if mode.blend { blend(*pixel, color) } else { pack(color) };
+}
+
+/// `color` over `behind`, by the colour's alpha.
+#[inline]
+pub(in crate::cpu) fn blend(behind: u32, color: [u8; 4]) -> u32 {
+    // Two channels in each number, each with 16 bits.
+    const CHANNELS: u32 = 0x00ff_00ff;
+    let alpha = u32::from(color[3]);
+    let color = pack(color);
+    let scaled = |two: u32, factor: u32| {
+        let products = two * factor;
+        ((products + ((products >> 8) & CHANNELS) + 0x0080_0080) >> 8) & CHANNELS
+    };
+    let over = |color: u32, behind: u32| {
+        let sum = scaled(color & CHANNELS, alpha) + scaled(behind & CHANNELS, 255 - alpha);
+        // 256 becomes 255.
+        sum - ((sum >> 8) & 0x0001_0001)
+    };
+    over(color, behind) | over(color >> 8, behind >> 8) << 8
+}
+
+/// As [`blend`], several at once: two channels in each half of the bits.
+#[inline(always)]
+fn blend_lanes<S: Simd>(behind: U<S>, colors: U<S>) -> U<S> {
+    const EVEN: u32 = 0x00ff_00ff;
+    let alpha = (colors >> channel_shift(3)) & 255;
+    let rest = 255 - alpha;
+    // What is added to a product of 16 bits never leaves them.
+    let scale = inlined(
+        #[inline(always)]
+        |values: U<S>, factor: U<S>| {
+            let product = values * factor;
+            ((product + ((product >> 8) & EVEN) + 0x0080_0080) >> 8) & EVEN
+        },
+    );
+    let sum = inlined(
+        #[inline(always)]
+        |over: U<S>, under: U<S>| {
+            let sum = scale(over & EVEN, alpha) + scale(under & EVEN, rest);
+            // 256 becomes 255.
+            sum - ((sum >> 8) & 0x0001_0001)
+        },
+    );
+    sum(colors, behind) | (sum(colors >> 8, behind >> 8) << 8)
+}
+
+/// By how many bits a channel is shifted in a packed colour.
+#[inline(always)]
+pub(in crate::cpu) fn channel_shift(channel: usize) -> u32 {
+    let mut color = [0; 4];
+    color[channel] = 1;
+    pack(color).trailing_zeros()
+}
+
+/// A channel of 0 to 1 as a byte, to the nearest and of two equally near ones to the even; NaN becomes 0.
+#[inline]
+pub(in crate::cpu) fn unorm8(value: f32) -> u8 {
+    // At 2^23 an f32 has no fraction left, so that the sum is rounded and its lowest bits are the whole number.
+    const NO_FRACTION: f32 = 8_388_608.0;
+    let level = if value > 0.0 { value.min(1.0) * 255.0 } else { 0.0 };
+    (level + NO_FRACTION).to_bits() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{dispatch, Level};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn blending_rounds_to_the_nearest_level() {
+        assert_eq!(blend(pack([0, 100, 255, 255]), [255, 100, 0, 255]), pack([255, 100, 0, 255]));
+        let [r, g, b, _] = blend(pack([0, 100, 255, 255]), [255, 100, 0, 0]).to_ne_bytes();
+        assert_eq!([r, g, b], [0, 100, 255]);
+        let [r, g, b, _] = blend(pack([0, 100, 255, 255]), [255, 100, 0, 128]).to_ne_bytes();
+        assert_eq!([r, g, b], [128, 100, 127]);
+    }
+
+    /// Any colours, with channels of 0 and 255 more often than others.
+    fn colors() -> impl Strategy<Value = [u32; LANES]> {
+        let channel = || prop_oneof![1 => Just(0_u8), 1 => Just(255_u8), 4 => any::<u8>()];
+        let color = [channel(), channel(), channel(), channel()].prop_map(pack);
+        proptest::array::uniform(color)
+    }
+
+    /// `color` over `behind`, channel by channel: `value · factor / 255` is rounded for both.
+    fn blended_by_channel(behind: u32, color: u32) -> u32 {
+        let (behind, color) = (behind.to_ne_bytes(), color.to_ne_bytes());
+        let scale = |value: u8, factor: u8| {
+            let product = u32::from(value) * u32::from(factor);
+            (product + (product >> 8) + 128) >> 8
+        };
+        let alpha = color[3];
+        pack([0, 1, 2, 3].map(|i| (scale(color[i], alpha) + scale(behind[i], 255 - alpha)).min(255) as u8))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn pixels_blend_channel_by_channel(behind in colors(), colors in colors()) {
+            for (behind, color) in behind.into_iter().zip(colors) {
+                let expected = blended_by_channel(behind, color);
+                prop_assert_eq!(blend(behind, color.to_ne_bytes()), expected);
+                let (mut pixel, mut depth) = (behind, 1.0);
+                meet(&mut pixel, &mut depth, 0.5, color.to_ne_bytes(), Mode::TRANSLUCENT);
+                prop_assert_eq!((pixel, depth), (expected, 1.0));
+            }
+        }
+
+        #[test]
+        fn several_pixels_blend_as_one_does(behind in colors(), colors in colors()) {
+            fn blended<S: Simd>(simd: S, behind: [u32; LANES], colors: [u32; LANES]) -> [u32; LANES] {
+                blend_lanes(U::load_array(simd, behind), U::load_array(simd, colors)).to_array()
+            }
+            let lanes = dispatch!(Level::new(), simd => blended(simd, behind, colors));
+            let singly: [u32; LANES] = std::array::from_fn(|i| blend(behind[i], colors[i].to_ne_bytes()));
+            prop_assert_eq!(lanes, singly);
+        }
+    }
+
+    #[test]
+    fn channels_round_to_the_nearest_byte() {
+        assert_eq!([0.0, 1.0, 2.0, -1.0, f32::NAN].map(unorm8), [0, 255, 255, 0, 0]);
+        assert_eq!([0.3, 0.5, 100.4 / 255.0, 100.6 / 255.0].map(unorm8), [76, 128, 100, 101]);
+        assert!((0..=255).all(|byte| unorm8(f32::from(byte) / 255.0) == byte));
+    }
+
+    #[test]
+    fn of_equal_depths_the_later_wins_and_translucent_ones_leave_the_depth() {
+        let mut buffers = BandBuffers::default();
+        let screen = Screen::new(2, 1, 1);
+        let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
+        let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
+            if let Some((color, at)) = band.pixel(x, 0) {
+                meet(color, at, depth, [level, level, level, 255], mode);
+            }
+        };
+        put(0, 500.0, 1, Mode::OPAQUE);
+        put(0, 500.0, 2, Mode::OPAQUE);
+        put(0, 501.0, 3, Mode::OPAQUE);
+        put(1, 100.0, 7, Mode::TRANSLUCENT);
+        put(1, 200.0, 8, Mode::OPAQUE);
+        put(2, 0.0, 9, Mode::OPAQUE);
+        put(-1, 0.0, 9, Mode::OPAQUE);
+        let levels: Vec<_> = band.pixel_rows().flatten().map(|pixel| pixel[0]).collect();
+        assert_eq!(levels, [2, 8]);
+    }
+}

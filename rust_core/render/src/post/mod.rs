@@ -1,0 +1,102 @@
+//! The last step of a picture: everything that is done to it after it was drawn and seen through the lens.
+//!
+//! ```text
+//! drawn picture ─► blend weights, black lift ─► light masks, keep-out ─► orientation ─► outputs
+//! ```
+//!
+//! It works on the finished bytes, whatever renderer drew them and in every encoding. What forbids light comes after
+//! what may add some. Rows are altered in parallel and in place; only a change of orientation needs a second picture.
+//! With nothing to do, nothing is touched.
+
+mod blend;
+mod factors;
+mod keep_out;
+mod light_mask;
+mod orientation;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use rcs_scene::Picture;
+
+pub use self::blend::{Blend, BlendError};
+use self::factors::{scale_row, ONE};
+pub use self::keep_out::{KeepOut, Sphere};
+pub use self::light_mask::LightMask;
+pub use self::orientation::Orientation;
+
+/// Post-processing of a finished picture.
+///
+/// ```
+/// use rcs_render::{LastStep, Orientation};
+/// use rcs_scene::{Encoding, Picture};
+///
+/// let mut picture = Picture::default();
+/// picture.reset(3, 1, Encoding::Mono8);
+/// picture.data = vec![1, 2, 3];
+/// let step = LastStep { orientation: "90".parse()?, ..LastStep::default() };
+/// step.apply(&mut picture, &mut Picture::default());
+/// assert_eq!(((picture.width_px, picture.height_px), picture.data), ((1, 3), vec![1, 2, 3]));
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LastStep {
+    /// The share that this projector has of the light where several overlap.
+    pub blend: Option<Arc<Blend>>,
+    /// Pixels by which the projector may light its surface at all.
+    pub painted_mask: Option<Arc<LightMask>>,
+    /// Pixels that may be lit at present.
+    pub mask: Option<Arc<LightMask>>,
+    /// Directions that must not be lit because of something in space.
+    pub keep_out: Option<KeepOut>,
+    /// How the picture is turned.
+    pub orientation: Orientation,
+}
+
+impl LastStep {
+    /// True if pictures stay as they are.
+    pub fn is_nothing(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Does it to a picture; `spare` is memory, and has the picture's own of before afterwards if that was turned.
+    pub fn apply(&self, picture: &mut Picture, spare: &mut Picture) {
+        self.dim(picture);
+        if self.orientation != Orientation::default() {
+            self.orientation.turn(picture, spare);
+            std::mem::swap(picture, spare);
+        }
+    }
+
+    /// Takes away, and lifts, light.
+    fn dim(&self, picture: &mut Picture) {
+        let size_px = [picture.width_px, picture.height_px];
+        let (width, step, encoding) = (picture.width_px as usize, picture.step(), picture.encoding);
+        let masks: Vec<&LightMask> = [&self.painted_mask, &self.mask].into_iter().flatten().map(Arc::as_ref).collect();
+        let forbids_light = !masks.is_empty() || self.keep_out.is_some();
+        if step == 0 || (self.blend.is_none() && !forbids_light) {
+            return;
+        }
+        let rows = picture.data.par_chunks_mut(step).enumerate();
+        rows.for_each_init(
+            || vec![ONE; width],
+            |factors, (row, bytes)| {
+                if let Some(blend) = &self.blend {
+                    blend.apply(size_px, row, encoding, factors, bytes);
+                }
+                if !forbids_light {
+                    return;
+                }
+                factors.fill(ONE);
+                masks.iter().for_each(|mask| mask.write(size_px, row, factors));
+                if let Some(keep_out) = &self.keep_out {
+                    keep_out.write(row, factors);
+                }
+                scale_row(encoding, factors, bytes);
+            },
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests;
