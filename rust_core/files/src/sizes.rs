@@ -5,7 +5,7 @@ use crate::capture::MOST_PIXELS;
 /// Width and height, pixels: `1280x800`.
 ///
 /// # Errors
-/// What is wrong, as a phrase.
+/// The fault, as a phrase.
 pub fn size_px(text: &str) -> Result<[u32; 2], String> {
     let [width, height] = pair(text).ok_or("not a size such as 1280x800")?;
     let side = |text: &str| match text.parse() {

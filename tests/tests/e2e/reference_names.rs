@@ -20,7 +20,7 @@ def names_of(node):
     return sorted(names - everybody)
 ";
 
-/// What the page lists of a node as `publishes /topic`, with names in place of its placeholders.
+/// Names of a node on the page, as `publishes /topic`, with names in place of the placeholders.
 fn listed(node: &str, names: &[(&str, &str)]) -> BTreeSet<String> {
     let page = fs::read_to_string(repository().join("docs/reference/nodes.md")).unwrap();
     let section = page.split(&format!("\n## `{node}`\n")).nth(1).unwrap().split("\n## ").next().unwrap().to_owned();

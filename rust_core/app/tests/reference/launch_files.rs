@@ -110,7 +110,7 @@ fn value(default: &str) -> String {
     }
 }
 
-/// What a file starts, how it is called, and the arguments that it alone has or with another default.
+/// Section of a launch file: its nodes, its call, and the arguments that it alone has or with another default.
 fn section(file: &LaunchFile, files: &[LaunchFile]) -> String {
     let mut section = format!("\n## `{}.launch`\n", file.name);
     let mut paragraphs = file.comment.iter();

@@ -103,7 +103,7 @@ impl Page {
     }
 }
 
-/// What a command does, in a sentence.
+/// Summary of a command, in a sentence.
 fn about(command: &Command) -> String {
     let about = text(&command.get_about().map(ToString::to_string).unwrap_or_default());
     format!("{}.\n", about.trim_end_matches('.'))

@@ -21,7 +21,7 @@
 //!
 //! Opaque faces that lie over each other many times are drawn by their *ranks*, from near to far, instead of in their
 //! order, so that those which others hide cost little ([`tile::near_to_far`], [`tile::hiz`]). The picture is the same.
-//! What is translucent is drawn in its order, between such runs.
+//! Translucent jobs are drawn in their order, between such runs.
 //!
 //! The result is what OpenGL draws with rviz's shaders on Mesa's software rasteriser; [`geometry::points`],
 //! [`raster::triangle`] and [`raster::line`] describe how.
