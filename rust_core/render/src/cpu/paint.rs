@@ -111,9 +111,9 @@ impl Surface {
                 let [r, g, b, a] = map(color, level);
                 (seen, in_channel(r, 0) | in_channel(g, 1) | in_channel(b, 2) | in_channel(a, 3))
             }
-            Paint::Edged => FaceColor::<S, EDGED>::of_fragments(color).fragments(uv, seen),
-            Paint::BoxSide => FaceColor::<S, BOX_SIDE>::of_fragments(color).fragments(uv, seen),
-            Paint::Disc => FaceColor::<S, DISC>::of_fragments(color).fragments(uv, seen),
+            Paint::Edged => FaceColor::<S, _, EDGED>::of_fragments(color).fragments(uv, seen),
+            Paint::BoxSide => FaceColor::<S, _, BOX_SIDE>::of_fragments(color).fragments(uv, seen),
+            Paint::Disc => FaceColor::<S, _, DISC>::of_fragments(color).fragments(uv, seen),
             Paint::Texture(texture) => {
                 let color = color.map(|channel| channel.to_array());
                 let texels = each_seen(uv, seen, |lane, uv| {
@@ -169,35 +169,53 @@ pub(in crate::cpu) const BOX_SIDE: u8 = 2;
 pub(in crate::cpu) const DISC: u8 = 3;
 
 /// The colour of a point's face, by the place on it: 1/w, u/w and v/w, in any unit.
-pub(in crate::cpu) struct FaceColor<S: Simd, const PAINT: u8> {
+///
+/// `T` is one level for all of the face, which is an operand from memory then, or one for each fragment.
+pub(in crate::cpu) struct FaceColor<S: Simd, T, const PAINT: u8> {
     /// The opacity, or all of a plain colour.
     packed: U<S>,
     /// 0 to 255.
-    rgb: [F<S>; 3],
+    rgb: [T; 3],
     /// 0 to 255.
-    contrast: F<S>,
+    contrast: T,
 }
 
-impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
+/// A number for all lanes, or one for each.
+pub(in crate::cpu) trait Lanes<S: Simd>: Copy {
+    /// One for each lane.
+    fn lanes(self, simd: S) -> F<S>;
+}
+
+impl<S: Simd> Lanes<S> for f32 {
+    #[inline(always)]
+    fn lanes(self, simd: S) -> F<S> {
+        F::splat(simd, self)
+    }
+}
+
+impl<S: Simd> Lanes<S> for F<S> {
+    #[inline(always)]
+    fn lanes(self, _: S) -> F<S> {
+        self
+    }
+}
+
+impl<S: Simd, const PAINT: u8> FaceColor<S, f32, PAINT> {
     /// A packed colour, of this brightness.
     #[inline(always)]
     pub(in crate::cpu) fn new(simd: S, color: u32, brightness: f32) -> Self {
-        let none = F::splat(simd, 0.0);
         if PAINT == PLAIN {
-            return Self { packed: U::splat(simd, color), rgb: [none; 3], contrast: none };
+            return Self { packed: U::splat(simd, color), rgb: [0.0; 3], contrast: 0.0 };
         }
         let [r, g, b, a] = color.to_ne_bytes();
         let rgb = [f32::from(r) * brightness, f32::from(g) * brightness, f32::from(b) * brightness];
         let contrast =
             if PAINT == EDGED { edge_contrast(rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0) * 255.0 } else { 0.0 };
-        let rgb = map(
-            rgb,
-            #[inline(always)]
-            |level| F::splat(simd, level),
-        );
-        Self { packed: U::splat(simd, pack([0, 0, 0, a])), rgb, contrast: F::splat(simd, contrast) }
+        Self { packed: U::splat(simd, pack([0, 0, 0, a])), rgb, contrast }
     }
+}
 
+impl<S: Simd, const PAINT: u8> FaceColor<S, F<S>, PAINT> {
     /// Interpolated colours, of 0 to 1.
     #[inline(always)]
     fn of_fragments([r, g, b, a]: [F<S>; 4]) -> Self {
@@ -211,7 +229,9 @@ impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
         let place = [F::splat(u.token(), 1.0), u, v];
         (self.mask(place, seen), self.colors(place))
     }
+}
 
+impl<S: Simd, T: Lanes<S>, const PAINT: u8> FaceColor<S, T, PAINT> {
     /// The places that belong to the face.
     #[inline(always)]
     pub(in crate::cpu) fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
@@ -228,14 +248,14 @@ impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
         if PAINT == PLAIN {
             return self.packed;
         }
-        let w = 1.0 / q;
+        let (simd, w) = (q.token(), 1.0 / q);
         let [r, g, b] = match PAINT {
             EDGED => {
-                let inside = inside(u * w, v * w);
+                let (inside, contrast) = (inside(u * w, v * w), self.contrast.lanes(simd));
                 map(
                     self.rgb,
                     #[inline(always)]
-                    |level| with_edge(level, self.contrast, inside).max(0.0).min(255.0),
+                    |level| with_edge(level.lanes(simd), contrast, inside).max(0.0).min(255.0),
                 )
             }
             _ => {
@@ -247,7 +267,7 @@ impl<S: Simd, const PAINT: u8> FaceColor<S, PAINT> {
                 map(
                     self.rgb,
                     #[inline(always)]
-                    |level| brightness * level,
+                    |level| brightness * level.lanes(simd),
                 )
             }
         };

@@ -27,7 +27,7 @@ pub(in crate::cpu) struct Quad<S: Simd, const PAINT: u8> {
     pub depth: Gradient<f32>,
     /// 1/w, u/w and v/w.
     pub place: [Gradient<f32>; 3],
-    pub color: FaceColor<S, PAINT>,
+    pub color: FaceColor<S, f32, PAINT>,
 }
 
 impl<S: Simd, const PAINT: u8> Quad<S, PAINT> {

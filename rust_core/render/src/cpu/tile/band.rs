@@ -168,12 +168,11 @@ impl Band<'_> {
             return;
         };
         let rank = self.rank;
-        let ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
-        let ranks = ranks.unwrap_or_default();
+        let mut ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
         let mut at = 0;
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
-            let ranks = ranks.get_mut(at..).and_then(<[u32]>::first_chunk_mut);
+            let ranks = ranks.as_deref_mut().and_then(|ranks| ranks.get_mut(at..)?.first_chunk_mut());
             work(Window { colors, depths, ranks, rank });
             at += self.stride;
         }

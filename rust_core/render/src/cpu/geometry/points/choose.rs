@@ -163,19 +163,20 @@ impl Default for PointBlock {
 }
 
 impl PointBlock {
-    /// Replaces the content by the next [`BLOCK`] points with their ranks; those that are too faint are left out.
+    /// Replaces the content by up to [`BLOCK`] points, without those that are too faint. `ranks` are their ranks, or
+    /// empty.
     #[inline(always)]
-    pub(in crate::cpu) fn gather(&mut self, cloud: &Cloud<'_>, indices: impl Iterator<Item = (u32, u32)>) {
+    pub(in crate::cpu) fn gather(&mut self, cloud: &Cloud<'_>, indices: &[u32], ranks: &[u32]) {
         let PointBuffer { positions, colors } = &*cloud.points.buffer;
         let mut count = 0;
         let [xs, ys, zs] = &mut self.positions;
-        for (index, rank) in indices.take(BLOCK) {
+        for (place, &index) in indices.iter().take(BLOCK).enumerate() {
             let Some(position) = positions.get(index as usize) else { continue };
             let [r, g, b, a] = colors.get(index as usize);
             let Some(opacity) = cloud.opacities[usize::from(a)] else { continue };
             // There are at most as many as there is room for.
             let i = count % BLOCK;
-            (self.indices[i], self.ranks[i]) = (index, rank);
+            (self.indices[i], self.ranks[i]) = (index, ranks.get(place).copied().unwrap_or_default());
             (xs[i], ys[i], zs[i]) = (position[0], position[1], position[2]);
             self.colors[i] = pack([r, g, b, opacity]);
             count += 1;

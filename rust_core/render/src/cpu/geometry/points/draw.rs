@@ -4,14 +4,21 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::PointStyle;
 
 use super::place::{place_faces, sides_of, BandView, FaceBlock, PointLanes, AXES};
-use super::{is_inside_out, sprites, Cloud, PointScratch};
+use super::{is_inside_out, sprites, Cloud, PointScratch, BLOCK};
 use crate::cpu::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
 use crate::cpu::raster::quad::depth_bound;
 use crate::cpu::raster::triangle;
-use crate::cpu::tile::band::Band;
+use crate::cpu::tile::band::{Band, Mode};
 use crate::cpu::tile::lanes::LANES;
 use crate::cpu::tile::near_to_far::NearToFar;
 use crate::cpu::tile::screen::{Area, Screen};
+
+/// Points in the order of drawing.
+#[derive(Debug, Default)]
+pub(super) struct PointOrder {
+    indices: Vec<u32>,
+    ranks: Vec<u32>,
+}
 
 /// Draws a band's rows of a cloud, given the indices of the points that touch the band.
 pub(in crate::cpu) fn draw(
@@ -22,7 +29,7 @@ pub(in crate::cpu) fn draw(
     band: &mut Band<'_>,
 ) {
     if !cloud.is_culled {
-        draw_blocks(cloud, indices.iter().map(|&index| (index, 0)), screen, scratch, band);
+        draw_points(cloud, (indices, &[]), screen, scratch, band);
     }
 }
 
@@ -44,59 +51,71 @@ pub(in crate::cpu) fn draw_ranked(
     });
     match band.begin_ranks(count) {
         Some(first) => {
-            let faces = order.faces(indices).map(|face| (face.number, first + face.rank));
-            draw_blocks(cloud, faces, screen, scratch, band);
+            let PointOrder { indices: mut sorted, mut ranks } = std::mem::take(&mut scratch.order);
+            sorted.clear();
+            ranks.clear();
+            for face in order.faces(indices) {
+                sorted.push(face.number);
+                ranks.push(first + face.rank);
+            }
+            draw_points(cloud, (&sorted, &ranks), screen, scratch, band);
+            scratch.order = PointOrder { indices: sorted, ranks };
         }
         None => indices.iter().for_each(|indices| draw(cloud, indices, screen, scratch, band)),
     }
     band.end_ranks();
 }
 
-/// Draws points, given by their indices and ranks.
-fn draw_blocks(
+/// Draws points, given by their indices, and their ranks where they have some.
+fn draw_points(
     cloud: &Cloud<'_>,
-    points: impl Iterator<Item = (u32, u32)>,
+    points: (&[u32], &[u32]),
     screen: &Screen,
     scratch: &mut PointScratch,
     band: &mut Band<'_>,
 ) {
-    let mut points = points.peekable();
-    while points.peek().is_some() {
-        scratch.points.gather(cloud, &mut points);
-        match cloud.points.style {
-            PointStyle::Points { .. } => {
-                let points = &scratch.points;
-                dispatch!(screen.simd_level, simd => sprites::draw(simd, cloud, points, screen, band));
-            }
-            PointStyle::FlatSquares { .. } => draw_faces::<{ PLAIN }>(cloud, screen, scratch, band),
-            PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
-                draw_faces::<{ EDGED }>(cloud, screen, scratch, band);
-            }
-            PointStyle::Spheres { .. } => draw_faces::<{ DISC }>(cloud, screen, scratch, band),
-            PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
-                for &index in &scratch.points.indices[..scratch.points.len] {
-                    draw_triangles(cloud, index, screen, band);
-                }
-            }
-            PointStyle::Boxes { .. } => draw_faces::<{ BOX_SIDE }>(cloud, screen, scratch, band),
+    match cloud.points.style {
+        PointStyle::Points { .. } => {
+            dispatch!(screen.simd_level, simd => sprites::draw(simd, cloud, points.0, screen, scratch, band));
         }
+        PointStyle::FlatSquares { .. } => draw_faces::<{ PLAIN }>(cloud, points, screen, scratch, band),
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+            draw_faces::<{ EDGED }>(cloud, points, screen, scratch, band);
+        }
+        PointStyle::Spheres { .. } => draw_faces::<{ DISC }>(cloud, points, screen, scratch, band),
+        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
+            points.0.iter().for_each(|&index| draw_triangles(cloud, index, screen, band));
+        }
+        PointStyle::Boxes { .. } => draw_faces::<{ BOX_SIDE }>(cloud, points, screen, scratch, band),
     }
 }
 
-/// Draws the faces of a block. Each kind is compiled by itself: all of them in one function take minutes.
-fn draw_faces<const PAINT: u8>(cloud: &Cloud<'_>, screen: &Screen, scratch: &mut PointScratch, band: &mut Band<'_>) {
-    dispatch!(screen.simd_level, simd => draw_faces_by_lanes::<_, PAINT>(simd, cloud, screen, scratch, band));
+/// Draws faces of one kind. Each kind is compiled by itself: all of them in one function take minutes.
+fn draw_faces<const PAINT: u8>(
+    cloud: &Cloud<'_>,
+    (indices, ranks): (&[u32], &[u32]),
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    dispatch!(screen.simd_level, simd => {
+        for (indices, begin) in indices.chunks(BLOCK).zip((0..).step_by(BLOCK)) {
+            scratch.points.gather(cloud, indices, ranks.get(begin..).unwrap_or(&[]));
+            draw_block::<_, PAINT>(simd, cloud, screen, scratch, band);
+        }
+    });
 }
 
+/// Draws the faces of a block.
 #[inline(always)]
-fn draw_faces_by_lanes<S: Simd, const PAINT: u8>(
+fn draw_block<S: Simd, const PAINT: u8>(
     simd: S,
     cloud: &Cloud<'_>,
     screen: &Screen,
     scratch: &mut PointScratch,
     band: &mut Band<'_>,
 ) {
-    let PointScratch { points, faces } = scratch;
+    let PointScratch { points, faces, .. } = scratch;
     let view = BandView {
         width_px: screen.width_px as f32,
         rows: [band.first_row as f32, band.end_row as f32],
@@ -135,10 +154,13 @@ fn draw_quad<S: Simd, const PAINT: u8>(
     (i, axis, color): (usize, usize, u32),
     band: &mut Band<'_>,
 ) {
-    let mode = cloud.surface.mode;
     if !band.is_ranked() {
         let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
-        quad.draw(quad.area, mode, band);
+        // The most common mode as a constant.
+        match cloud.surface.mode {
+            Mode::OPAQUE => quad.draw(quad.area, Mode::OPAQUE, band),
+            mode => quad.draw(quad.area, mode, band),
+        };
         return;
     }
     let (depth, area) = faces.depth(i);
@@ -151,7 +173,7 @@ fn draw_quad<S: Simd, const PAINT: u8>(
             #[inline(always)]
             |band, tile| {
                 let pixels = Area { top: tile.top.max(area.top), bottom: tile.bottom.min(area.bottom), ..tile };
-                quad.draw(pixels, mode, band)
+                quad.draw(pixels, Mode::OPAQUE, band)
             },
         );
     }

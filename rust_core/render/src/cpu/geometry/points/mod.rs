@@ -33,9 +33,11 @@ use rcs_scene::{Camera, PointStyle, Points};
 
 pub(in crate::cpu) use self::choose::BinnedPoints;
 use self::choose::PointBlock;
+use self::draw::PointOrder;
 pub(in crate::cpu) use self::draw::{draw, draw_ranked};
 use self::faces::Faces;
 use self::place::{FaceBlock, SIDES};
+use self::sprites::SpriteBlock;
 use crate::cpu::paint::Surface;
 use crate::cpu::tile::band::{unorm8, Mode};
 use crate::cpu::tile::screen::ObjectTransform;
@@ -109,10 +111,14 @@ pub(in crate::cpu) struct PointScratch {
     points: PointBlock,
     /// Their faces.
     faces: Box<[FaceBlock; SIDES]>,
+    /// Their round points.
+    sprites: SpriteBlock,
+    order: PointOrder,
 }
 
 impl Default for PointScratch {
     fn default() -> Self {
-        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes() }
+        let (points, sprites, order) = (PointBlock::default(), SpriteBlock::default(), PointOrder::default());
+        Self { points, faces: FaceBlock::of_boxes(), sprites, order }
     }
 }

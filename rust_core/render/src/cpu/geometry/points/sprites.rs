@@ -8,9 +8,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
-use super::choose::PointBlock;
 use super::faces::diameter_px;
-use super::{Cloud, BLOCK};
+use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::lanes::{lane_indices, load, map, store, store_whole, transform, whole, F, LANES, U};
 use crate::cpu::tile::screen::{Screen, FARTHEST};
@@ -27,13 +26,20 @@ struct SpriteBand<'a> {
 }
 
 /// A block of points on the picture.
-struct SpriteBlock {
+#[derive(Debug)]
+pub(super) struct SpriteBlock {
     x: [f32; BLOCK],
     y: [f32; BLOCK],
     depth: [f32; BLOCK],
     /// The first pixel and the one after the last of those that a point may touch along a row, and the same along a
     /// column; none where it is not drawn.
     bounds: [[i32; BLOCK]; 4],
+}
+
+impl Default for SpriteBlock {
+    fn default() -> Self {
+        Self { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] }
+    }
 }
 
 impl SpriteBlock {
@@ -60,40 +66,18 @@ impl SpriteBlock {
             store_whole(all, begin, value);
         }
     }
-}
 
-/// Draws a block's points.
-#[inline(always)]
-pub(in crate::cpu) fn draw<S: Simd>(
-    simd: S,
-    cloud: &Cloud<'_>,
-    points: &PointBlock,
-    screen: &Screen,
-    band: &mut Band<'_>,
-) {
-    let Some(diameter_px) = diameter_px(cloud.points) else { return };
-    let mode = cloud.surface.mode;
-    let per_px = 1.0 / diameter_px;
-    let in_band = SpriteBand {
-        cloud,
-        half_size: screen.half_size(),
-        width_px: band.width as f32,
-        rows: [band.first_row as f32, band.end_row as f32],
-        diameter_px,
-    };
-    let mut block = SpriteBlock { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
-    let lane_indices = lane_indices(simd).to_float::<F<S>>();
-    for begin in (0..points.len).step_by(LANES) {
-        block.project(simd, &in_band, &points.positions, begin);
-    }
-    for i in 0..points.len {
-        let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
-        let depths = F::splat(simd, block.depth[i]);
-        let colors = U::splat(simd, points.colors[i]);
+    /// Draws a point of a packed colour.
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, in_band: &SpriteBand<'_>, (i, color): (usize, u32), band: &mut Band<'_>) {
+        let (mode, per_px) = (in_band.cloud.surface.mode, 1.0 / in_band.diameter_px);
+        let [left, right, top, bottom] = self.bounds.each_ref().map(|all| all[i]);
+        let (depths, colors) = (F::splat(simd, self.depth[i]), U::splat(simd, color));
+        let lane_indices = lane_indices(simd).to_float::<F<S>>();
         for begin in (left..right).step_by(LANES) {
-            let dx = (lane_indices + (begin as f32 + 0.5 - block.x[i])) * per_px;
+            let dx = (lane_indices + (begin as f32 + 0.5 - self.x[i])) * per_px;
             let dx_squared = dx * dx;
-            let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
+            let mut dy = F::splat(simd, top as f32 + 0.5 - self.y[i]);
             band.for_windows(
                 top..bottom,
                 begin,
@@ -111,6 +95,36 @@ pub(in crate::cpu) fn draw<S: Simd>(
                     dy += 1.0;
                 },
             );
+        }
+    }
+}
+
+/// Draws points, given by their indices.
+#[inline(always)]
+pub(in crate::cpu) fn draw<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    indices: &[u32],
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    let Some(diameter_px) = diameter_px(cloud.points) else { return };
+    let in_band = SpriteBand {
+        cloud,
+        half_size: screen.half_size(),
+        width_px: band.width as f32,
+        rows: [band.first_row as f32, band.end_row as f32],
+        diameter_px,
+    };
+    let PointScratch { points, sprites, .. } = scratch;
+    for indices in indices.chunks(BLOCK) {
+        points.gather(cloud, indices, &[]);
+        for begin in (0..points.len).step_by(LANES) {
+            sprites.project(simd, &in_band, &points.positions, begin);
+        }
+        for i in 0..points.len {
+            sprites.draw(simd, &in_band, (i, points.colors[i]), band);
         }
     }
 }
