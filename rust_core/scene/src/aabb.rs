@@ -42,6 +42,21 @@ impl Aabb {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
+    /// The box with its sides moved outwards, by metres.
+    #[must_use]
+    pub fn grown(&self, by_m: f64) -> Self {
+        let by = Vector3::repeat(by_m);
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    /// The corners.
+    pub fn corners(&self) -> [Point3<f64>; 8] {
+        std::array::from_fn(|i| {
+            let side = |axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
+            Point3::new(side(0), side(1), side(2))
+        })
+    }
+
     /// The middle of the box.
     pub fn center(&self) -> Point3<f64> {
         nalgebra::center(&self.low, &self.high)

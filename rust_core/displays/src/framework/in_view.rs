@@ -1,12 +1,12 @@
 //! Culling of a display against a camera's view, for reports.
 //!
 //! Each drawable is enclosed in a box in its own frame (a cube about its origin where it turns to the eye). It is
-//! outside when all eight corners lie beyond the same plane of the view frustum, so `Outside` is certain, while a box
+//! outside when all of it lies beyond the same plane of the view frustum, so `Outside` is certain, while a box
 //! beyond an edge of the frustum may count as inside. Clouds are enclosed without the size of their points, as Ogre
 //! culls them.
 
-use nalgebra::{Matrix4, Point3, Vector4};
-use rcs_scene::{Camera, Drawable, Geometry, Mesh};
+use nalgebra::{Matrix4, Point3};
+use rcs_scene::{Aabb, Camera, Drawable, Geometry, InFrustum, Mesh};
 
 /// Visibility of a display in a camera's view, without its Visibility property and occlusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,16 +30,19 @@ impl InView {
                 // Most clouds are in view, and a few of their points show it.
                 let positions = &points.buffer.positions;
                 let mut sample = positions.iter().step_by(positions.len() / 64 + 1);
-                if sample.any(|position| Enclosure::point(*position).reaches_into_view(&clip_from_object)) {
+                let is_inside = |position: &[f32; 3]| {
+                    let place = Aabb::around([*position]);
+                    place.is_some_and(|place| reaches_into_view(&place, &clip_from_object))
+                };
+                if sample.any(is_inside) {
                     return Self::Inside;
                 }
             }
             if let Geometry::Solids(solids) = geometry {
-                let shapes: Vec<Option<Enclosure>> =
-                    solids.shapes().iter().map(|mesh| Enclosure::of_mesh(mesh)).collect();
+                let shapes: Vec<Option<Aabb>> = solids.shapes().iter().map(|mesh| bounds_of_mesh(mesh)).collect();
                 let mut seen = solids.as_slice().iter().filter_map(|solid| {
-                    let enclosure = shapes.get(solid.shape()).copied().flatten()?;
-                    Some(enclosure.reaches_into_view(&(clip_from_fixed * solid.matrix())))
+                    let bounds = shapes.get(solid.shape()).copied().flatten()?;
+                    Some(reaches_into_view(&bounds, &(clip_from_fixed * solid.matrix())))
                 });
                 match seen.next() {
                     None => continue,
@@ -47,12 +50,12 @@ impl InView {
                     Some(_) => result = Self::Outside,
                 }
             }
-            let Some(enclosure) = Enclosure::of(geometry) else { continue };
+            let Some(bounds) = bounds(geometry) else { continue };
             let clip_from_object = match geometry {
                 Geometry::Text(_) | Geometry::Facing(_) => clip_from_fixed * without_rotation(fixed_from_object),
                 _ => clip_from_object,
             };
-            if enclosure.reaches_into_view(&clip_from_object) {
+            if reaches_into_view(&bounds, &clip_from_object) {
                 return Self::Inside;
             }
             result = Self::Outside;
@@ -69,83 +72,47 @@ fn without_rotation(fixed_from_object: &Matrix4<f64>) -> Matrix4<f64> {
     matrix
 }
 
-/// A box along the axes of an object's frame, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Enclosure {
-    low: Point3<f64>,
-    high: Point3<f64>,
+/// Cube about the origin that holds the corners in any rotation.
+fn of_turning(corners: impl Iterator<Item = Point3<f64>>) -> Option<Aabb> {
+    let reach_m = corners.map(|corner| corner.coords.norm()).reduce(f64::max)?;
+    Some(Aabb::new([-reach_m; 3].into(), [reach_m; 3].into()))
 }
 
-impl Enclosure {
-    fn point(position: [f32; 3]) -> Self {
-        let point = Point3::from(position).cast();
-        Self { low: point, high: point }
-    }
-
-    fn around(positions: impl Iterator<Item = [f32; 3]>) -> Option<Self> {
-        let finite = positions.filter(|position| position.iter().all(|value| value.is_finite()));
-        let (low, high) = finite.fold((None, None), |(low, high), position| {
-            let each = |f: fn(f32, f32) -> f32, all: Option<[f32; 3]>| {
-                let all = all.unwrap_or(position);
-                Some([0, 1, 2].map(|axis: usize| f(all[axis], position[axis])))
-            };
-            (each(f32::min, low), each(f32::max, high))
-        });
-        Some(Self { low: Point3::from(low?).cast(), high: Point3::from(high?).cast() })
-    }
-
-    /// Cube about the origin that holds the corners in any rotation.
-    fn of_turning(corners: impl Iterator<Item = Point3<f64>>) -> Option<Self> {
-        let reach_m = corners.map(|corner| corner.coords.norm()).reduce(f64::max)?;
-        Some(Self { low: Point3::from([-reach_m; 3]), high: Point3::from([reach_m; 3]) })
-    }
-
-    /// Box around a geometry in its own frame; `None` when it is empty.
-    fn of(geometry: &Geometry) -> Option<Self> {
-        match geometry {
-            Geometry::Points(points) => Self::around(points.buffer.positions.iter().copied()),
-            Geometry::Lines(lines) => Self::around(lines.positions.iter().copied()),
-            Geometry::Ribbons(ribbons) => {
-                let elements = ribbons.chains.iter().flatten();
-                let middle = Self::around(elements.map(|element| element.position))?;
-                let half_width = nalgebra::Vector3::repeat(f64::from(ribbons.width_m) / 2.0);
-                Some(Self { low: middle.low - half_width, high: middle.high + half_width })
-            }
-            Geometry::Mesh { mesh, .. } => Self::of_mesh(mesh),
-            // Each stands at a place of its own.
-            Geometry::Solids(_) => None,
-            Geometry::Text(text) => {
-                let corners = text.glyphs().iter().flat_map(|glyph| text.quad(glyph));
-                Self::of_turning(corners.map(|corner| Point3::from(corner.position).cast()))
-            }
-            Geometry::Cells(_) => Some(Self { low: Point3::origin(), high: Point3::new(1.0, 1.0, 0.0) }),
-            Geometry::Facing(facing) => {
-                let corners = facing.parts.iter().filter_map(|part| {
-                    let corners = Self::of(&part.geometry)?.corners();
-                    Some(corners.map(|corner| part.group_from_part.transform_point(&corner)))
-                });
-                Self::of_turning(corners.flatten())
-            }
+/// Box around a geometry in its own frame; `None` when it is empty.
+fn bounds(geometry: &Geometry) -> Option<Aabb> {
+    match geometry {
+        Geometry::Points(points) => Aabb::around(points.buffer.positions.iter().copied()),
+        Geometry::Lines(lines) => Aabb::around(lines.positions.iter().copied()),
+        Geometry::Ribbons(ribbons) => {
+            let elements = ribbons.chains.iter().flatten();
+            let middle = Aabb::around(elements.map(|element| element.position))?;
+            Some(middle.grown(f64::from(ribbons.width_m) / 2.0))
+        }
+        Geometry::Mesh { mesh, .. } => bounds_of_mesh(mesh),
+        // Each stands at a place of its own.
+        Geometry::Solids(_) => None,
+        Geometry::Text(text) => {
+            let corners = text.glyphs().iter().flat_map(|glyph| text.quad(glyph));
+            of_turning(corners.map(|corner| Point3::from(corner.position).cast()))
+        }
+        Geometry::Cells(_) => Some(Aabb::new(Point3::origin(), Point3::new(1.0, 1.0, 0.0))),
+        Geometry::Facing(facing) => {
+            let corners = facing.parts.iter().filter_map(|part| {
+                let corners = bounds(&part.geometry)?.corners();
+                Some(corners.map(|corner| part.group_from_part.transform_point(&corner)))
+            });
+            of_turning(corners.flatten())
         }
     }
+}
 
-    fn of_mesh(mesh: &Mesh) -> Option<Self> {
-        Self::around(mesh.vertices.iter().map(|vertex| vertex.position))
-    }
+fn bounds_of_mesh(mesh: &Mesh) -> Option<Aabb> {
+    Aabb::around(mesh.vertices.iter().map(|vertex| vertex.position))
+}
 
-    fn corners(&self) -> [Point3<f64>; 8] {
-        std::array::from_fn(|i| {
-            let side = |axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
-            Point3::new(side(0), side(1), side(2))
-        })
-    }
-
-    /// `true` if no plane of the frustum has all corners beyond it.
-    fn reaches_into_view(&self, clip_from_object: &Matrix4<f64>) -> bool {
-        let corners: [Vector4<f64>; 8] = self.corners().map(|corner| clip_from_object * corner.to_homogeneous());
-        let is_beyond = |side: f64, axis: usize| corners.iter().all(|corner| corner.w + side * corner[axis] < 0.0);
-        !(0..3).any(|axis| is_beyond(1.0, axis) || is_beyond(-1.0, axis))
-    }
+/// `true` if no plane of the frustum has all of the box beyond it.
+fn reaches_into_view(bounds: &Aabb, clip_from_object: &Matrix4<f64>) -> bool {
+    bounds.in_frustum(clip_from_object, 0.0) != InFrustum::Outside
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The colours of fragments, several at once: the only place that makes them, but for lines and small glyphs.
+//! The colours of fragments, several at once: the only place that makes them, but for lines.
 //!
 //! The formulas are those of [`shading`](crate::shading). A [`Surface`] says how the fragments of triangles get their
 //! colour and meet the pixels; [`FaceColor`] is a point's face, whose colour depends on the place on it alone.
@@ -96,15 +96,14 @@ impl Surface {
     }
 
     /// Of the fragments seen, given their interpolated vertex colours and texture coordinates, those that the surface
-    /// has, and their colours. `footprint` gives the change of a lane's texture coordinates to the next pixel along the
-    /// row and along the column.
+    /// has, and their colours. `level_of` gives the level of a texture for a lane and its texture coordinates.
     #[inline(always)]
     pub(in crate::cpu) fn colors<S: Simd>(
         &self,
         color: [F<S>; 4],
         uv: [F<S>; 2],
         seen: M<S>,
-        footprint: impl Fn(usize, [f32; 2]) -> [[f32; 2]; 2],
+        level_of: impl Fn(&MipTexture, usize, [f32; 2]) -> usize,
     ) -> (M<S>, U<S>) {
         match &self.paint {
             Paint::Color => {
@@ -117,7 +116,7 @@ impl Surface {
             Paint::Texture(texture) => {
                 let color = color.map(|channel| channel.to_array());
                 let texels = each_seen(uv, seen, |lane, uv| {
-                    let texel = texture.sample(uv, || footprint(lane, uv));
+                    let texel = texture.sample(uv, level_of(texture, lane, uv));
                     pack([0, 1, 2, 3].map(|i| unorm8(color[i][lane] * texel[i])))
                 });
                 (seen, texels)
@@ -142,13 +141,13 @@ fn each_seen<S: Simd>(uv: [F<S>; 2], seen: M<S>, color: impl Fn(usize, [f32; 2])
 
 /// A channel of 0 to 1 as a level of 0 to 255; NaN becomes 0.
 #[inline(always)]
-pub(in crate::cpu) fn level<S: Simd>(value: F<S>) -> F<S> {
+fn level<S: Simd>(value: F<S>) -> F<S> {
     value.simd_gt(0.0).select(value.min(1.0) * 255.0, F::splat(value.token(), 0.0))
 }
 
 /// Levels of 0 to 255, to the nearest whole number, in the place of a channel of a packed colour.
 #[inline(always)]
-pub(in crate::cpu) fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
+fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
     // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next
     // two are zero, and the first is shifted out of the number where the last is shifted at all.
     const NO_FRACTION: f32 = 8_388_608.0;

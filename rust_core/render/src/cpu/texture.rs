@@ -4,7 +4,7 @@
 //! whose texels are nearest in size to a pixel, by the larger of the distances that the place in the texture moves
 //! from a pixel to the next in its row and in its column.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use rcs_scene::{halved, Filtering, Texture, Wrapping};
 use wide::f32x4;
@@ -25,18 +25,6 @@ pub(in crate::cpu) type Textures = Derived<Texture, Arc<Mips>>;
 #[derive(Debug)]
 pub(in crate::cpu) struct Mips {
     smaller: Vec<Texels>,
-    /// All sizes without colours, once they were asked for; `None` for a texture that has some.
-    grey: OnceLock<Option<Vec<GreyTexels>>>,
-}
-
-/// One size of a texture that has no colours and ends at its edges ([`Wrapping::Clamp`]).
-#[derive(Debug)]
-pub(in crate::cpu) struct GreyTexels {
-    /// The last row and column.
-    pub last: [i32; 2],
-    /// Of each texel its brightness, its opacity, and those of the next in its row, from the lowest byte on. Each row
-    /// begins with the first texel twice, and ends with the last one twice.
-    pub pairs: Vec<u32>,
 }
 
 #[derive(Debug)]
@@ -65,7 +53,7 @@ impl Mips {
                 smaller.push(next);
             }
         }
-        Self { smaller, grey: OnceLock::new() }
+        Self { smaller }
     }
 }
 
@@ -76,37 +64,19 @@ impl MipTexture {
         Self { full: texture.clone(), mips }
     }
 
-    /// The texture's colour, each channel 0 to 1. Where it matters, `footprint` gives the change of the texture
-    /// coordinates to the next pixel along the row and along the column.
+    /// The texture's colour in one of its [levels](Self::level_for), each channel 0 to 1.
     #[inline]
-    pub(in crate::cpu) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
-        let sampler = self.sampler(footprint);
+    pub(in crate::cpu) fn sample(&self, [u, v]: [f32; 2], level: usize) -> [f32; 4] {
+        let (level, wrapping) = (self.level(level), self.full.wrapping);
+        let (x, y) = (u * level.width as f32, v * level.height as f32);
         if self.full.filtering == Filtering::Nearest {
-            return sampler.nearest([u, v]).map(|c| f32::from(c) / 255.0);
+            return level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0);
         }
-        let (column, row) = (sampler.column(u), sampler.row(v));
-        sampler.mix(sampler.texels(column, row), column, row)
-    }
-
-    /// The texture in the size for a footprint, as in [`Self::sample`].
-    #[inline]
-    pub(in crate::cpu) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
-        let index = if self.mips.smaller.is_empty() { 0 } else { self.level_for(footprint()) };
-        Sampler { level: self.level(index), index, wrapping: self.full.wrapping }
-    }
-
-    /// The size that a sampler reads, if the texture has no colours and ends at its edges.
-    #[inline]
-    pub(in crate::cpu) fn grey(&self, sampler: &Sampler<'_>) -> Option<&GreyTexels> {
-        let levels = || {
-            let levels = (0..=self.mips.smaller.len()).map(|index| self.level(index).grey());
-            if self.full.wrapping == Wrapping::Clamp {
-                levels.collect()
-            } else {
-                None
-            }
-        };
-        self.mips.grey.get_or_init(levels).as_ref()?.get(sampler.index)
+        let ((column, right), (row, down)) = (floor(x - 0.5), floor(y - 0.5));
+        let [[a, b], [c, d]] = level.four_texels(wrapping, column, row).map(|two| two.map(lanes));
+        let (right, down) = (f32x4::splat(right), f32x4::splat(down));
+        let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
+        ((top + (bottom - top) * down) / f32x4::splat(255.0)).to_array()
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -114,79 +84,18 @@ impl MipTexture {
         smaller.map_or_else(|| MipLevel::of(&self.full), Texels::level)
     }
 
-    fn level_for(&self, footprint: [[f32; 2]; 2]) -> usize {
+    /// The level for a change of the texture coordinates to the next pixel along the row and along the column, which
+    /// is asked for where it matters.
+    #[inline]
+    pub(in crate::cpu) fn level_for(&self, footprint: impl FnOnce() -> [[f32; 2]; 2]) -> usize {
+        if self.mips.smaller.is_empty() {
+            return 0;
+        }
+        let footprint = footprint();
         let (width, height) = (self.full.width as f32, self.full.height as f32);
         let texels = footprint.map(|[du, dv]| (du * width).hypot(dv * height));
         let level = (texels[0].max(texels[1]).max(1e-6).log2() + 0.5).floor();
         (level.max(0.0) as usize).min(self.mips.smaller.len())
-    }
-}
-
-/// A texture in one of its sizes.
-#[derive(Clone, Copy)]
-pub(in crate::cpu) struct Sampler<'a> {
-    level: MipLevel<'a>,
-    /// Which of the sizes that is.
-    index: usize,
-    wrapping: Wrapping,
-}
-
-/// A place between the middles of two texels of a row or a column: the first one, and the way from it to the next.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in crate::cpu) struct Between {
-    /// The first texel.
-    pub texel: i32,
-    /// From 0 at its middle to 1 at that of the next.
-    pub way: f32,
-}
-
-impl Sampler<'_> {
-    /// Texels in a row and in a column.
-    #[inline]
-    pub(in crate::cpu) fn size(&self) -> [f32; 2] {
-        [self.level.width as f32, self.level.height as f32]
-    }
-
-    /// Place of a texture coordinate along the rows.
-    #[inline]
-    fn column(&self, u: f32) -> Between {
-        Between::new(u * self.level.width as f32)
-    }
-
-    /// Place of a texture coordinate along the columns.
-    #[inline]
-    fn row(&self, v: f32) -> Between {
-        Between::new(v * self.level.height as f32)
-    }
-
-    /// The texels around a place: the upper two and the lower two.
-    #[inline]
-    fn texels(&self, column: Between, row: Between) -> [[[u8; 4]; 2]; 2] {
-        self.level.four_texels(self.wrapping, column.texel, row.texel)
-    }
-
-    /// The colour between four texels, each channel 0 to 1.
-    #[inline]
-    fn mix(&self, texels: [[[u8; 4]; 2]; 2], column: Between, row: Between) -> [f32; 4] {
-        let [[a, b], [c, d]] = texels;
-        let (a, b, c, d) = (lanes(a), lanes(b), lanes(c), lanes(d));
-        let (right, down) = (f32x4::splat(column.way), f32x4::splat(row.way));
-        let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
-        ((top + (bottom - top) * down) / f32x4::splat(255.0)).to_array()
-    }
-
-    #[inline]
-    fn nearest(&self, [u, v]: [f32; 2]) -> [u8; 4] {
-        let (x, y) = (u * self.level.width as f32, v * self.level.height as f32);
-        self.level.texel(self.wrapping, floor(x).0, floor(y).0)
-    }
-}
-
-impl Between {
-    #[inline]
-    fn new(place: f32) -> Self {
-        let (texel, way) = floor(place - 0.5);
-        Self { texel, way }
     }
 }
 
@@ -207,21 +116,6 @@ impl MipLevel<'_> {
     fn halved(&self) -> Option<Texels> {
         let ([width, height], rgba) = halved([self.width as u32, self.height as u32], self.rgba)?;
         Some(Texels { width: width as i32, height: height as i32, rgba })
-    }
-
-    /// The texels without colours; `None` where one has a colour.
-    fn grey(&self) -> Option<GreyTexels> {
-        let bytes = |[r, g, b, a]: [u8; 4]| (r == g && g == b).then(|| u32::from(r) | u32::from(a) << 8);
-        let mut pairs = Vec::with_capacity((self.width as usize + 1) * self.height as usize);
-        for y in 0..self.height {
-            let mut before = bytes(self.texel(Wrapping::Clamp, 0, y))?;
-            for x in 0..=self.width {
-                let texel = bytes(self.texel(Wrapping::Clamp, x, y))?;
-                pairs.push(before | texel << 16);
-                before = texel;
-            }
-        }
-        Some(GreyTexels { last: [self.height - 1, self.width - 1], pairs })
     }
 
     /// A texel, the one to the right of it, and those below both.
@@ -284,7 +178,7 @@ mod tests {
     }
 
     fn red(texture: &MipTexture, u: f32, v: f32, footprint: f32) -> f32 {
-        texture.sample([u, v], || [[footprint, 0.0], [0.0, footprint]])[0] * 255.0
+        texture.sample([u, v], texture.level_for(|| [[footprint, 0.0], [0.0, footprint]]))[0] * 255.0
     }
 
     #[test]
@@ -320,26 +214,6 @@ mod tests {
     }
 
     #[test]
-    fn without_colours_each_texel_is_kept_with_the_next() {
-        let rgba = [[9, 9, 9, 1], [8, 8, 8, 2], [7, 7, 7, 3], [6, 6, 6, 4]];
-        let texture = |rgba: [[u8; 4]; 4], wrapping| {
-            let filtering = Filtering::BilinearMipmap;
-            mipped(Texture { width: 2, height: 2, rgba: rgba.to_vec(), filtering, wrapping })
-        };
-        let grey = |texture: &MipTexture, footprint: f32| {
-            let sampler = texture.sampler(|| [[footprint, 0.0], [0.0, footprint]]);
-            texture.grey(&sampler).map(|texels| (texels.last, texels.pairs.clone()))
-        };
-        let plain = texture(rgba, Wrapping::Clamp);
-        let rows = vec![0x0109_0109, 0x0208_0109, 0x0208_0208, 0x0307_0307, 0x0406_0307, 0x0406_0406];
-        assert_eq!(grey(&plain, 0.0), Some(([1, 1], rows)));
-        assert_eq!(grey(&plain, 1.0), Some(([0, 0], vec![0x0308_0308, 0x0308_0308])));
-        assert_eq!(grey(&texture(rgba, Wrapping::Repeat), 0.0), None);
-        let coloured = [rgba[0], rgba[1], rgba[2], [6, 6, 5, 4]];
-        assert_eq!(grey(&texture(coloured, Wrapping::Clamp), 0.0), None);
-    }
-
-    #[test]
     fn a_texture_with_missing_texels_is_white_there() {
         let texture = Texture {
             width: 2,
@@ -348,6 +222,6 @@ mod tests {
             filtering: Filtering::Nearest,
             wrapping: Wrapping::Clamp,
         };
-        assert_eq!(mipped(texture).sample([0.9, 0.9], || [[0.0; 2]; 2]), [1.0; 4]);
+        assert_eq!(mipped(texture).sample([0.9, 0.9], 0), [1.0; 4]);
     }
 }

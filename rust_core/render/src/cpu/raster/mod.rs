@@ -2,7 +2,6 @@
 
 pub(super) mod clip;
 pub(super) mod edges;
-pub(super) mod glyph;
 pub(super) mod line;
 pub(super) mod quad;
 pub(super) mod triangle;

@@ -67,7 +67,7 @@ pub(in crate::cpu) fn doubled_area_of([a, b, c]: [[i32; 2]; 3]) -> i64 {
 
 /// True if the sides that are not drawn include the one that is seen.
 #[inline]
-fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
+pub(in crate::cpu) fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
     match cull {
         CullMode::None => doubled_area == 0,
         CullMode::Back => doubled_area >= 0,
@@ -403,6 +403,8 @@ struct Fragments<'a, S: Simd> {
     surface: &'a Surface,
     /// The only colour, packed.
     single: Option<u32>,
+    /// The texture's level, if it is the same everywhere: on surfaces that face the camera.
+    level: Option<usize>,
 }
 
 impl<'a, S: Simd> Fragments<'a, S> {
@@ -410,7 +412,13 @@ impl<'a, S: Simd> Fragments<'a, S> {
     fn new(simd: S, planes: &'a Planes, surface: &'a Surface) -> Self {
         let is_single = planes.flat && matches!(surface.paint, Paint::Color);
         let single = is_single.then(|| pack(planes.color.map(|plane| unorm8(plane.at))));
-        Self { simd, planes, surface, single }
+        let level = match &surface.paint {
+            Paint::Texture(texture) if planes.inverse_w.dx == 0.0 && planes.inverse_w.dy == 0.0 => {
+                Some(texture.level_for(|| planes.footprint([0.0; 2], 1.0 / planes.inverse_w.at)))
+            }
+            _ => None,
+        };
+        Self { simd, planes, surface, single, level }
     }
 
     /// The places of [`LANES`] pixels from `x` on.
@@ -453,7 +461,9 @@ impl<'a, S: Simd> Fragments<'a, S> {
             #[inline(always)]
             |plane| plane.values(x, y) * w,
         );
-        self.surface.colors(color, uv, seen, |lane, uv| planes.footprint(uv, w.to_array()[lane]))
+        self.surface.colors(color, uv, seen, |texture, lane, uv| {
+            self.level.unwrap_or_else(|| texture.level_for(|| planes.footprint(uv, w.to_array()[lane])))
+        })
     }
 
     /// Draws the pixels of a row's span, which must be the picture's.

@@ -151,13 +151,6 @@ impl Screen {
             + f32x4::new([self.half_width, self.half_height, 0.5, 0.0])
     }
 
-    /// Window x and y of two places, from their clip x and y that are already divided by w.
-    #[inline]
-    pub(in crate::cpu) fn window_twice(&self, ndc: f32x4) -> f32x4 {
-        let (x, y) = (self.half_width, self.half_height);
-        ndc * f32x4::new([x, -y, x, -y]) + f32x4::new([x, y, x, y])
-    }
-
     /// Half of the picture's width and height in pixels.
     #[inline]
     pub(in crate::cpu) fn half_size(&self) -> (f32, f32) {

@@ -44,11 +44,9 @@ impl Source<'_> {
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct InstanceScratch {
     /// The snapped places of a solid's corners, and the gaps between pixel centres that they are in.
-    pub(in crate::cpu) x: Vec<i32>,
-    pub(in crate::cpu) y: Vec<i32>,
-    pub(in crate::cpu) gaps: Vec<i32>,
-    /// The triangles of a solid that may be seen.
-    pub(in crate::cpu) seen: Vec<u32>,
+    x: Vec<i32>,
+    y: Vec<i32>,
+    gaps: Vec<i32>,
     /// By the number of the vertex; of the present thing where `generation` is.
     corners: Vec<CachedCorner>,
     generation: u64,
@@ -77,6 +75,12 @@ impl InstanceScratch {
     #[inline]
     pub(in crate::cpu) fn place_of(&self, place: u32) -> [i32; 2] {
         [&self.x, &self.y].map(|all| all.get(place as usize).copied().unwrap_or_default())
+    }
+
+    /// The gaps that a place of the solid is in, whose vertices were placed.
+    #[inline]
+    pub(in crate::cpu) fn gap_of(&self, place: u32) -> i32 {
+        self.gaps.get(place as usize).copied().unwrap_or_default()
     }
 
     /// A corner; without its colour unless `light`.

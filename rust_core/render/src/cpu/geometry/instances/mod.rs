@@ -2,15 +2,14 @@
 //!
 //! A scene may have hundreds of thousands of solids of a few hundred triangles each, most of which cover a few pixels.
 //! So what is computed for one is thrown away at once but for four bytes for each triangle that may be seen, and
-//! computed again, for these few triangles alone, where their band is drawn. A solid goes through three sieves:
+//! computed again, for these few triangles alone, where their band is drawn. A solid goes through two tests:
 //!
 //! 1. Its box in clip coordinates: beyond a side of the view, or between the pixels' centres, it is not looked at.
-//! 2. Its triangles, eight at a time: those that are sure to turn their hidden side to the eye are left out.
-//! 3. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
+//! 2. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
 //!    corners are all in one gap covers no centre, which is true of most triangles of a small solid.
 //!
 //! Solids that reach out of the view take the longer way, vertex by vertex, with the arithmetic of [`solids`]; the
-//! picture is the same on both. Text is a solid whose triangles are its glyphs' quads; the glyphs are sieved in groups.
+//! picture is the same on both. Text is a solid whose triangles are its glyphs' quads; the glyphs are tested in groups.
 //!
 //! [`solids`]: super::meshes
 
@@ -18,7 +17,6 @@ mod batch;
 mod corners;
 mod reach;
 mod shape;
-mod sieve;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -26,7 +24,7 @@ mod text;
 use std::sync::Arc;
 
 use fearless_simd::dispatch;
-use rcs_scene::{Material, Mesh, Solid, Solids};
+use rcs_scene::{CullMode, Material, Mesh, Solid, Solids};
 
 pub(in crate::cpu) use self::batch::{Batch, BatchPiece, BatchView, InstanceContext};
 pub(in crate::cpu) use self::corners::InstanceScratch;
@@ -34,10 +32,8 @@ use self::corners::{place_vertices, Source, Vertices};
 use self::reach::{place_box, Placement};
 use self::shape::Shape;
 pub(in crate::cpu) use self::shape::Shapes;
-use self::sieve::{sieve, Facing};
-use self::text::{glyph_triangles, UprightText};
+use self::text::glyph_triangles;
 use crate::cpu::raster::clip::ClipVertex;
-use crate::cpu::raster::glyph::GlyphRect;
 use crate::cpu::raster::triangle::{self, Corner};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::bins::Bins;
@@ -53,10 +49,8 @@ struct Placed {
     item: u32,
     /// A triangle may have to be cut.
     may_be_cut: bool,
-    /// Index of its transform; of a text that has rectangles alone there is none.
-    transform: Option<u32>,
-    /// Index of what is known of an upright text.
-    upright: Option<u32>,
+    /// Index of its transform.
+    transform: u32,
 }
 
 /// Things that are ready to be drawn.
@@ -64,9 +58,6 @@ struct Placed {
 pub(in crate::cpu) struct Instances {
     placed: Vec<Placed>,
     transforms: Vec<ObjectTransform>,
-    upright: Vec<UprightText>,
-    /// Rectangles of upright texts, a place for each of their glyphs.
-    rects: Vec<GlyphRect>,
     /// The numbers of triangles: all those of the first thing, seen or not, then all those of the second, and so on.
     bins: Bins,
     next: u32,
@@ -77,8 +68,6 @@ impl Instances {
     pub(in crate::cpu) fn clear(&mut self, screen: &Screen) {
         self.placed.clear();
         self.transforms.clear();
-        self.upright.clear();
-        self.rects.clear();
         self.bins.reset(screen);
         self.next = 0;
     }
@@ -118,14 +107,10 @@ impl Instances {
         }
         let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
         let first = self.next;
-        let is_inside = matches!(placement, Placement::Inside(_));
-        let is_seen = if let Placement::Inside(footprint) = placement {
-            let facing = Facing::of(shape, surface, &rows, &footprint, screen);
-            dispatch!(screen.simd_level, simd => {
-                place_vertices(simd, shape, &rows, screen, scratch);
-                sieve(simd, shape, surface, facing.as_ref(), scratch);
-            });
-            self.add_inside(shape, screen, scratch)
+        let is_inside = placement == Placement::Inside;
+        let is_seen = if is_inside {
+            dispatch!(screen.simd_level, simd => place_vertices(simd, shape, &rows, screen, scratch));
+            self.add_inside(shape, surface.cull, screen, scratch)
         } else {
             let transform = view.transform(&view_from_object);
             let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
@@ -138,8 +123,8 @@ impl Instances {
         };
         if is_seen {
             let transform = view.transform(&view_from_object);
-            let transform = Some(self.keep(transform));
-            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, transform, upright: None });
+            let transform = self.keep(transform);
+            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, transform });
             self.next += shape.triangles.len() as u32;
         }
     }
@@ -150,22 +135,23 @@ impl Instances {
         self.transforms.len() as u32 - 1
     }
 
-    fn transform_of(&self, placed: &Placed) -> Option<&ObjectTransform> {
-        self.transforms.get(placed.transform? as usize)
-    }
-
-    /// Makes the triangles of a solid inside the view ready that are left of it. Returns whether any may be seen.
-    fn add_inside(&mut self, shape: &Shape, screen: &Screen, scratch: &InstanceScratch) -> bool {
+    /// Makes the triangles of a solid inside the view ready that may be seen, given where its vertices were placed.
+    /// Returns `true` if there are some.
+    fn add_inside(&mut self, shape: &Shape, cull: CullMode, screen: &Screen, scratch: &InstanceScratch) -> bool {
         let mut is_seen = false;
-        for &triangle in &scratch.seen {
-            let Some(places) = shape.places.get(triangle as usize) else { continue };
-            let places = places.map(|place| scratch.place_of(place));
-            if !triangle::covers_any_centre(places) {
+        for (number, &corners) in (self.next..).zip(&shape.places) {
+            let [gap_a, gap_b, gap_c] = corners.map(|place| scratch.gap_of(place));
+            let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
+            if differences & 0xffff == 0 || differences >> 16 == 0 {
+                continue;
+            }
+            let places = corners.map(|place| scratch.place_of(place));
+            if triangle::is_hidden(triangle::doubled_area_of(places), cull) || !triangle::covers_any_centre(places) {
                 continue;
             }
             let [a, b, c] = places;
             let rows = triangle::between(a[1], b[1], c[1]);
-            self.bin(self.next + triangle, rows.0, rows.1, screen);
+            self.bin(number, rows.0, rows.1, screen);
             is_seen = true;
         }
         is_seen
@@ -243,21 +229,10 @@ impl Instances {
             let after = numbers.iter().position(|&number| number >= end);
             let (these, rest) = numbers.split_at(after.unwrap_or(numbers.len()));
             numbers = rest;
-            let glyphs = self.upright_glyphs(placed, context.view);
-            let Some(transform) = self.transform_of(placed) else {
-                if let Some(glyphs) = glyphs {
-                    for number in these {
-                        glyphs.draw(number - placed.first, band);
-                    }
-                }
-                continue;
-            };
+            let Some(transform) = self.transforms.get(placed.transform as usize) else { continue };
             scratch.begin();
             placed.with_source(transform, context, |source, triangle| {
                 for number in these {
-                    if glyphs.as_ref().is_some_and(|glyphs| glyphs.draw(number - placed.first, band)) {
-                        continue;
-                    }
                     if let Some(corners) = triangle(number - placed.first) {
                         draw_triangle((corners, placed.may_be_cut), source, context.screen, scratch, band);
                     }

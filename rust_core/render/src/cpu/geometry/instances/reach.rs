@@ -1,4 +1,4 @@
-//! How far a box reaches into the view: the first sieve of many small things.
+//! How far a box reaches into the view: the first test of many small things.
 
 use nalgebra::Matrix4;
 use rcs_scene::{Aabb, InFrustum};
@@ -11,27 +11,13 @@ pub(in crate::cpu) enum Placement {
     /// Nothing in it is seen.
     Unseen,
     /// All in it is in the view.
-    Inside(Footprint),
+    Inside,
     /// Anything else.
     Crossing,
 }
 
-/// A box in the view on the picture, or a little more.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::cpu) struct Footprint {
-    /// Its width and height in pixels, together.
-    pub width_and_height_px: f32,
-    /// Between which values w is.
-    pub w: [f32; 2],
-    /// How far a snapped place may be from the exact one, in pixels to each side.
-    pub error_px: f32,
-}
-
 /// Far more than the share by which rounding changes a sum of four products.
 const SLACK: f64 = 1e-5;
-
-/// Such a share itself, with that of a quotient of two sums and of what is made of it.
-const ROUNDING: f64 = 2e-6;
 
 /// Snapping moves a vertex by half of a subpixel.
 const SNAP_PX: f64 = 1.0 / SUBPIXELS as f64;
@@ -46,8 +32,7 @@ pub(in crate::cpu) fn place_box(bounds: &Aabb, rows: &[[f32; 4]; 4], screen: &Sc
     }
     // Between which values each coordinate is.
     let range = |row: usize| bounds.range(&clip.row(row).into_owned(), SLACK);
-    let ([least_w, most_w], magnitudes) =
-        (range(3), [0, 1, 3].map(|row| bounds.magnitude(&clip.row(row).into_owned())));
+    let [least_w, most_w] = range(3);
     if least_w.is_nan() || least_w <= 0.0 {
         return Placement::Crossing;
     }
@@ -65,12 +50,5 @@ pub(in crate::cpu) fn place_box(bounds: &Aabb, rows: &[[f32; 4]; 4], screen: &Sc
     if columns[0] >= columns[1] || rows[0] >= rows[1] {
         return Placement::Unseen;
     }
-    let (half_width, half_height) = screen.half_size();
-    let [x, y, w] = magnitudes;
-    let rounding = ((x + w) * f64::from(half_width)).max((y + w) * f64::from(half_height)) / least_w;
-    Placement::Inside(Footprint {
-        width_and_height_px: (columns[1] - columns[0] + rows[1] - rows[0]) as f32,
-        w: [least_w as f32, most_w as f32],
-        error_px: (SNAP_PX + rounding * ROUNDING) as f32,
-    })
+    Placement::Inside
 }

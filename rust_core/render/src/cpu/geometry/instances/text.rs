@@ -1,16 +1,12 @@
-//! The glyphs of [`Text`] among the many small things: made ready in groups, drawn as
-//! [rectangles](crate::cpu::raster::glyph) where they stand upright, else as two triangles.
+//! The glyphs of [`Text`] among the many small things: made ready in groups, drawn as two triangles each.
 
 use nalgebra::{Point3, Vector3};
 use rcs_scene::{Aabb, Drawable, Glyph, Text};
 
 use super::reach::{place_box, Placement};
-use super::{BatchPiece, BatchView, InstanceContext, InstanceScratch, Instances, Placed, Source, Vertices};
-use crate::cpu::raster::glyph::{are_upright, GlyphRect, Ink, Line, Place, Placer};
-use crate::cpu::tile::band::Band;
-use crate::cpu::tile::screen::Screen;
+use super::{BatchPiece, InstanceContext, InstanceScratch, Instances, Placed, Source, Vertices};
 
-/// Glyphs that are sieved together.
+/// Glyphs that are tested together.
 const GLYPHS_IN_GROUP: usize = 64;
 
 impl Instances {
@@ -30,93 +26,26 @@ impl Instances {
         let source =
             Source { vertices: Vertices::Text(text), material: text.material(), transform: &transform, surface };
         scratch.begin();
-        let range = piece.range.clone();
-        let (batch, item) = (piece.batch as u32, range.start as u32);
-        let placer = are_upright(surface, &transform).then(|| Placer::new(text, &transform, screen));
-        let (first, first_rect) = (self.next, self.rects.len());
-        if placer.is_some() {
-            self.rects.resize(first_rect + range.len(), GlyphRect::NONE);
-        }
-        let (mut is_seen, mut has_triangles) = (false, false);
+        let (range, first) = (piece.range.clone(), self.next);
+        let mut is_seen = false;
         for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
             let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
-            let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
-            let bounds = bounds_of_glyphs(glyphs, text.height_m());
+            let bounds = bounds_of_glyphs(text.glyphs().get(group.clone()).unwrap_or(&[]), text.height_m());
             if place_box(&bounds, &transform.clip_from_object, screen) == Placement::Unseen {
                 continue;
             }
-            for (glyph, placed) in group.zip(glyphs) {
-                let index = glyph - range.start;
-                let number = first + 2 * index as u32;
-                match placer.as_ref().map(|placer| placer.place(placed)) {
-                    Some(Place::Unseen) => continue,
-                    Some(Place::Seen(rect)) => {
-                        self.add_rect(number, first_rect + index, rect, screen);
-                        is_seen = true;
-                        continue;
-                    }
-                    Some(Place::Cut) | None => {}
-                }
+            for glyph in group {
+                let number = first + 2 * (glyph - range.start) as u32;
                 for (number, corners) in (number..).zip(glyph_triangles(glyph as u32)) {
-                    has_triangles |= self.add_triangle(number, corners, &source, screen, scratch);
+                    is_seen |= self.add_triangle(number, corners, &source, screen, scratch);
                 }
             }
         }
-        if !is_seen && !has_triangles {
-            self.rects.truncate(first_rect);
-            return;
+        if is_seen {
+            let (batch, item, transform) = (piece.batch as u32, range.start as u32, self.keep(transform));
+            self.placed.push(Placed { first, batch, item, may_be_cut: true, transform });
+            self.next += 2 * range.len() as u32;
         }
-        let color = source.vertex(4 * item).map_or([1.0; 4], |vertex| source.color(&vertex));
-        let upright = placer.map(|placer| {
-            self.upright.push(UprightText { first_rect: first_rect as u32, line: placer.line(color), is_on_top });
-            self.upright.len() as u32 - 1
-        });
-        let transform = has_triangles.then(|| self.keep(transform));
-        self.placed.push(Placed { first, batch, item, may_be_cut: true, transform, upright });
-        self.next += 2 * range.len() as u32;
-    }
-
-    /// Makes a glyph ready, under the number of the first of its triangles.
-    fn add_rect(&mut self, number: u32, place: usize, rect: GlyphRect, screen: &Screen) {
-        let (begin, end) = rect.rows();
-        self.bin(number, begin, end, screen);
-        if let Some(place) = self.rects.get_mut(place) {
-            *place = rect;
-        }
-    }
-
-    /// What draws the glyphs of a text that stand upright.
-    pub(super) fn upright_glyphs<'s>(&'s self, placed: &Placed, view: &'s BatchView<'_>) -> Option<UprightGlyphs<'s>> {
-        let text = self.upright.get(placed.upright? as usize)?;
-        let ink = Ink::new(view.surface_of_texts(text.is_on_top)?, text.line)?;
-        Some(UprightGlyphs { ink, rects: self.rects.get(text.first_rect as usize..)? })
-    }
-}
-
-/// A text, or a part of one, whose glyphs stand upright.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct UprightText {
-    /// Index of its first glyph's rectangle.
-    first_rect: u32,
-    line: Line,
-    is_on_top: bool,
-}
-
-/// The glyphs of an [`UprightText`].
-pub(in crate::cpu) struct UprightGlyphs<'a> {
-    ink: Ink<'a>,
-    rects: &'a [GlyphRect],
-}
-
-impl UprightGlyphs<'_> {
-    /// Draws a band's rows of the glyph that begins with a triangle, if it has not to be cut; says whether it did.
-    #[inline]
-    pub(in crate::cpu) fn draw(&self, triangle: u32, band: &mut Band<'_>) -> bool {
-        let rect = self.rects.get(triangle as usize / 2).filter(|rect| rect.is_some());
-        if let Some(rect) = rect {
-            rect.draw(&self.ink, band);
-        }
-        rect.is_some()
     }
 }
 
