@@ -114,12 +114,18 @@ impl Surface {
             Paint::BoxSide => FaceColor::<S, _, BOX_SIDE>::of_fragments(color).fragments(uv, seen),
             Paint::Disc => FaceColor::<S, _, DISC>::of_fragments(color).fragments(uv, seen),
             Paint::Texture(texture) => {
-                let color = color.map(|channel| channel.to_array());
-                let texels = each_seen(uv, seen, |lane, uv| {
-                    let texel = texture.sample(uv, level_of(texture, lane, uv));
-                    pack([0, 1, 2, 3].map(|i| unorm8(color[i][lane] * texel[i])))
-                });
-                (seen, texels)
+                let texel = texture.sample(
+                    uv,
+                    seen,
+                    #[inline(always)]
+                    |lane, uv| level_of(texture, lane, uv),
+                );
+                let [r, g, b, a] = map(
+                    [0, 1, 2, 3],
+                    #[inline(always)]
+                    |channel: usize| in_channel(level(color[channel] * texel[channel]), channel),
+                );
+                (seen, r | g | b | a)
             }
             Paint::Cells(sheet) => (seen, each_seen(uv, seen, |_, uv| pack(cell_color(sheet, uv)))),
         }

@@ -6,9 +6,12 @@
 
 use std::sync::Arc;
 
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
 use rcs_scene::{halved, Filtering, Texture, Wrapping};
-use wide::f32x4;
 
+use super::tile::band::{channel_shift, pack};
+use super::tile::lanes::{map, F, I, LANES, M, U};
 use crate::cache::Derived;
 
 /// A texture with its smaller copies.
@@ -64,19 +67,51 @@ impl MipTexture {
         Self { full: texture.clone(), mips }
     }
 
-    /// The texture's colour in one of its [levels](Self::level_for), each channel 0 to 1.
-    #[inline]
-    pub(in crate::cpu) fn sample(&self, [u, v]: [f32; 2], level: usize) -> [f32; 4] {
-        let (level, wrapping) = (self.level(level), self.full.wrapping);
-        let (x, y) = (u * level.width as f32, v * level.height as f32);
-        if self.full.filtering == Filtering::Nearest {
-            return level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0);
+    /// The texture's colours at the texture coordinates of some lanes, each channel 0 to 1. `level_of` gives a lane's
+    /// [level](Self::level_for).
+    #[inline(always)]
+    pub(in crate::cpu) fn sample<S: Simd>(
+        &self,
+        uv: [F<S>; 2],
+        seen: M<S>,
+        level_of: impl Fn(usize, [f32; 2]) -> usize,
+    ) -> [F<S>; 4] {
+        let simd = seen.token();
+        let [u, v] = [uv[0].to_array(), uv[1].to_array()];
+        let (mut around, mut right, mut down) = ([[0; LANES]; 4], [0.0; LANES], [0.0; LANES]);
+        let mut left = seen.to_bitmask();
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let level = self.level(level_of(lane, [u[lane], v[lane]]));
+            let (x, y) = (u[lane] * level.width as f32, v[lane] * level.height as f32);
+            if self.full.filtering == Filtering::Nearest {
+                let texel = level.texel(self.full.wrapping, floor(x).0, floor(y).0);
+                around.iter_mut().for_each(|all| all[lane] = pack(texel));
+            } else {
+                let ((column, way_right), (row, way_down)) = (floor(x - 0.5), floor(y - 0.5));
+                (right[lane], down[lane]) = (way_right, way_down);
+                let [[a, b], [c, d]] = level.four_texels(self.full.wrapping, column, row);
+                [around[0][lane], around[1][lane]] = [pack(a), pack(b)];
+                [around[2][lane], around[3][lane]] = [pack(c), pack(d)];
+            }
         }
-        let ((column, right), (row, down)) = (floor(x - 0.5), floor(y - 0.5));
-        let [[a, b], [c, d]] = level.four_texels(wrapping, column, row).map(|two| two.map(lanes));
-        let (right, down) = (f32x4::splat(right), f32x4::splat(down));
-        let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
-        ((top + (bottom - top) * down) / f32x4::splat(255.0)).to_array()
+        let [a, b, c, d] = around;
+        let around = [a, b, c, d].map(|texels| U::load_array(simd, texels));
+        let (right, down) = (F::load_array(simd, right), F::load_array(simd, down));
+        map(
+            [0, 1, 2, 3],
+            #[inline(always)]
+            |channel| {
+                let [a, b, c, d] = map(
+                    around,
+                    #[inline(always)]
+                    |texels| ((texels >> channel_shift(channel)) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
+                );
+                let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
+                (top + (bottom - top) * down) / 255.0
+            },
+        )
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -143,12 +178,6 @@ impl MipLevel<'_> {
     }
 }
 
-/// A texel's channels as numbers.
-#[inline(always)]
-fn lanes([r, g, b, a]: [u8; 4]) -> f32x4 {
-    f32x4::new([f32::from(r), f32::from(g), f32::from(b), f32::from(a)])
-}
-
 /// The whole number below and the rest; huge numbers end at the range of `i32`.
 #[inline]
 fn floor(value: f32) -> (i32, f32) {
@@ -166,6 +195,8 @@ fn floor(value: f32) -> (i32, f32) {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{dispatch, Level};
+
     use super::*;
 
     fn mipped(texture: Texture) -> MipTexture {
@@ -177,8 +208,16 @@ mod tests {
         mipped(Texture { width: 4, height: 4, rgba, filtering, wrapping })
     }
 
+    fn sample(texture: &MipTexture, [u, v]: [f32; 2], footprint: f32) -> [f32; 4] {
+        dispatch!(Level::new(), simd => {
+            let uv = [F::splat(simd, u), F::splat(simd, v)];
+            let level = |_: usize, _: [f32; 2]| texture.level_for(|| [[footprint, 0.0], [0.0, footprint]]);
+            texture.sample(uv, uv[0].simd_eq(u), level).map(|channel| channel.to_array()[LANES - 1])
+        })
+    }
+
     fn red(texture: &MipTexture, u: f32, v: f32, footprint: f32) -> f32 {
-        texture.sample([u, v], texture.level_for(|| [[footprint, 0.0], [0.0, footprint]]))[0] * 255.0
+        sample(texture, [u, v], footprint)[0] * 255.0
     }
 
     #[test]
@@ -222,6 +261,6 @@ mod tests {
             filtering: Filtering::Nearest,
             wrapping: Wrapping::Clamp,
         };
-        assert_eq!(mipped(texture).sample([0.9, 0.9], 0), [1.0; 4]);
+        assert_eq!(sample(&mipped(texture), [0.9, 0.9], 0.0), [1.0; 4]);
     }
 }
