@@ -1,0 +1,177 @@
+//! The WebSocket of one page: images as binary messages, the state and the log as JSON texts.
+//!
+//! The page answers each image with `ready`. A page that takes a message too slowly, or says nothing although it was
+//! pinged, is closed.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use futures_util::{SinkExt as _, StreamExt as _};
+use hyper::upgrade::Upgraded;
+use hyper_util::rt::TokioIo;
+use serde_json::{json, Value};
+use tokio::time::{sleep_until, timeout};
+use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::{Bytes, Message};
+use tokio_tungstenite::WebSocketStream;
+
+use crate::limits::Limits;
+use crate::operator::{LogLine, Operator};
+use crate::pages::{OpenPage, Pages};
+
+/// Most bytes of a message from a page.
+const MOST_BYTES: usize = 16 << 10;
+/// Most cameras that a page watches.
+const MOST_CAMERAS: usize = 16;
+/// Shortest time between two states.
+const STATE_GAP: Duration = Duration::from_millis(200);
+/// Longest time between two states.
+const STATE_PERIOD: Duration = Duration::from_secs(1);
+/// Shortest time between two messages with lines of the log.
+const LOG_GAP: Duration = Duration::from_millis(100);
+
+type Socket = WebSocketStream<TokioIo<Upgraded>>;
+
+/// A page and what it has received.
+struct PageSocket {
+    socket: Socket,
+    operator: Arc<dyn Operator>,
+    pages: Pages,
+    page: OpenPage,
+    limits: Limits,
+    /// The version of the last state, and when it was sent.
+    state: Option<(u64, Instant)>,
+    /// The number of the last line of the log.
+    log_id: u64,
+    log_sent: Option<Instant>,
+    heard: Instant,
+    pinged: Instant,
+}
+
+/// The connection is over.
+struct Closed;
+
+/// Serves a page until it is closed.
+pub(crate) async fn serve(upgraded: Upgraded, operator: Arc<dyn Operator>, pages: Pages, limits: Limits) {
+    let config = WebSocketConfig::default().max_message_size(Some(MOST_BYTES)).max_frame_size(Some(MOST_BYTES));
+    let socket = WebSocketStream::from_raw_socket(TokioIo::new(upgraded), Role::Server, Some(config)).await;
+    let (page, now) = (pages.open(), Instant::now());
+    operator.watchers_changed();
+    let (state, log_id, log_sent) = (None, 0, None);
+    let mut page_socket = PageSocket {
+        socket,
+        operator: Arc::clone(&operator),
+        pages,
+        page,
+        limits,
+        state,
+        log_id,
+        log_sent,
+        heard: now,
+        pinged: now,
+    };
+    // How a page leaves makes no difference.
+    let _ = page_socket.run().await;
+    drop(page_socket);
+    operator.watchers_changed();
+}
+
+impl PageSocket {
+    async fn run(&mut self) -> Result<(), Closed> {
+        let mut news = self.pages.subscribe();
+        loop {
+            // Before anything is looked at, so that nothing is missed.
+            news.borrow_and_update();
+            self.send_news().await?;
+            let next_due = self.next_due();
+            tokio::select! {
+                message = self.socket.next() => match message {
+                    Some(Ok(message)) => self.take(&message)?,
+                    Some(Err(_)) | None => return Err(Closed),
+                },
+                changed = news.changed() => changed.map_err(|_| Closed)?,
+                () = sleep_until(next_due.into()) => {}
+            }
+        }
+    }
+
+    /// Sends what is due: a ping, the state, the log, masks and an image.
+    async fn send_news(&mut self) -> Result<(), Closed> {
+        let now = Instant::now();
+        if now.saturating_duration_since(self.heard) >= self.limits.silence {
+            return Err(Closed);
+        }
+        if now.saturating_duration_since(self.pinged) >= self.limits.ping {
+            self.pinged = now;
+            self.send(Message::Ping(Bytes::new())).await?;
+        }
+        if self.state_due().is_none_or(|due| due <= now) {
+            let (version, text) = self.pages.state(&*self.operator);
+            self.state = Some((version, now));
+            self.send(Message::text(&*text)).await?;
+        }
+        if self.log_sent.is_none_or(|sent| sent + LOG_GAP <= now) {
+            let lines = self.operator.log_after(self.log_id);
+            if let Some(last) = lines.last() {
+                (self.log_id, self.log_sent) = (last.id, Some(now));
+                self.send(Message::text(log_message(&lines))).await?;
+            }
+        }
+        while let Some(message) = self.pages.images().next_message(self.page.id) {
+            self.send(Message::Binary(message)).await?;
+        }
+        Ok(())
+    }
+
+    async fn send(&mut self, message: Message) -> Result<(), Closed> {
+        match timeout(self.limits.send, self.socket.send(message)).await {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(_)) | Err(_) => Err(Closed),
+        }
+    }
+
+    /// When the state is to be sent next; `None` before the first one.
+    fn state_due(&self) -> Option<Instant> {
+        let (version, sent) = self.state?;
+        let has_changed = version != self.pages.state_version();
+        Some(sent + if has_changed { STATE_GAP } else { STATE_PERIOD })
+    }
+
+    /// When something is due by itself.
+    fn next_due(&self) -> Instant {
+        let now = Instant::now();
+        // Lines that came meanwhile are sent then.
+        let log = self.log_sent.map(|sent| sent + LOG_GAP).filter(|due| *due > now);
+        let silence = self.heard + self.limits.silence;
+        let due = [self.state_due(), Some(self.pinged + self.limits.ping), log];
+        due.into_iter().flatten().fold(silence, Instant::min)
+    }
+
+    /// Takes a message of the page. One that is not understood ends the connection.
+    fn take(&mut self, message: &Message) -> Result<(), Closed> {
+        self.heard = Instant::now();
+        let text = match message {
+            Message::Text(text) => text,
+            Message::Ping(_) | Message::Pong(_) => return Ok(()),
+            Message::Binary(_) | Message::Close(_) | Message::Frame(_) => return Err(Closed),
+        };
+        let message: Value = serde_json::from_str(text).map_err(|_| Closed)?;
+        let images = self.pages.images();
+        match message["type"].as_str() {
+            Some("watch") => {
+                let cameras = message["cameras"].as_array().ok_or(Closed)?;
+                let names = cameras.iter().filter_map(Value::as_str).take(MOST_CAMERAS).map(str::to_owned);
+                images.watch(self.page.id, names.collect());
+                self.operator.watchers_changed();
+            }
+            Some("ready") => images.ready(self.page.id),
+            _ => return Err(Closed),
+        }
+        Ok(())
+    }
+}
+
+fn log_message(lines: &[LogLine]) -> String {
+    let line = |line: &LogLine| json!({"id": line.id, "time": line.time_secs, "level": line.level, "text": line.text});
+    json!({"type": "log", "lines": lines.iter().map(line).collect::<Vec<_>>()}).to_string()
+}
