@@ -15,6 +15,7 @@
 mod format;
 mod lines;
 mod panics;
+mod recent;
 mod throttle;
 
 use std::fs::{File, OpenOptions};
@@ -32,6 +33,8 @@ use rcs_scene::lock;
 use format::{Format, LogFields};
 use lines::LineQueue;
 use panics::while_logging;
+pub use recent::RecentLine;
+use recent::RecentLines;
 pub use throttle::without_numbers;
 use throttle::{Suppressed, Throttle};
 
@@ -153,6 +156,7 @@ pub fn print_error(text: &str) {
 }
 
 static CONSOLE: OnceLock<Console> = OnceLock::new();
+static RECENT: RecentLines = RecentLines::new();
 
 fn install(console: Console) {
     // A second call changes nothing.
@@ -160,6 +164,17 @@ fn install(console: Console) {
     if log::set_logger(console).is_ok() {
         log::set_max_level(console.filter.filter());
     }
+}
+
+/// The node's last log lines after the one with this number, oldest first: at most 200, debug messages left out.
+pub fn recent_lines(after: u64) -> Vec<RecentLine> {
+    RECENT.after(after)
+}
+
+/// Has `on_new` called after each new line that [`recent_lines`] returns; the first call counts. It must neither wait
+/// nor log.
+pub fn watch_recent_lines(on_new: impl Fn() + Send + Sync + 'static) {
+    RECENT.watch(on_new);
 }
 
 /// The loggers of a node's logger services.
@@ -271,6 +286,7 @@ impl Console {
         };
         self.write(owned.level, &self.format.apply(&line));
         if self.is_node {
+            RECENT.push(owned.level, &owned.text);
             log_line(LogLine {
                 level: owned.level,
                 module: owned.module.clone(),
