@@ -277,7 +277,7 @@ const DEFAULTS: &str =
                         --no-set-mode --orientation=0 --predict=none --predict-limit=0.1 --projection=exact \
                         --renderer=cpu --screen-delay=0.02 --stale-note --stale-timeout=1 \
                         --stale-timeouts=/move_base/NavfnROS/plan=held \
-                        --stale-timeouts=/visualization_marker_array=held --undistort --watch --window=none";
+                        --stale-timeouts=/visualization_marker_array=held --undistort --watch --web=none --web-hosts=none --window=none";
 
 /// Parameters outlive a launch: what one sets, the next must set as well.
 #[test]

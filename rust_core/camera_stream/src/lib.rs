@@ -10,6 +10,7 @@ mod new_camera;
 pub mod offline;
 mod options;
 pub mod outputs;
+mod page;
 mod projection_warning;
 mod runtime;
 mod safety;

@@ -149,6 +149,11 @@ impl Drop for Flush {
 
 /// Prints why the program fails, after what was logged.
 pub fn print_error(text: &str) {
+    print_privately(text);
+}
+
+/// Prints a line on standard error only: not to the log's file, nor to `/rosout`.
+pub fn print_privately(text: &str) {
     match CONSOLE.get() {
         Some(console) => while_logging(|| console.print_to_errors(text.to_owned())),
         None => eprintln!("{text}"),

@@ -100,12 +100,18 @@ impl Host {
         let chosen = argument("__hostname:=").or_else(|| argument("__ip:="));
         match chosen.or_else(|| variable("ROS_HOSTNAME")).or_else(|| variable("ROS_IP")) {
             Some(name) => Self { name, is_chosen: true },
-            None => {
-                let name = rustix::system::uname().nodename().to_string_lossy().into_owned();
-                Self { name, is_chosen: false }
-            }
+            None => Self { name: machine_name(), is_chosen: false },
         }
     }
+}
+
+/// The names of this machine: the one under which others reach its nodes (`ROS_HOSTNAME`, say), then its own.
+pub fn host_names() -> [String; 2] {
+    [Host::of_process().name, machine_name()]
+}
+
+fn machine_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
 /// The private parameters among the process's arguments (`_name:=value`), as `~name` and what YAML makes of the value.

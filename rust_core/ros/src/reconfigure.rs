@@ -24,6 +24,7 @@ pub struct ReconfigureServer {
     updates: Publisher<Config>,
     service: ServiceGuard,
     described: ConfigDescription,
+    config: Config,
     on_parameter_server: HashMap<String, Value>,
 }
 
@@ -46,6 +47,7 @@ impl RosNode {
             updates: self.latched_publisher(&updates, QUEUE_SIZE)?,
             service: ServiceGuard { name: format!("{name}/set_parameters"), network: Arc::clone(self.network()) },
             described: ConfigDescription::default(),
+            config: Config::default(),
             on_parameter_server: HashMap::new(),
             name,
         };
@@ -88,6 +90,16 @@ impl ReconfigureServer {
         &self.name
     }
 
+    /// The parameters' descriptions.
+    pub fn description(&self) -> &ConfigDescription {
+        &self.described
+    }
+
+    /// The values that apply.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
     /// Publishes the parameters' descriptions, if they changed.
     pub fn set_description(&mut self, description: ConfigDescription) {
         if description != self.described {
@@ -106,6 +118,7 @@ impl ReconfigureServer {
                 self.on_parameter_server.insert(name.clone(), value);
             }
         }
+        self.config = config.clone();
         if let Err(error) = self.updates.send(config) {
             log::warn!("{}: cannot publish the parameters: {error}", self.name);
         }

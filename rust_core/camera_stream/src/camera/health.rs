@@ -100,6 +100,16 @@ impl CameraHealth {
         self.problem.current.is_some()
     }
 
+    /// Frames published so far, unchanged ones included.
+    pub(super) fn published(&self) -> u64 {
+        self.counts.published
+    }
+
+    /// Why there is no camera at present.
+    pub(super) fn problem(&self) -> Option<String> {
+        self.problem.current.as_ref().map(|(problem, _)| problem.to_string())
+    }
+
     /// Records why a frame failed. An error is logged once, and stays until an image is published.
     pub(super) fn record_error(&mut self, camera: &str, error: &Error) {
         let error = one_line(error);

@@ -98,6 +98,11 @@ impl Latency {
         }
     }
 
+    /// Medians in milliseconds: from received to published, and the age of the data shown.
+    pub(crate) fn medians_ms(&self) -> [Option<f64>; 2] {
+        [self.steps.whole_ms(), &self.age_ms].map(|window| window.percentiles().map(|ms| ms.median))
+    }
+
     /// The figures with their names.
     pub(crate) fn values(&self) -> [(&'static str, String); 6] {
         let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());

@@ -18,9 +18,10 @@ use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_ros::{RosNode, TriggerReply};
+use rcs_ros::{ReconfigureServer, RosNode, TriggerReply};
 use rcs_scene::{DepthPicture, DisplayId, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
+use rcs_web::Images;
 
 use super::connections::CameraConnections;
 use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
@@ -44,6 +45,8 @@ pub(crate) struct CameraContext {
     pub(crate) ros: Arc<RosNode>,
     pub(crate) model: CameraModel,
     pub(crate) depth_encoding: DepthEncoding,
+    /// The images of the operator's page, if there is one.
+    pub(crate) page: Option<Images>,
 }
 
 /// A camera with its outputs and its trigger service.
@@ -58,6 +61,23 @@ pub(crate) struct CameraOutput {
     buffers: FrameBuffers,
     turned_info: TurnedInfo,
     health: CameraHealth,
+}
+
+/// A camera's figures for the operator's page.
+#[derive(Debug)]
+pub(crate) struct CameraFigures<'a> {
+    /// The whole name of the image topic.
+    pub(crate) topic: Option<&'a str>,
+    /// The optical frame and the size of the last image.
+    pub(crate) frame: Option<&'a str>,
+    pub(crate) size_px: Option<[u32; 2]>,
+    /// Images published so far.
+    pub(crate) published: u64,
+    /// Medians, where they were measured.
+    pub(crate) latency_ms: Option<f64>,
+    pub(crate) age_ms: Option<f64>,
+    /// Why the last image is black, or why there is none.
+    pub(crate) dark: Option<String>,
 }
 
 /// The number of the frames that a window may hold in each other's place: see
@@ -216,6 +236,36 @@ impl CameraOutput {
     /// Records a frame that took long.
     pub(crate) fn record_slow_frame(&mut self, text: String) {
         self.health.record_slow_frame(&self.settings.view().name, text);
+    }
+
+    /// Its figures for the operator's page.
+    pub(crate) fn figures(&self) -> CameraFigures<'_> {
+        let last = self.buffers.front.as_ref();
+        let black = last.and_then(|last| match &last.spec.content {
+            FrameContent::Black { dark, .. } => Some(dark.why.clone()),
+            FrameContent::Scene { .. } => None,
+        });
+        let [latency_ms, age_ms] = self.health.latency.medians_ms();
+        CameraFigures {
+            topic: self.connections.outputs.topic.as_ref().map(TopicOutput::topic),
+            frame: last.map(|last| last.spec.info.header.frame_id.as_str()),
+            size_px: last.map(|last| [last.picture.width_px, last.picture.height_px]),
+            published: self.health.published(),
+            latency_ms,
+            age_ms,
+            dark: black.or_else(|| self.health.problem()),
+        }
+    }
+
+    /// Its servers of dynamic_reconfigure: its own first, then that of the compressed images.
+    pub(crate) fn servers(&self) -> impl Iterator<Item = &ReconfigureServer> {
+        let topic = self.connections.outputs.topic.as_ref();
+        self.settings.server().into_iter().chain(topic.and_then(TopicOutput::server))
+    }
+
+    /// The switches of the displays: path, name of the parameter, and `true` for one that is on.
+    pub(crate) fn switches(&self) -> impl Iterator<Item = (&[String], &str, bool)> {
+        self.settings.switches()
     }
 
     /// `true` if its parameters are served under this name.

@@ -9,7 +9,7 @@ use super::connections::{take_where, CameraConnections, KeptConnections};
 use super::output::{CameraContext, CameraOutput};
 use super::plan::CameraPlan;
 use super::reconfigurable::{switches, Switch};
-use crate::outputs::{Outputs, WindowOutput};
+use crate::outputs::{Outputs, PageOutput, WindowOutput};
 
 /// The cameras of a config, in its order. Topics, services and parameters that are kept are not touched. `window` gives
 /// the window of a camera, by name.
@@ -29,7 +29,8 @@ pub(crate) fn rearrange(
     let mut cameras = Vec::new();
     for plan in plans {
         let trigger_service = kept.trigger_service(ros, &plan);
-        let outputs = Outputs { topic: kept.topic(ros, &plan), window: window(plan.name()) };
+        let page = context.page.as_ref().map(|images| PageOutput::new(images, plan.name()));
+        let outputs = Outputs { topic: kept.topic(ros, &plan), window: window(plan.name()), page };
         let connections = CameraConnections { outputs, trigger_service };
         let known = take_where(&mut old, |camera| camera.id() == plan.id);
         let mut camera = known.unwrap_or_else(|| CameraOutput::new(context, &plan, &switches));

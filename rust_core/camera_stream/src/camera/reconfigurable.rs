@@ -141,6 +141,11 @@ impl CameraParameters {
         }
     }
 
+    /// `true` if a switch is on.
+    pub(super) fn is_on(&self, switch: &Switch) -> bool {
+        self.visibility.is_ticked(&switch.path())
+    }
+
     /// Resets the switches of removed displays to the file's values.
     pub(super) fn forget<'s>(&mut self, gone: impl Iterator<Item = &'s Switch>, in_file: &Self) {
         for switch in gone {
@@ -239,6 +244,11 @@ impl Switch {
     /// `true` if both have the same path.
     pub(super) fn is_of_same_display(&self, other: &Self) -> bool {
         self.path == other.path
+    }
+
+    /// The display's path and the parameter's name.
+    pub(super) fn path_and_name(&self) -> (&[String], &str) {
+        (&self.path, &self.name)
     }
 
     fn path(&self) -> Vec<&str> {

@@ -49,6 +49,19 @@ impl RuntimeSettings {
         &self.view
     }
 
+    /// Its server of dynamic_reconfigure.
+    pub(super) fn server(&self) -> Option<&ReconfigureServer> {
+        self.server.as_ref()
+    }
+
+    /// The switches of the displays: path, name of the parameter, and `true` for one that is on.
+    pub(super) fn switches(&self) -> impl Iterator<Item = (&[String], &str, bool)> {
+        self.switches.iter().map(|switch| {
+            let (path, name) = switch.path_and_name();
+            (path, name, self.current.is_on(switch))
+        })
+    }
+
     /// `true` if this has the server of that name.
     pub(super) fn serves(&self, server: &str) -> bool {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)

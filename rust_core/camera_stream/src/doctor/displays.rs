@@ -35,11 +35,18 @@ fn display(entry: &StatusEntry<'_>) -> Finding {
     }
     let mut wrong: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
     wrong.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
-    let advice = wrong.iter().find_map(|(name, status)| advice(name, &status.text)).unwrap_or_default();
+    let advice = advice_for(entry).unwrap_or_default();
     let more = wrong.len().saturating_sub(MOST_PROBLEMS);
     let more = if more > 0 { format!(", and {more} more") } else { String::new() };
     let texts: Vec<String> = wrong.into_iter().take(MOST_PROBLEMS).map(text).collect();
     Finding::bad(name, texts.join(", ") + &more, advice)
+}
+
+/// What to do about a display's worst status for which something is known.
+pub(crate) fn advice_for(entry: &StatusEntry<'_>) -> Option<&'static str> {
+    let mut wrong: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
+    wrong.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
+    wrong.into_iter().find_map(|(name, status)| advice(name, &status.text))
 }
 
 /// What to do about a status.

@@ -29,6 +29,7 @@ use anyhow::{Error, Result};
 use rcs_ros::Parameters;
 use rcs_rviz_config::Config;
 
+pub(crate) use self::displays::advice_for;
 use self::finding::{Finding, Mark};
 use self::look::Look;
 use self::observed::Observed;

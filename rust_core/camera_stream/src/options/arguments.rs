@@ -65,6 +65,9 @@ pub struct NodeArgs {
     /// Where and when there may be light.
     #[command(flatten)]
     pub light: LightArgs,
+    /// The operator's page.
+    #[command(flatten)]
+    pub web: WebArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub rviz: RvizArgs,
@@ -136,6 +139,17 @@ pub struct LightArgs {
     /// mirrored-180, mirrored-270; with CAMERA= for one [default: 0]
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
     pub orientation: Vec<String>,
+}
+
+/// The operator's page.
+#[derive(Args, Clone, Debug)]
+pub struct WebArgs {
+    /// Serve the operator's page at this port, of 127.0.0.1 unless an address is given; 0.0.0.0: of all [default: none]
+    #[arg(long, value_name = "[ADDRESS:]PORT")]
+    pub web: Option<String>,
+    /// Name by which browsers reach the page, beside addresses, localhost and the machine's name; repeatable
+    #[arg(long, value_name = "NAME")]
+    pub web_hosts: Vec<String>,
 }
 
 /// Options of rviz that only concern its window: launch files may have them, so they are accepted and ignored.

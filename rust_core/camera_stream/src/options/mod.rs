@@ -6,6 +6,7 @@
 pub(crate) mod arguments;
 pub(crate) mod config_file;
 pub(crate) mod prediction;
+mod web;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,7 @@ use crate::safety::rules::KeepOutFrame;
 use arguments::{LightArgs, ModelArgs, NodeArgs, ResourceArgs};
 use prediction::PredictionSettings;
 use rcs_node_support::node_options::{InvalidOption, NodeOptions};
+pub(crate) use web::WebOptions;
 
 /// All options of the node.
 #[derive(Clone, Debug)]
@@ -48,6 +50,8 @@ pub(crate) struct Options {
     pub(crate) set_mode: bool,
     /// Where and when there may be light.
     pub(crate) light: LightOptions,
+    /// The operator's page, if there is one.
+    pub(crate) web: Option<WebOptions>,
 }
 
 /// Where and when there may be light, and how it is corrected. Files are not read and topics not resolved yet.
@@ -104,6 +108,7 @@ impl Options {
             windows: ForCamera::read_all(&name_of("window"), &node.windows.window, cameras)?,
             set_mode: node.windows.set_mode,
             light: LightOptions::new(&node.light, cameras, name_of)?,
+            web: WebOptions::new(&node.web, name_of)?,
         })
     }
 }
@@ -207,7 +212,7 @@ mod tests {
     fn none_is_no_value() {
         let lists =
             ["--window", "--mask-topic", "--mask", "--blend", "--orientation", "--keep-out", "--stale-timeouts"];
-        let single = ["--fixed-frame", "--stale-timeout", "--predict", "--mesh-folder"];
+        let single = ["--fixed-frame", "--stale-timeout", "--predict", "--mesh-folder", "--web", "--web-hosts"];
         let args: Vec<&str> = lists.iter().chain(&single).flat_map(|option| [*option, "none"]).collect();
         let (all, default) = (options(&args).unwrap(), options(&[]).unwrap());
         assert_eq!(format!("{all:?}"), format!("{default:?}"));

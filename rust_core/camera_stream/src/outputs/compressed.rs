@@ -81,6 +81,11 @@ impl CompressedOutput {
         self.server = server.map_err(|error| log::error!("{error}")).ok();
     }
 
+    /// dynamic_reconfigure's server with its settings.
+    pub(super) fn server(&self) -> Option<&ReconfigureServer> {
+        self.server.as_ref()
+    }
+
     /// `true` if this has dynamic_reconfigure's server of that name.
     pub(super) fn serves(&self, server: &str) -> bool {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)

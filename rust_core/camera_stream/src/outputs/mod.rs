@@ -7,6 +7,8 @@
 mod compressed;
 mod compressed_settings;
 pub(crate) mod depth_image;
+pub(crate) mod page;
+mod page_image;
 pub(crate) mod parameter_description;
 mod picture_files;
 mod topic;
@@ -24,6 +26,7 @@ use rcs_window::Refresh;
 use crate::outputs::depth_image::DepthImage;
 use crate::safety::permit::Permit;
 
+pub(crate) use page::PageOutput;
 pub(crate) use picture_files::{PictureFile, PictureSequence};
 pub(crate) use topic::{retain, TopicNames, TopicOutput};
 pub(crate) use video::VideoFile;
@@ -73,18 +76,22 @@ pub(crate) struct Outputs {
     pub(crate) topic: Option<TopicOutput>,
     /// The window in this process, if there is one for this camera.
     pub(crate) window: Option<WindowOutput>,
+    /// The operator's page, if there is one.
+    pub(crate) page: Option<PageOutput>,
 }
 
 impl Outputs {
     fn all(&self) -> impl Iterator<Item = &dyn Output> {
         let window = self.window.iter().map(|window| window as &dyn Output);
+        let page = self.page.iter().map(|page| page as &dyn Output);
         // The window first: a topic takes longer.
-        window.chain(self.topic.iter().map(|topic| topic as &dyn Output))
+        window.chain(self.topic.iter().map(|topic| topic as &dyn Output)).chain(page)
     }
 
     fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
         let window = self.window.iter_mut().map(|window| window as &mut dyn Output);
-        window.chain(self.topic.iter_mut().map(|topic| topic as &mut dyn Output))
+        let page = self.page.iter_mut().map(|page| page as &mut dyn Output);
+        window.chain(self.topic.iter_mut().map(|topic| topic as &mut dyn Output)).chain(page)
     }
 
     /// The refresh of the screen that shows the images, where it is known.

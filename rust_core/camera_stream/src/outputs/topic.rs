@@ -9,7 +9,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
-use rcs_ros::{Change, NodeError, Publisher, RosNode};
+use rcs_ros::{Change, NodeError, Publisher, ReconfigureServer, RosNode};
 
 use super::compressed::CompressedOutput;
 use super::{Output, OutputFrame};
@@ -64,6 +64,11 @@ impl TopicOutput {
     /// Takes over settings that have come from the parameter server.
     pub(crate) fn poll_settings(&mut self, ros: &RosNode) {
         self.compressed.poll_settings(ros);
+    }
+
+    /// dynamic_reconfigure's server with its settings.
+    pub(crate) fn server(&self) -> Option<&ReconfigureServer> {
+        self.compressed.server()
     }
 
     /// `true` if dynamic_reconfigure's server of this name has its settings.

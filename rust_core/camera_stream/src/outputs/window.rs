@@ -180,6 +180,16 @@ fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> L
     }
 }
 
+/// Shares of the light that masks and keep-out frames allow, as a turned grey image; `drawn_px` is the size before.
+pub(super) fn allowed_light(post: &LastStep, drawn_px: [u32; 2]) -> Picture {
+    let mut shares = Picture::default();
+    shares.reset(drawn_px[0], drawn_px[1], Encoding::Mono8);
+    shares.data.fill(u8::MAX);
+    // Blending is no mask.
+    LastStep { blend: None, ..post.clone() }.apply(&mut shares, &mut Picture::default());
+    shares
+}
+
 /// A camera's post-processing, for images that a window shows in place of the newest.
 #[derive(Debug)]
 struct PostMask {
@@ -197,11 +207,7 @@ impl Mask for PostMask {
 
     fn shares(&self, monitor_px: [u32; 2]) -> Picture {
         let [width_px, height_px] = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
-        let mut turned = Picture::default();
-        turned.reset(width_px, height_px, Encoding::Mono8);
-        turned.data.fill(u8::MAX);
-        // Blending is no mask.
-        LastStep { blend: None, ..(*self.post).clone() }.apply(&mut turned, &mut Picture::default());
+        let turned = allowed_light(&self.post, [width_px, height_px]);
         let mut shares = Picture::default();
         shares.reset(monitor_px[0], monitor_px[1], Encoding::Mono8);
         let rows = shares.data.chunks_mut(monitor_px[0].max(1) as usize);

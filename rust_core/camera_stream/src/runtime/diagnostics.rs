@@ -54,11 +54,11 @@ impl Diagnostics {
     }
 
     /// Reports statuses as far as that is due, with those of the ROS graph.
-    pub(crate) fn report(&mut self, ros: &RosNode, mut entries: Vec<StatusEntry<'_>>) {
-        status_tree::add_ros_graph(&mut entries, ros);
+    pub(crate) fn report(&mut self, ros: &RosNode, entries: &mut [StatusEntry<'_>]) {
+        status_tree::add_ros_graph(entries, ros);
         let log_time = self.log_time();
         if self.log.is_due(log_time) {
-            self.log.check(&entries, log_time);
+            self.log.check(entries, log_time);
         }
         if self.begin_publishing() {
             self.last_status = entries.iter().map(|entry| status_of(ros.name(), entry)).collect();

@@ -18,7 +18,7 @@ mod control_thread;
 mod diagnostics;
 mod frame_renderer;
 mod scene_thread;
-mod shared;
+pub(crate) mod shared;
 pub(crate) mod watchdog;
 mod windows;
 
@@ -30,7 +30,7 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::options::Options;
-use crate::{camera_names, log_findings, NODE_NAME};
+use crate::{camera_names, log_findings, page, NODE_NAME};
 use control_thread::ControlThread;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options;
@@ -57,6 +57,7 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     let shared = Arc::new(NodeState::new(ros));
     let scene = SceneThread::start(&options, config, &shared)?;
     let control = ControlThread::start(&options, file, config, &shared)?;
+    let _page = options.web.as_ref().map(|web| page::start(web, file, &shared)).transpose()?;
     run_threads(scene, control, &end)?;
     shared.ros.shutdown();
     Ok(())

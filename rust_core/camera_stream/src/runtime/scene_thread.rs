@@ -76,7 +76,8 @@ impl SceneThread {
         let plans = plan::plans(ros, config)?;
         let windows = Windows::open(ros, options, &safety, &plans)?;
         let (model, depth_encoding) = (options.model, options.depth_encoding);
-        let context = Arc::new(CameraContext { ros: Arc::clone(ros), model, depth_encoding });
+        let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
+        let context = Arc::new(CameraContext { ros: Arc::clone(ros), model, depth_encoding, page });
         let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
         let mut scene = LiveScene::start(ros, state, options.prediction, options.fixed_frame.clone())?;
         log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
@@ -222,7 +223,12 @@ impl SceneThread {
             visibility::add(&mut entries, state.displays(), &placed);
         }
         entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(state)));
-        shared.diagnostics().report(&shared.ros, entries);
+        shared.diagnostics().report(&shared.ros, &mut entries);
+        if is_published && shared.board.pages().is_any_open() {
+            let published = |camera: &CameraOutput| (camera.view().name.clone(), camera.figures().published);
+            let published: Vec<_> = shared.cameras().iter().map(published).collect();
+            shared.board.note(&entries, published.into_iter());
+        }
     }
 
     fn handle(&mut self, event: NodeEvent) {

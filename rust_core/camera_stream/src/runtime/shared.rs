@@ -10,12 +10,15 @@ use super::activity::Activity;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
 use crate::camera::output::CameraOutput;
+use crate::page::Board;
 
 /// NodeState by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
 /// displays are updated or images are drawn.
-pub(super) struct NodeState {
-    pub(super) ros: Arc<RosNode>,
+pub(crate) struct NodeState {
+    pub(crate) ros: Arc<RosNode>,
     pub(super) activity: Arc<Activity>,
+    /// What the operator's page shows.
+    pub(crate) board: Board,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
@@ -43,11 +46,11 @@ impl NodeState {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
-        Self { ros, activity, cameras: Mutex::default(), diagnostics, requests: Mutex::default() }
+        Self { ros, activity, board: Board::new(), cameras: Mutex::default(), diagnostics, requests: Mutex::default() }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
-    pub(super) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
+    pub(crate) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
         lock(&self.cameras)
     }
 

@@ -55,6 +55,20 @@ pub(crate) struct StatusEntry<'a> {
 }
 
 impl StatusEntry<'_> {
+    /// Number of messages received, of a display with topics.
+    pub(crate) fn received(&self) -> Option<u64> {
+        self.value(MESSAGES)?.parse().ok()
+    }
+
+    /// Age of the data shown in milliseconds, where it is known.
+    pub(crate) fn age_ms(&self) -> Option<f64> {
+        self.value(AGE)?.parse().ok()
+    }
+
+    fn value(&self, name: &str) -> Option<&str> {
+        self.values.iter().find(|(known, _)| *known == name).map(|(_, value)| value.as_str())
+    }
+
     /// The level of the worst of its statuses.
     pub(crate) fn level(&self) -> Level {
         self.statuses.level()

@@ -1,0 +1,88 @@
+//! Carries out what the pages ask for.
+
+use std::sync::Arc;
+use std::time::UNIX_EPOCH;
+
+use rcs_web::{LogLine, Operator, Refusal};
+use serde_json::Value;
+
+use super::{parameters, state};
+use crate::runtime::shared::NodeState;
+
+/// The node for the pages.
+pub(crate) struct PageOperator {
+    shared: Arc<NodeState>,
+    /// File name of the config.
+    config: String,
+}
+
+impl PageOperator {
+    pub(super) fn new(shared: &Arc<NodeState>, config: String) -> Self {
+        Self { shared: Arc::clone(shared), config }
+    }
+
+    /// Sets parameters of a dynamic_reconfigure server.
+    fn set_parameters(&self, body: &Value, caller: &str) -> Result<String, Refusal> {
+        let name = text(body, "server")?;
+        let values = body["values"].as_object().ok_or_else(|| invalid("values: no object"))?;
+        let unknown = || Refusal::Invalid(format!("server: there is no server {name}"));
+        let mut cameras = self.shared.cameras();
+        let camera = cameras.iter_mut().find(|camera| camera.has_parameters(name)).ok_or_else(unknown)?;
+        let server = camera.servers().find(|server| &**server.name() == name).ok_or_else(unknown)?;
+        let request = parameters::request(values, server).map_err(Refusal::Invalid)?;
+        camera.reconfigure(name, &request);
+        drop(cameras);
+        self.shared.ros.events().wake();
+        let names: Vec<&str> = values.keys().map(String::as_str).collect();
+        let names = names.join(", ");
+        log::info!("{name}: {names} set by {caller}");
+        Ok(format!("{names} set"))
+    }
+}
+
+impl Operator for PageOperator {
+    fn is_immediate(&self, request: &str) -> bool {
+        matches!(request, "blackout" | "pause" | "test_picture" | "parameters")
+    }
+
+    fn post(&self, request: &str, body: &Value, caller: &str) -> Result<String, Refusal> {
+        match request {
+            "parameters" => self.set_parameters(body, caller),
+            "blackout" | "pause" | "test_picture" | "nudge" | "save" | "revert" => {
+                Err(Refusal::Failed(format!("{request} is not available")))
+            }
+            unknown => Err(Refusal::Unknown(unknown.to_owned())),
+        }
+    }
+
+    fn state(&self) -> String {
+        state::state(&self.shared, &self.config).to_string()
+    }
+
+    fn log_after(&self, id: u64) -> Vec<LogLine> {
+        let line = |line: rcs_logging::RecentLine| LogLine {
+            id: line.id,
+            time_secs: line.time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
+            level: match line.level {
+                log::Level::Error => "error",
+                log::Level::Warn => "warn",
+                log::Level::Info | log::Level::Debug | log::Level::Trace => "info",
+            },
+            text: line.text,
+        };
+        rcs_logging::recent_lines(id).into_iter().map(line).collect()
+    }
+
+    fn watchers_changed(&self) {
+        self.shared.ros.events().wake();
+    }
+}
+
+fn invalid(reason: &str) -> Refusal {
+    Refusal::Invalid(reason.to_owned())
+}
+
+/// A text of a request's body.
+fn text<'b>(body: &'b Value, key: &str) -> Result<&'b str, Refusal> {
+    body[key].as_str().ok_or_else(|| Refusal::Invalid(format!("{key}: no text")))
+}

@@ -1,0 +1,75 @@
+//! The state that all pages show, as JSON.
+
+use rcs_messages::stamp_nanos;
+use serde_json::{json, Map, Value};
+
+use super::parameters;
+use crate::camera::output::CameraOutput;
+use crate::runtime::shared::NodeState;
+use crate::scene::status_tree::path_text;
+
+/// The whole state of a node with a config of this file name.
+pub(super) fn state(shared: &NodeState, config: &str) -> Value {
+    let statuses = shared.board.statuses();
+    let mut displays = statuses.displays.clone();
+    let (mut cameras, mut servers) = (Vec::new(), Vec::new());
+    for camera in shared.cameras().iter() {
+        let name = camera.view().name.as_str();
+        add_switches(&mut displays, camera);
+        let of_camera = statuses.cameras.get(&path_text(&camera.view().path));
+        let rate_hz = statuses.rate_hz(name);
+        cameras.push(camera_json(camera, rate_hz, of_camera));
+        servers.extend(camera.servers().map(|server| parameters::server(server, name)));
+    }
+    drop(statuses);
+    json!({
+        "type": "state",
+        "node": shared.ros.name(),
+        "config": config,
+        "version": env!("CARGO_PKG_VERSION"),
+        "time": stamp_nanos(shared.ros.now()) as f64 * 1e-9,
+        "blackout": {"on": false, "by": ""},
+        "paused": {"on": false, "by": ""},
+        "test_picture": null,
+        "cameras": cameras,
+        "displays": displays,
+        "reconfigure": servers,
+    })
+}
+
+fn camera_json(camera: &CameraOutput, rate_hz: Option<f64>, statuses: Option<&Value>) -> Value {
+    let figures = camera.figures();
+    let view = camera.view();
+    json!({
+        "name": view.name,
+        "parameters": camera.servers().next().map(|server| &**server.name()),
+        "topic": figures.topic,
+        "frame": figures.frame,
+        "size": figures.size_px,
+        "encoding": view.settings.image_encoding.name(),
+        "blackout": false,
+        "rate_hz": rate_hz,
+        "latency_ms": figures.latency_ms,
+        "age_ms": figures.age_ms,
+        "dark": figures.dark,
+        "statuses": statuses.unwrap_or(&json!([])),
+        "nudge": null,
+    })
+}
+
+/// Adds a camera's switches to the displays that they are for.
+fn add_switches(displays: &mut [Value], camera: &CameraOutput) {
+    for (path, name, is_on) in camera.switches() {
+        let path = path_text(path);
+        let of_path = displays.iter_mut().filter(|display| display["path"] == path.as_str());
+        for display in of_path {
+            if let Some(switches) = display["switches"].as_object_mut() {
+                add_switch(switches, &camera.view().name, name, is_on);
+            }
+        }
+    }
+}
+
+fn add_switch(switches: &mut Map<String, Value>, camera: &str, name: &str, is_on: bool) {
+    switches.insert(camera.to_owned(), json!({"name": name, "on": is_on}));
+}
