@@ -147,13 +147,14 @@ const setParameters = (server, values, source) => post('parameters', { server, v
 // A switch that changes when the node's state does.
 function makeSwitch(attributes, onSwitch) {
   const box = make('input', { type: 'checkbox', role: 'switch', ...attributes });
+  let isOn = false;
   box.addEventListener('click', (event) => {
     event.preventDefault();
-    onSwitch(!box.dataset.on, box);
+    onSwitch(!isOn, box);
   });
   const set = (on) => {
+    isOn = on;
     box.checked = on;
-    setAttribute(box, 'data-on', on ? '' : null);
   };
   return { box, set };
 }
@@ -197,7 +198,15 @@ function lightOf({ blackout, paused, test_picture: picture, cameras }) {
   return some ? ['dark', `${dark.length} of ${cameras.length} dark`, some] : ['lit', 'Lit', ''];
 }
 
-const ICON_COLORS = { lit: '#ffe082', dark: '#ffc857', black: '#000', paused: '#4ea1e0', test: '#9575cd', lost: '#e53935' };
+const LIGHTS = { lit: '#ffe082', dark: '#ffc857', black: '#000', paused: '#4ea1e0', test: '#9575cd', lost: '#e53935' };
+// A disc for each light. Browsers may load one later than it is set, so that all of them stay.
+const ICONS = Object.fromEntries(Object.entries(LIGHTS).map(([light, color]) => {
+  const disc = `<circle cx="16" cy="16" r="13" fill="${color}" stroke="#fff" stroke-width="3"/>`;
+  const svg = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">${disc}</svg>`;
+  return [light, URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }))];
+}));
+// There before the page has loaded: browsers ask for /favicon.ico otherwise.
+const icon = document.head.appendChild(make('link', { rel: 'icon', href: ICONS.lost }));
 let shownLight = '';
 
 // Shows the light in the rail and, when its word changes, in the tab and to screen readers.
@@ -210,17 +219,8 @@ function showLight([kind, word, why]) {
     shownLight = kind + word;
     setText(byId('announcement'), word);
     document.title = [word, state?.node ?? 'camera_stream'].join(' – ');
-    showIcon(ICON_COLORS[kind]);
+    icon.href = ICONS[kind];
   }
-}
-
-// A disc in the tab, there before the page has loaded: browsers ask for /favicon.ico otherwise.
-function showIcon(color) {
-  const disc = `<circle cx="16" cy="16" r="13" fill="${color}" stroke="#fff" stroke-width="3"/>`;
-  const svg = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">${disc}</svg>`;
-  const link = document.querySelector('link[rel="icon"]') ?? document.head.appendChild(make('link', { rel: 'icon' }));
-  URL.revokeObjectURL(link.href);
-  link.href = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
 }
 
 // --- cameras ----------------------------------------------------------------------------------------------------------
@@ -759,7 +759,6 @@ window.addEventListener('hashchange', readAddress);
 window.addEventListener('online', () => { if (!state) connect(); });
 document.addEventListener('visibilitychange', watch);
 
-showIcon(ICON_COLORS.lost);
 if (!readAddress()) {
   connect();
 }
