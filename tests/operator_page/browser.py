@@ -1,0 +1,106 @@
+"""The page in a headless Chromium, found by what an operator reads: words, labels, names of displays."""
+
+import shutil
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+DESKTOP, PHONE = (1280, 900), (390, 844)
+PRESSABLE = 'button, input, select, summary'
+
+
+class Page:
+    """An open page, of a browser of its own, which remembers no token."""
+
+    def __init__(self, address, size=DESKTOP):
+        options = webdriver.ChromeOptions()
+        # Root has no sandbox, a container a small /dev/shm.
+        for argument in ('--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--hide-scrollbars'):
+            options.add_argument(argument)
+        width, height = size
+        if size == PHONE:
+            metrics = {'width': width, 'height': height, 'pixelRatio': 1}
+            options.add_experimental_option('mobileEmulation', {'deviceMetrics': metrics})
+        options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+        self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')), options=options)
+        # The size of the page, not of the window around it.
+        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': size == PHONE})
+        self.driver.get(address)
+
+    def text(self, selector):
+        """The text of an element; empty where it is not shown."""
+        return self.run(f'return document.querySelector({selector!r})?.innerText ?? ""').strip()
+
+    def light(self):
+        """The word for what the projectors show."""
+        return self.text('#light-word')
+
+    def run(self, script, *arguments):
+        """Runs JavaScript in the page."""
+        return self.driver.execute_script(script, *arguments)
+
+    def element(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def elements(self, selector):
+        return self.driver.find_elements(By.CSS_SELECTOR, selector)
+
+    def press(self, name):
+        """Presses the button or switch that a screen reader calls so."""
+        found = [each for each in self.elements(PRESSABLE) if each.is_displayed() and each.accessible_name == name]
+        if len(found) != 1:
+            names = [each.accessible_name for each in self.elements(PRESSABLE) if each.is_displayed()]
+            raise LookupError(f'{len(found)} elements are called {name!r}; there are {names}')
+        # On the phone, the middle of the screen is never below what is fixed at its ends.
+        self.run('arguments[0].scrollIntoView({ block: "center" })', found[0])
+        found[0].click()
+
+    def is_on(self, name):
+        """Whether the switch that a screen reader calls so is on."""
+        found = [each for each in self.elements('[role="switch"]') if each.accessible_name == name]
+        return found[0].is_selected()
+
+    def type_key(self, key, selector='body'):
+        self.element(selector).send_keys(key)
+
+    def open_details(self):
+        """Opens everything that can be unfolded."""
+        self.run('document.querySelectorAll("details").forEach((each) => { each.open = true; })')
+
+    def row(self, display):
+        """The text of a display's row."""
+        script = '''return [...document.querySelectorAll("#displays-rows tr")]
+            .find((row) => row.querySelector("th span").textContent === arguments[0])?.innerText ?? ""'''
+        return self.run(script, display)
+
+    def unnamed(self):
+        """What can be pressed or filled in without a name for a screen reader, as HTML."""
+        return [each.get_attribute('outerHTML') for each in self.elements(PRESSABLE)
+                if each.is_displayed() and not each.accessible_name]
+
+    def focused(self):
+        """The id of the element that has the focus."""
+        return self.run('return document.activeElement.id')
+
+    def tab(self):
+        webdriver.ActionChains(self.driver).send_keys(Keys.TAB).perform()
+
+    def errors(self):
+        """Lines of the browser's console since the last call."""
+        return [f'{entry["level"]}: {entry["message"]}' for entry in self.driver.get_log('browser')]
+
+    def save(self, file):
+        self.run('scrollTo(0, 0)')
+        self.driver.save_screenshot(str(file))
+
+    def close(self):
+        self.driver.quit()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()

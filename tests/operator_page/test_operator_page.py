@@ -1,0 +1,258 @@
+"""Everything that an operator can do on the page, and what comes of it."""
+
+import os
+import tempfile
+import time
+import unittest
+
+import numpy
+
+from .browser import PHONE, Page
+from .stage import OPTICAL_FRAME, ROOT, TEST_NODE, LiveScene, moved, pose_of_frame, turned
+
+# Below this, a difference is rounding: of numbers in a file, of quaternions.
+SAME_M = 1e-6
+# Time in which nothing may happen.
+QUIET_SECS = 1.0
+PRESSED_TWICE_SECS = 0.8
+CLUSTERS = 'Show clusters in CameraPub'
+PICTURES = ROOT / ('docs/images' if os.environ.get('RCS_WRITE_DOCS') else 'test_output/operator_page')
+
+
+class OperatorPage(unittest.TestCase):
+    """One node, one page on a laptop; each test leaves both as it found them."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix='operator_page_')
+        cls.addClassCleanup(folder.cleanup)
+        cls.scene = LiveScene(folder.name)
+        cls.addClassCleanup(cls.scene.end)
+        cls.page = Page(cls.scene.address)
+        cls.addClassCleanup(cls.page.close)
+
+    def setUp(self):
+        self.wait_for_light('Lit')
+        self.wait(self.scene.images.is_lit, 'no image is lit')
+
+    def tearDown(self):
+        self.assertEqual([], self.page.errors())
+
+    def wait(self, condition, what):
+        return self.scene.wait_for(condition, what)
+
+    def wait_for_light(self, word, page=None):
+        page = page or self.page
+        self.wait(lambda: page.light() == word, f'the page does not say {word}, but {page.light()}')
+
+    def wait_for_answer(self):
+        self.wait(lambda: not self.page.elements('[aria-busy]'), 'the node does not answer')
+        self.assertEqual('', self.page.text('#failure'))
+
+    # --- what the projector shows ---
+
+    def test_black_and_its_release(self):
+        self.page.press('Black')
+        self.wait(self.scene.images.is_black, 'the image is not black')
+        self.wait_for_light('Black')
+        self.assertIn('the page at 127.0.0.1', self.page.text('#light-why'))
+        time.sleep(PRESSED_TWICE_SECS)
+        self.page.press('Release')
+        self.wait(self.scene.images.is_lit, 'the image stays black')
+        self.wait_for_light('Lit')
+
+    def test_key_b_is_black_but_not_while_typing(self):
+        self.page.open_details()
+        self.page.type_key('b', '.parameter input[type="number"]')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Lit', self.page.light())
+        self.page.type_key('b')
+        self.page.type_key('b')
+        self.wait(self.scene.images.is_black, 'the image is not black')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Black', self.page.light(), 'the second press in a hurry has released it')
+        self.page.type_key('b')
+        self.wait(self.scene.images.is_lit, 'the image stays black')
+
+    def test_all_pages_show_the_blackout_of_a_script(self):
+        from std_srvs.srv import SetBool
+        with Page(self.scene.address) as second:
+            self.wait_for_light('Lit', second)
+            self.assertTrue(self.scene.call('/camera_stream/blackout', SetBool, True).success)
+            for page in (self.page, second):
+                self.wait_for_light('Black', page)
+                self.assertIn(TEST_NODE, page.text('#light-why'))
+            time.sleep(PRESSED_TWICE_SECS)
+            second.press('Release')
+            for page in (self.page, second):
+                self.wait_for_light('Lit', page)
+            self.wait(self.scene.images.is_lit, 'the image stays black')
+            self.assertEqual([], second.errors())
+
+    def test_pause_keeps_the_image(self):
+        self.page.press('Pause')
+        self.wait_for_light('Paused')
+        before = self.scene.images.newest
+        self.page.press(CLUSTERS)
+        self.wait(lambda: not self.page.is_on(CLUSTERS), 'the display is not switched off')
+        time.sleep(QUIET_SECS)
+        self.assertTrue(numpy.array_equal(before, self.scene.images.newest), 'the image changed while paused')
+        self.page.press('Go on')
+        self.wait_for_light('Lit')
+        self.wait(lambda: not numpy.array_equal(before, self.scene.images.newest), 'the image stays after the pause')
+        self.page.press(CLUSTERS)
+        self.wait(lambda: self.page.is_on(CLUSTERS), 'the display is not switched on')
+
+    def test_test_pictures_and_the_scene_again(self):
+        scene, names = self.scene.images.newest, []
+        self.page.press('Test picture')
+        while self.wait(lambda: self.page.light() in ('Test picture', 'Lit'), 'no test picture') and self.page.light() != 'Lit':
+            shown = self.page.text('#light-why')
+            names.append(shown)
+            self.wait(lambda: not numpy.array_equal(scene, self.scene.images.newest), 'the image stays')
+            self.page.press('Next test picture')
+            self.wait(lambda: self.page.light() == 'Lit' or self.page.text('#light-why') != shown, 'the test picture stays')
+        self.assertGreater(len(names), 1)
+        self.assertEqual(len(names), len(set(names)), names)
+
+    def test_the_image_is_live_and_masks_are_hatched(self):
+        self.wait(lambda: self.page.text('.masked') == 'hatched: no light', 'the mask is not shown')
+        self.wait(lambda: self.page.text('.caption') == '', 'there is no image')
+        lit = '''const canvas = document.querySelector(".screen canvas");
+            const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+            const context = copy.getContext("2d");
+            context.drawImage(canvas, 0, 0);
+            return context.getImageData(0, 0, copy.width, copy.height).data.some((value, at) => at % 4 < 3 && value > 64);'''
+        self.assertTrue(self.wait(lambda: self.page.run(lit), 'the image on the page is black'))
+
+    # --- displays and settings ---
+
+    def test_a_display_is_switched(self):
+        before = self.scene.images.newest
+        self.page.press(CLUSTERS)
+        self.wait(lambda: not self.page.is_on(CLUSTERS), 'the display is not switched off')
+        self.assertFalse(self.scene.parameter('show_clusters'))
+        self.wait(lambda: numpy.any(before != self.scene.images.newest), 'the image stays')
+        self.page.press(CLUSTERS)
+        self.wait(lambda: self.page.is_on(CLUSTERS), 'the display is not switched on')
+        self.assertTrue(self.scene.parameter('show_clusters'))
+
+    def test_displays_say_what_is_wrong_and_what_to_do(self):
+        row = self.wait(lambda: self.page.row('markers'), 'there is no display of that name')
+        self.assertIn('Warning: ', row)
+        self.assertIn('What to do: start the publisher', row)
+        self.wait(lambda: 'Hz' in self.page.row('clusters'), 'the rate is missing')
+        self.assertNotIn('What to do', self.page.row('clusters'))
+
+    def test_settings_are_those_of_dynamic_reconfigure(self):
+        self.page.open_details()
+        field = next(each for each in self.page.elements('.parameter input') if each.accessible_name == 'frame_rate')
+        before = self.scene.parameter('frame_rate')
+        for value in (12.5, before):
+            field.clear()
+            field.send_keys(f'{value}\n')
+            self.wait(lambda: self.scene.parameter('frame_rate') == value, f'the parameter is not {value}')
+            self.wait(lambda: float(field.get_attribute('value')) == value, f'the page does not show {value}')
+
+    def test_the_log_has_what_was_done(self):
+        self.page.press('Pause')
+        self.wait_for_light('Paused')
+        self.wait(lambda: 'the page at 127.0.0.1' in self.page.text('#log'), 'the log does not name the page')
+        self.page.press('Go on')
+
+    # --- nudging ---
+
+    def press_nudge(self, name, expected, what):
+        self.page.press(name)
+        self.wait(lambda: numpy.allclose(self.scene.transforms.projector(), expected, atol=SAME_M), what)
+        self.wait_for_answer()
+
+    def test_a_nudge_is_in_tf_and_reverted(self):
+        before = self.wait(self.scene.transforms.projector, 'the projector has no pose').copy()
+        self.page.open_details()
+        self.press_nudge('Right', before @ moved(x=0.001), 'not 1 mm to the right')
+        self.page.press('10 mm')
+        self.press_nudge('Down', before @ moved(x=0.001, y=0.01), 'not 10 mm down')
+        self.wait(lambda: '10.0 mm' in self.page.text('.sum'), 'the sum is not shown')
+        self.press_nudge('Revert', before, 'not reverted')
+        self.page.press('1 mm')
+
+    def test_each_button_of_the_pad_moves_along_its_axis(self):
+        before = self.wait(self.scene.transforms.projector, 'the projector has no pose').copy()
+        tenth = numpy.radians(0.1)
+        moves = {'Left': moved(x=-0.001), 'Right': moved(x=0.001), 'Up': moved(y=-0.001), 'Down': moved(y=0.001),
+                 'Nearer': moved(z=0.001), 'Farther': moved(z=-0.001),
+                 'Tilt up': turned('x', tenth), 'Tilt down': turned('x', -tenth),
+                 'Turn right': turned('y', tenth), 'Turn left': turned('y', -tenth),
+                 'Roll right': turned('z', tenth), 'Roll left': turned('z', -tenth)}
+        self.page.open_details()
+        for name, move in moves.items():
+            with self.subTest(name):
+                self.press_nudge(name, before @ move, f'{name} does something else')
+                self.press_nudge('Revert', before, 'not reverted')
+
+    def test_a_nudge_is_saved(self):
+        import yaml
+        before, text = self.scene.transforms.projector().copy(), self.scene.projector_file.read_text()
+        self.page.open_details()
+        self.press_nudge('Left', before @ moved(x=-0.001), 'not 1 mm to the left')
+        self.press_nudge('Roll right', before @ moved(x=-0.001) @ turned('z', numpy.radians(0.1)), 'not turned')
+        self.page.press('Save to the file')
+        self.wait(lambda: '0.0 mm' in self.page.text('.sum') and '1.0 mm' not in self.page.text('.sum'), 'the values are not 0')
+        saved = self.scene.projector_file.read_text()
+        frames = {frame['child']: pose_of_frame(frame) for frame in yaml.safe_load(saved)['frames']}
+        published = self.scene.transforms.projector()
+        self.assertTrue(numpy.allclose(frames['proj_link'] @ frames[OPTICAL_FRAME], published, atol=SAME_M))
+        self.assertFalse(numpy.allclose(before, published, atol=SAME_M))
+        comments = [line for line in text.splitlines() if line.lstrip().startswith('#')]
+        self.assertEqual(comments, [line for line in saved.splitlines() if line.lstrip().startswith('#')])
+
+    # --- access and connection ---
+
+    def test_a_wrong_token_is_refused(self):
+        address, token = self.scene.address.split('#token=')
+        with Page(address + '#token=wrong') as page:
+            self.wait_for_light('No access', page)
+            self.assertEqual('', page.text('#cameras'))
+            page.press('Black')
+            page.type_key(token + '\n', '#token')
+            self.wait_for_light('Lit', page)
+            self.assertNotIn('token', page.driver.current_url)
+        self.assertTrue(self.scene.images.is_lit())
+
+    def test_the_page_comes_back_after_the_node(self):
+        self.scene.end_camera_stream()
+        self.wait_for_light('Connection lost')
+        self.page.press('Black')
+        self.wait(lambda: 'cannot be reached' in self.page.text('#failure'), 'the failure is not shown')
+        self.scene.start_camera_stream()
+        self.wait_for_light('Lit')
+        self.wait(lambda: self.page.text('.masked'), 'there are no images')
+        # The browser itself reports connections that fail.
+        unexpected = [line for line in self.page.errors() if 'ERR_CONNECTION' not in line and 'WebSocket connection' not in line]
+        self.assertEqual([], unexpected)
+
+    # --- who uses it, and on what ---
+
+    def test_keyboard_and_screen_reader(self):
+        self.page.open_details()
+        self.assertEqual([], self.page.unnamed())
+        self.page.run('document.activeElement.blur()')
+        self.page.tab()
+        self.assertEqual('black', self.page.focused())
+
+    def test_screenshots_on_laptop_and_phone(self):
+        PICTURES.mkdir(parents=True, exist_ok=True)
+        for name, size in (('desktop', None), ('phone', PHONE)):
+            with Page(self.scene.address, *([size] if size else [])) as page:
+                self.wait_for_light('Lit', page)
+                self.wait(lambda: page.text('.masked'), 'there are no images')
+                # So that the plots have something to show.
+                time.sleep(5)
+                self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')
+                page.save(PICTURES / f'operator_page_{name}.png')
+                self.assertEqual([], page.errors())
+
+
+if __name__ == '__main__':
+    unittest.main()
