@@ -15,7 +15,7 @@
 
 mod batch;
 mod corners;
-mod reach;
+mod placement;
 mod shape;
 #[cfg(test)]
 mod tests;
@@ -29,7 +29,7 @@ use rcs_scene::{CullMode, Material, Mesh, Solid, Solids};
 pub(in crate::cpu) use self::batch::{Batch, BatchPiece, BatchView, InstanceContext};
 pub(in crate::cpu) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
-use self::reach::{place_box, Placement};
+use self::placement::{place_box, Placement};
 use self::shape::Shape;
 pub(in crate::cpu) use self::shape::Shapes;
 use self::text::glyph_triangles;

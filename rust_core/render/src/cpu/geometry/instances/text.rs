@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use rcs_scene::{Aabb, Drawable, Glyph, Text};
 
-use super::reach::{place_box, Placement};
+use super::placement::{place_box, Placement};
 use super::{BatchPiece, InstanceContext, InstanceScratch, Instances, Placed, Source, Vertices};
 
 /// Glyphs that are tested together.
