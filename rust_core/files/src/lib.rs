@@ -19,6 +19,7 @@ pub mod projector;
 pub mod sizes;
 mod text;
 pub mod verification;
+mod yaml_spans;
 mod yaml_text;
 
 pub use file_error::FileError;

@@ -53,14 +53,7 @@ impl ProjectorFile {
     /// # Errors
     /// [`FileError`] with the file and, where there is one, key and line.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let bytes = read_limited(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
-            let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is not text in UTF-8" };
-            let problem = format!("the file: {what}: write the projector's size, K and D as text");
-            FileError::new(path, problem)
-        })?;
-        Self::parse(path, &text)
+        Self::parse(path, &read_text(path)?)
     }
 
     /// Parses the text of a file; `path` is for errors. The first of several YAML documents counts, because
@@ -70,12 +63,9 @@ impl ProjectorFile {
     /// [`FileError`] with the file and, where there is one, key and line.
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
         let key_error = |error| key_error(path, error);
-        let text = text.trim_start_matches('\u{feff}');
-        // OpenCV writes this directive, which is not YAML; camera_calibration's files carry it at times.
-        let text = match text.split_once('\n') {
-            Some((first, rest)) if first.starts_with("%YAML:") => format!("\n{rest}"),
-            _ => text.to_owned(),
-        };
+        let (preamble, yaml) = split_preamble(text);
+        // Errors have their line in the file.
+        let text = "\n".repeat(preamble.matches('\n').count()) + yaml;
         let mut ignored_keys = Vec::new();
         let ignore = |key: serde_ignored::Path<'_>| ignored_keys.push(key.to_string());
         let raw: Result<RawFile, _> = match other_tools::values(&text).map_err(key_error)? {
@@ -105,6 +95,28 @@ impl ProjectorFile {
         let projection = Intrinsics::exactly(*width, *height, p).err().map(|error| error.to_string());
         ignored.chain(problem).chain(projection).collect()
     }
+}
+
+/// Reads the text of a file.
+pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
+    let bytes = read_limited(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
+        let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is not text in UTF-8" };
+        let problem = format!("the file: {what}: write the projector's size, K and D as text");
+        FileError::new(path, problem)
+    })
+}
+
+/// The text up to its YAML, and the YAML: a byte order mark, and the directive that OpenCV writes, which is not YAML;
+/// camera_calibration's files carry it at times.
+pub(super) fn split_preamble(text: &str) -> (&str, &str) {
+    let yaml = text.trim_start_matches('\u{feff}');
+    let yaml = match yaml.split_once('\n') {
+        Some((first, rest)) if first.starts_with("%YAML:") => rest,
+        _ => yaml,
+    };
+    text.split_at(text.len() - yaml.len())
 }
 
 #[cfg(test)]

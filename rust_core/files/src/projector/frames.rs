@@ -120,7 +120,8 @@ fn or_origin(translation: Option<Matrix<3>>) -> [f64; 3] {
     translation.map_or([0.0; 3], |Matrix(translation)| translation)
 }
 
-fn finite(word: &str) -> Option<f64> {
+/// A finite number.
+pub(super) fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
@@ -190,7 +191,7 @@ pub(super) fn check_placed_once(frames: &[StaticFrame]) -> Result<(), String> {
 }
 
 /// The name without a leading slash, which tf2 does not allow.
-fn without_slash(name: &str) -> &str {
+pub(super) fn without_slash(name: &str) -> &str {
     name.strip_prefix('/').unwrap_or(name)
 }
 

@@ -37,6 +37,7 @@ pub(crate) mod checked_numbers;
 mod distortion_name;
 mod file;
 pub(crate) mod frames;
+mod in_place;
 mod key_error;
 mod lens;
 mod matlab;
@@ -47,4 +48,5 @@ mod write;
 
 pub use file::ProjectorFile;
 pub use frames::StaticFrame;
+pub use in_place::{check_writable, text_with_pose, write_pose};
 pub use lens::{fields_of, lens_of};

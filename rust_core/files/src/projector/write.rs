@@ -24,17 +24,7 @@ impl ProjectorFile {
     /// [`FileError`] with the file and, where there is one, the key: for values that could not be read again,
     /// and if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        let text = self.to_yaml(path)?;
-        write_atomically(
-            path,
-            |file| {
-                let io_error = |error| FileError::writing(path, error);
-                file.write_all(text.as_bytes()).map_err(io_error)?;
-                // A calibration is not to be lost with the power.
-                file.flush().and_then(|()| file.get_ref().sync_all()).map_err(io_error)
-            },
-            |error| FileError::writing(path, error),
-        )
+        write_text(path, &self.to_yaml(path)?)
     }
 
     /// Text of the file; `path` is for errors.
@@ -98,6 +88,20 @@ impl ProjectorFile {
         }
         Ok(yaml)
     }
+}
+
+/// Writes or replaces a file.
+pub(super) fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write_atomically(
+        path,
+        |file| {
+            let io_error = |error| FileError::writing(path, error);
+            file.write_all(text.as_bytes()).map_err(io_error)?;
+            // A calibration is not to be lost with the power.
+            file.flush().and_then(|()| file.get_ref().sync_all()).map_err(io_error)
+        },
+        |error| FileError::writing(path, error),
+    )
 }
 
 /// One entry of `frames`.
