@@ -38,6 +38,14 @@ pub enum NodeError {
         /// Reason.
         reason: String,
     },
+    /// A service cannot be called, or answers with an error.
+    #[error("calling {service} failed: {reason}")]
+    Call {
+        /// Whole name of the service.
+        service: String,
+        /// Reason.
+        reason: String,
+    },
     /// The node subscribes to the topic with another type already.
     #[error("{topic} is subscribed to as {subscribed}, not {wanted}")]
     TypeMismatch {

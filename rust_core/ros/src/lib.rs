@@ -35,6 +35,7 @@ mod publisher;
 mod reconfigure;
 mod registrar;
 mod rosout;
+mod service_call;
 mod socket;
 mod survey;
 mod tcpros;
