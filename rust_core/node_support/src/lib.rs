@@ -12,6 +12,7 @@ pub mod lifecycle;
 pub mod monitor_arguments;
 pub mod node_options;
 pub mod node_status;
+pub mod nudge;
 pub mod old_spellings;
 pub mod poses;
 pub mod ros_names;

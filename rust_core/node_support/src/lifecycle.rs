@@ -129,11 +129,11 @@ impl EndRequest {
             if self.is_requested() {
                 return true;
             }
+            rcs_logging::report_suppressed();
             let left = until.map_or(Duration::MAX, |until| until.saturating_duration_since(Instant::now()));
             if left.is_zero() {
                 return false;
             }
-            rcs_logging::report_suppressed();
             thread::sleep(left.min(POLL_PERIOD));
         }
     }

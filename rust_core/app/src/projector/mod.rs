@@ -1,4 +1,8 @@
-//! `projector`: a projector's latched CameraInfo and its static frames from one YAML file.
+//! `projector`: a projector's latched CameraInfo and its static frames from one YAML file, and correcting its pose by
+//! hand.
+
+mod nudging;
+mod publishers;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -7,23 +11,29 @@ use std::time::Duration;
 use anyhow::{bail, Context};
 use clap::{Command, CommandFactory, Parser};
 use rcs_files::projector::ProjectorFile;
-use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::Time;
-use rcs_ros::{Publisher, RosNode};
-
-use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::lifecycle;
 use rcs_node_support::node_options::with_parameters;
-use rcs_node_support::ros_names::{publishes, RosName};
+use rcs_node_support::ros_names::{configures, publishes, serves, RosName};
 use rcs_node_support::user_file;
 
-/// Topics of the node.
+use nudging::Nudging;
+use publishers::Publishers;
+
+/// Topics, services and settings of the node.
 pub const ROS_NAMES: &[RosName] = &[
     publishes("/proj_view/camera_info", "sensor_msgs/CameraInfo", "intrinsics and distortion, latched"),
     publishes("/tf_static", "tf2_msgs/TFMessage", "the file's frames, latched"),
+    configures(
+        "~",
+        "moves the CameraInfo's frame along its axes: x, y, z [m], roll, pitch, yaw [rad], at most 0.5 each",
+    ),
+    serves("~save", "std_srvs/Trigger", "writes the moved pose into the file; all other bytes stay"),
+    serves("~revert", "std_srvs/Trigger", "moves the frame back to its pose in the file"),
 ];
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
+/// Period at which the shutdown request and simulated time are polled.
+const POLL_PERIOD: Duration = Duration::from_millis(100);
 
 /// Publishes a projector's geometry as a latched sensor_msgs/CameraInfo, and its frames on /tf_static.
 ///
@@ -37,6 +47,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
     version,
     after_help = "\
 Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)
+Services: ~save writes the pose that dynamic_reconfigure has moved into the file, ~revert moves it back (std_srvs/Trigger)
 Parameters: each option is one, too: --file is ~file
 Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
 
@@ -83,22 +94,16 @@ fn run(arguments: &ProjectorArguments) -> anyhow::Result<()> {
         for warning in file.warnings() {
             log::warn!("{}: {warning}", path.display());
         }
-        publish(node, end, &file, &Publishers::open(node, &file, &arguments)?)
-    })
-}
-
-/// Publishes the file's latched messages and static transforms until the shutdown is requested.
-fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &Publishers) -> anyhow::Result<()> {
-    let mut stamp = node.now();
-    publishers.publish(file, stamp)?;
-    // Under simulated time the clock may start after this node; a stamp of zero is then replaced.
-    while !end.wait_for(Duration::from_millis(500)) {
-        if stamp == Time::default() && node.now() != stamp {
-            stamp = node.now();
-            publishers.publish(file, stamp)?;
+        let publishers = Publishers::open(node, &file, arguments.camera_info_topic.as_ref())?;
+        let mut nudging = Nudging::start(node, path, file, publishers)?;
+        while !end.wait_for(Duration::ZERO) {
+            for call in node.calls().wait(POLL_PERIOD) {
+                nudging.answer(node, call);
+            }
+            nudging.replace_zero_stamp(node)?;
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// Reads the file.
@@ -120,39 +125,6 @@ fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<Projector
         );
     }
     Ok(file)
-}
-
-/// Publishers of both topics.
-struct Publishers {
-    camera_info: Publisher<CameraInfo>,
-    tf_static: Option<Publisher<TFMessage>>,
-}
-
-impl Publishers {
-    fn open(node: &RosNode, file: &ProjectorFile, arguments: &ProjectorArguments) -> anyhow::Result<Self> {
-        let topic = arguments.camera_info_topic.as_ref().or(file.camera_info_topic.as_ref());
-        let topic = topic.map_or(DEFAULT_TOPIC, String::as_str);
-        let camera_info = node.latched_publisher(topic, 1)?;
-        let (info, topic) = (&file.camera_info, camera_info.topic());
-        log::info!("{}x{} pixels in frame {} on {topic}", info.width, info.height, info.header.frame_id);
-        for frame in &file.frames {
-            log::info!("static frame {} in {}", frame.child, frame.parent);
-        }
-        let tf_static = if file.frames.is_empty() { None } else { Some(node.latched_publisher("/tf_static", 1)?) };
-        Ok(Self { camera_info, tf_static })
-    }
-
-    /// Publishes both messages.
-    fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
-        let mut info = file.camera_info.clone();
-        info.header.stamp = stamp;
-        self.camera_info.send(info)?;
-        if let Some(tf_static) = &self.tf_static {
-            let transforms = file.frames.iter().map(|frame| frame.to_message(stamp)).collect();
-            tf_static.send(TFMessage { transforms })?;
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

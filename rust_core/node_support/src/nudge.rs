@@ -1,0 +1,131 @@
+//! A nudge: a correction by hand of where a projector is, which the node `projector` offers by dynamic_reconfigure.
+//!
+//! `x`, `y`, `z` move the frame that the projector's file places along its own axes; `roll`, `pitch` and `yaw` turn it
+//! about its x, y and z axes: `parent_from_child = (that of the file) · nudge`.
+
+use std::fmt;
+
+use nalgebra::{Isometry3, UnitQuaternion};
+use rcs_messages::dynamic_reconfigure::{
+    Config, ConfigDescription, DoubleParameter, Group, GroupState, ParamDescription,
+};
+
+/// Names and descriptions of the parameters.
+const PARAMETERS: [(&str, &str); 6] = [
+    ("x", "Move along the frame's x axis [m]"),
+    ("y", "Move along the frame's y axis [m]"),
+    ("z", "Move along the frame's z axis [m]"),
+    ("roll", "Turn about the frame's x axis [rad]"),
+    ("pitch", "Turn about the frame's y axis [rad]"),
+    ("yaw", "Turn about the frame's z axis [rad]"),
+];
+/// Largest value of a parameter, metres or radians; the smallest is its negative.
+pub const LARGEST: f64 = 0.5;
+/// Name of the group of all parameters.
+const GROUP: &str = "Default";
+
+/// A correction of a frame's pose: x, y, z in metres, then roll, pitch, yaw in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Nudge(pub [f64; 6]);
+
+impl Nudge {
+    /// The values of a dynamic_reconfigure server; `None` if it has other parameters.
+    pub fn of_config(config: &Config) -> Option<Self> {
+        let mut nudge = Self::default();
+        for (value, (name, _)) in nudge.0.iter_mut().zip(PARAMETERS) {
+            *value = config.doubles.iter().find(|parameter| parameter.name == name)?.value;
+        }
+        Some(nudge)
+    }
+
+    /// The nudge of a transform.
+    pub fn of_isometry(isometry: &Isometry3<f64>) -> Self {
+        let ([x, y, z], (roll, pitch, yaw)) = (isometry.translation.vector.into(), isometry.rotation.euler_angles());
+        // Not minus zero.
+        Self([x, y, z, roll, pitch, yaw].map(|value| value + 0.0))
+    }
+
+    /// The transform, which takes points of the nudged frame to the frame as it is in the file.
+    pub fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, roll, pitch, yaw] = self.0;
+        Isometry3::from_parts([x, y, z].into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+    }
+
+    /// Takes the values of a request, clamped to the bounds. Others are ignored, as by any dynamic_reconfigure server.
+    pub fn set(&mut self, request: &Config) {
+        for DoubleParameter { name, value } in request.doubles.iter().filter(|parameter| !parameter.value.is_nan()) {
+            if let Some(index) = PARAMETERS.iter().position(|(known, _)| known == name) {
+                self.0[index] = value.clamp(-LARGEST, LARGEST);
+            }
+        }
+    }
+
+    /// The values of the parameters.
+    pub fn config(&self) -> Config {
+        let parameter =
+            |((name, _), value): (&(&str, &str), &f64)| DoubleParameter { name: (*name).to_owned(), value: *value };
+        Config {
+            doubles: PARAMETERS.iter().zip(&self.0).map(parameter).collect(),
+            groups: vec![GroupState { name: GROUP.to_owned(), state: true, id: 0, parent: 0 }],
+            ..Config::default()
+        }
+    }
+
+    /// The parameters with their bounds.
+    pub fn description() -> ConfigDescription {
+        let parameter = |(name, description): (&str, &str)| ParamDescription {
+            name: name.to_owned(),
+            r#type: "double".to_owned(),
+            description: description.to_owned(),
+            ..ParamDescription::default()
+        };
+        let parameters = PARAMETERS.map(parameter).into();
+        ConfigDescription {
+            groups: vec![Group { name: GROUP.to_owned(), parameters, ..Group::default() }],
+            max: Self([LARGEST; 6]).config(),
+            min: Self([-LARGEST; 6]).config(),
+            dflt: Self::default().config(),
+        }
+    }
+
+    /// `true` if all values are within the bounds.
+    pub fn is_within_bounds(&self) -> bool {
+        self.0.iter().all(|value| value.abs() <= LARGEST)
+    }
+}
+
+impl fmt::Display for Nudge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let isometry = self.isometry();
+        let (moved_mm, turned_deg) = (isometry.translation.vector.norm() * 1e3, isometry.rotation.angle().to_degrees());
+        write!(f, "{moved_mm:.1} mm and {turned_deg:.2} degrees")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(values: &[(&str, f64)]) -> Config {
+        let parameter = |(name, value): &(&str, f64)| DoubleParameter { name: (*name).to_owned(), value: *value };
+        Config { doubles: values.iter().map(parameter).collect(), ..Config::default() }
+    }
+
+    #[test]
+    fn values_are_taken_by_name_and_clamped() {
+        let mut nudge = Nudge([0.1; 6]);
+        nudge.set(&request(&[("x", 7.0), ("roll", -0.2), ("yaw", f64::NEG_INFINITY), ("y", f64::NAN), ("other", 1.0)]));
+        assert_eq!(nudge, Nudge([0.5, 0.1, 0.1, -0.2, 0.1, -0.5]));
+        assert_eq!(Nudge::of_config(&nudge.config()), Some(nudge));
+        assert_eq!(Nudge::of_config(&request(&[("x", 0.1)])), None);
+    }
+
+    #[test]
+    fn a_nudge_is_a_transform_and_back() {
+        let nudge = Nudge([0.1, -0.2, 0.3, 0.4, -0.5, 0.25]);
+        for (value, expected) in Nudge::of_isometry(&nudge.isometry()).0.iter().zip(nudge.0) {
+            assert!((value - expected).abs() < 1e-15, "{value} {expected}");
+        }
+        assert_eq!(Nudge([0.003, 0.004, 0.0, 0.0, 0.0, 0.01]).to_string(), "5.0 mm and 0.57 degrees");
+    }
+}
