@@ -7,6 +7,7 @@ mod check;
 pub mod cli;
 mod doctor;
 mod new_camera;
+pub mod nudge;
 pub mod offline;
 mod options;
 pub mod outputs;
