@@ -97,7 +97,7 @@ class OperatorPage(unittest.TestCase):
         self.wait(lambda: not self.page.is_on(CLUSTERS), 'the display is not switched off')
         time.sleep(QUIET_SECS)
         self.assertTrue(numpy.array_equal(before, self.scene.images.newest), 'the image changed while paused')
-        self.page.press('Go on')
+        self.page.press('Resume')
         self.wait_for_light('Lit')
         self.wait(lambda: not numpy.array_equal(before, self.scene.images.newest), 'the image stays after the pause')
         self.page.press(CLUSTERS)
@@ -158,7 +158,7 @@ class OperatorPage(unittest.TestCase):
         self.page.press('Pause')
         self.wait_for_light('Paused')
         self.wait(lambda: 'the page at 127.0.0.1' in self.page.text('#log'), 'the log does not name the page')
-        self.page.press('Go on')
+        self.page.press('Resume')
 
     # --- nudging ---
 
