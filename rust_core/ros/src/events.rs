@@ -63,6 +63,19 @@ pub enum ServiceCall {
     Trigger {
         /// Whole name of the service.
         service: Arc<str>,
+        /// Whole name of the calling node.
+        caller: Arc<str>,
+        /// Sends the answer.
+        reply: TriggerReply,
+    },
+    /// Call of a service that switches something on or off.
+    SetBool {
+        /// Whole name of the service.
+        service: Arc<str>,
+        /// On or off.
+        value: bool,
+        /// Whole name of the calling node.
+        caller: Arc<str>,
         /// Sends the answer.
         reply: TriggerReply,
     },
@@ -72,6 +85,8 @@ pub enum ServiceCall {
         server: Arc<str>,
         /// Parameters to be set, some or all.
         request: Config,
+        /// Whole name of the calling node.
+        caller: Arc<str>,
         /// Answers with the values that apply then.
         reply: Reply<Config>,
     },
@@ -81,7 +96,7 @@ pub enum ServiceCall {
 #[derive(Debug)]
 pub struct Reply<T>(SyncSender<T>);
 
-/// Answers a call of a trigger service: success and message.
+/// Answers a call of a trigger or a switch service: success and message.
 pub type TriggerReply = Reply<(bool, String)>;
 
 impl<T> Reply<T> {

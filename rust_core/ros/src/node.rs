@@ -3,7 +3,7 @@
 use crate::clock::RosClock;
 use crate::contacts::Unreachable;
 use crate::error::NodeError;
-use crate::events::{EventQueue, EventSender, NodeEvent, ServiceCall, TriggerReply};
+use crate::events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall};
 use crate::graph::Publications;
 use crate::names::{master_uri, private_arguments, Names};
 use crate::network::Network;
@@ -13,7 +13,7 @@ use crate::topic::{Listener, Received, TopicSubscription, Topics};
 use crate::waiting::{ask_until_answered, check_master, wait_for_master};
 use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
-use rcs_messages::std_srvs::{Trigger, TriggerRes};
+use rcs_messages::std_srvs::{SetBool, SetBoolRes, Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
 use rcs_scene::lock;
 use std::collections::BTreeMap;
@@ -25,9 +25,9 @@ use std::time::Duration;
 /// Queue size of `/tf`. Robots send some hundred messages a second.
 const TF_QUEUE_SIZE: usize = 1000;
 /// Calls of a service that may wait for an answer; the oldest get an error.
-pub(crate) const MOST_QUEUED_CALLS: usize = 64;
+const MOST_QUEUED_CALLS: usize = 64;
 /// Time that a caller of a service waits for the scene's thread.
-pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time for the node to end. Unregistering has limits of its own.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(4);
 
@@ -259,27 +259,59 @@ impl RosNode {
     /// [`stop_serving`](Self::stop_serving) or the node's end. Returns the service's whole name.
     pub fn serve_trigger(&self, name: &str) -> Result<Arc<str>, NodeError> {
         let service: Arc<str> = self.resolve(name)?.into();
-        let (sender, name_of_handler) = (self.shared.calls.sender(MOST_QUEUED_CALLS), Arc::clone(&service));
-        self.serve::<Trigger>(&service, move |_| {
-            let (reply, answer) = TriggerReply::new();
-            sender.push(ServiceCall::Trigger { service: Arc::clone(&name_of_handler), reply });
-            // Also if the reply was dropped unused.
-            let (success, message) =
-                answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{name_of_handler}: the node is busy"))?;
-            Ok(TriggerRes { success, message })
-        });
+        let own_name = Arc::clone(&service);
+        self.serve_queued::<Trigger, _>(
+            &service,
+            move |caller, _, reply| ServiceCall::Trigger { service: Arc::clone(&own_name), caller, reply },
+            |(success, message)| TriggerRes { success, message },
+        );
         Ok(service)
     }
 
-    /// Offers a service by its whole name. `handler` is called on the threads of its callers.
+    /// Offers a service of type `std_srvs/SetBool`, whose calls are [`ServiceCall::SetBool`]s, until
+    /// [`stop_serving`](Self::stop_serving) or the node's end. Returns the service's whole name.
+    pub fn serve_set_bool(&self, name: &str) -> Result<Arc<str>, NodeError> {
+        let service: Arc<str> = self.resolve(name)?.into();
+        let own_name = Arc::clone(&service);
+        self.serve_queued::<SetBool, _>(
+            &service,
+            move |caller, request, reply| ServiceCall::SetBool {
+                service: Arc::clone(&own_name),
+                value: request.data,
+                caller,
+                reply,
+            },
+            |(success, message)| SetBoolRes { success, message },
+        );
+        Ok(service)
+    }
+
+    /// Offers a service by its whole name, whose calls are queued. `queued` makes the call of a caller, `response` what
+    /// is answered.
+    pub(crate) fn serve_queued<T: ServicePair, A: Send + 'static>(
+        &self,
+        service: &str,
+        queued: impl Fn(Arc<str>, T::Request, Reply<A>) -> ServiceCall + Send + Sync + 'static,
+        response: impl Fn(A) -> T::Response + Send + Sync + 'static,
+    ) {
+        let (sender, name) = (self.shared.calls.sender(MOST_QUEUED_CALLS), service.to_owned());
+        self.serve::<T>(service, move |caller, request| {
+            let (reply, answer) = Reply::new();
+            sender.push(queued(caller.into(), request, reply));
+            // Also if the reply was dropped unused.
+            answer.recv_timeout(REPLY_TIMEOUT).map(&response).map_err(|_| format!("{name}: the node is busy"))
+        });
+    }
+
+    /// Offers a service by its whole name. `handler` is called on the threads of its callers, with the caller's name.
     pub(crate) fn serve<T: ServicePair>(
         &self,
         service: &str,
-        handler: impl Fn(T::Request) -> Result<T::Response, String> + Send + Sync + 'static,
+        handler: impl Fn(&str, T::Request) -> Result<T::Response, String> + Send + Sync + 'static,
     ) {
-        let answer = move |request: &[u8]| {
+        let answer = move |caller: &str, request: &[u8]| {
             let request = rcs_messages::decode(request).map_err(|error| format!("not a request: {error}"))?;
-            handler(request).map(|response| rcs_messages::encode(&response))
+            handler(caller, request).map(|response| rcs_messages::encode(&response))
         };
         self.network().serve(Service::new(service, T::msg_type(), T::md5sum(), Box::new(answer)));
     }

@@ -5,9 +5,9 @@
 //! with the values that apply then; [`ReconfigureServer::set_config`] publishes a change.
 
 use crate::error::NodeError;
-use crate::events::{Reply, ServiceCall};
+use crate::events::ServiceCall;
 use crate::network::Network;
-use crate::node::{RosNode, MOST_QUEUED_CALLS, REPLY_TIMEOUT};
+use crate::node::RosNode;
 use crate::publisher::Publisher;
 use crate::xmlrpc::Value;
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
@@ -40,7 +40,6 @@ impl RosNode {
         config: Config,
     ) -> Result<ReconfigureServer, NodeError> {
         let name: Arc<str> = self.resolve(namespace)?.into();
-        let sender = self.shared.calls.sender(MOST_QUEUED_CALLS);
         let (descriptions, updates) = (format!("{name}/parameter_descriptions"), format!("{name}/parameter_updates"));
         let mut server = ReconfigureServer {
             descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE)?,
@@ -52,11 +51,16 @@ impl RosNode {
             name,
         };
         let server_name = Arc::clone(&server.name);
-        self.serve::<Reconfigure>(&server.service.name, move |request| {
-            let (reply, answer) = Reply::new();
-            sender.push(ServiceCall::Reconfigure { server: Arc::clone(&server_name), request, reply });
-            answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{server_name}: the node is busy"))
-        });
+        self.serve_queued::<Reconfigure, _>(
+            &server.service.name,
+            move |caller, request, reply| ServiceCall::Reconfigure {
+                server: Arc::clone(&server_name),
+                request,
+                caller,
+                reply,
+            },
+            |config| config,
+        );
         server.set_description(description);
         server.set_config(self, config);
         Ok(server)

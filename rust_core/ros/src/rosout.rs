@@ -123,11 +123,11 @@ impl RosNode {
         let spawned = std::thread::Builder::new().name(THREAD_NAME.to_owned()).spawn(publishing);
         spawned.map_err(|error| NodeError::Start { what: "the log's topic", reason: error.to_string() })?;
         let all = Arc::clone(&loggers);
-        self.serve::<GetLoggers>(&self.resolve("~get_loggers")?, move |_| {
+        self.serve::<GetLoggers>(&self.resolve("~get_loggers")?, move |_, _| {
             let loggers = all.levels().into_iter().map(|(name, level)| Logger { name, level }).collect();
             Ok(GetLoggersRes { loggers })
         });
-        self.serve::<SetLoggerLevel>(&self.resolve("~set_logger_level")?, move |request| {
+        self.serve::<SetLoggerLevel>(&self.resolve("~set_logger_level")?, move |_, request| {
             if loggers.set_level(&request.logger, &request.level) {
                 Ok(EmptyRes {})
             } else {

@@ -103,11 +103,15 @@ fn print_event(event: NodeEvent) {
 
 fn answer(node: &RosNode, call: ServiceCall) {
     match call {
-        ServiceCall::Trigger { service, reply } => {
+        ServiceCall::Trigger { service, reply, .. } => {
             print_line(&format!("trigger {service} at {}", node.now().sec));
             reply.send(true, format!("received by {}", node.name()));
         }
-        ServiceCall::Reconfigure { server, request, reply } => {
+        ServiceCall::SetBool { service, value, caller, reply } => {
+            print_line(&format!("set {service} {value} by {caller}"));
+            reply.send(true, format!("received by {}", node.name()));
+        }
+        ServiceCall::Reconfigure { server, request, reply, .. } => {
             print_line(&format!("reconfigure {server} {} values", request.bools.len()));
             reply.answer(request);
         }

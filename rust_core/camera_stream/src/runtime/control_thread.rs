@@ -117,19 +117,21 @@ impl ControlThread {
 
     fn answer(&mut self, call: ServiceCall) {
         match call {
-            ServiceCall::Trigger { service, reply } if service == self.reload_service => self.reload(reply),
-            ServiceCall::Trigger { service, reply } => {
+            ServiceCall::Trigger { service, reply, .. } if service == self.reload_service => self.reload(reply),
+            ServiceCall::Trigger { service, reply, .. } => {
                 match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
                     Some(camera) => camera.trigger(reply),
                     None => reply.send(false, "Image publisher not configured"),
                 }
             }
-            ServiceCall::Reconfigure { server, request, reply } => {
+            ServiceCall::Reconfigure { server, request, reply, .. } => {
                 // Without an answer, the caller gets an error.
                 if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
                     reply.answer(camera.reconfigure(&server, &request));
                 }
             }
+            // No such service is offered yet.
+            ServiceCall::SetBool { .. } => {}
         }
         self.shared.ros.events().wake();
     }

@@ -19,8 +19,8 @@ const PERSISTENT_TIMEOUT: Duration = Duration::from_secs(24 * 3600);
 /// Longest request.
 const MAX_REQUEST_BYTES: u32 = 16 << 20;
 
-/// Handles a request: the response, or the reason for none.
-pub(crate) type Handler = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
+/// Handles a request of a node, by its name: the response, or the reason for none.
+pub(crate) type Handler = Box<dyn Fn(&str, &[u8]) -> Result<Vec<u8>, String> + Send + Sync>;
 
 /// A service by its whole name.
 pub(crate) struct Service {
@@ -84,12 +84,13 @@ impl Service {
         keep_alive(&stream)?;
         let (own, peer) = (stream.try_clone()?, stream.peer_addr()?);
         lock(&self.callers).push(own);
-        let result = self.answer_calls(&mut stream, wanted.is_on("persistent"));
+        let caller = wanted.get("callerid").unwrap_or("unknown");
+        let result = self.answer_calls(&mut stream, caller, wanted.is_on("persistent"));
         lock(&self.callers).retain(|caller| caller.peer_addr().is_ok_and(|address| address != peer));
         result
     }
 
-    fn answer_calls(&self, stream: &mut TcpStream, is_persistent: bool) -> io::Result<()> {
+    fn answer_calls(&self, stream: &mut TcpStream, caller: &str, is_persistent: bool) -> io::Result<()> {
         // Clients may connect long before their first call.
         let patience = if is_persistent { PERSISTENT_TIMEOUT } else { CALL_TIMEOUT };
         while !self.is_closed.load(Ordering::Acquire) {
@@ -104,7 +105,7 @@ impl Service {
             }
             let mut request = vec![0; len as usize];
             read_exact(stream, &mut request, Instant::now() + CALL_TIMEOUT)?;
-            let (is_success, body) = match (self.handler)(&request) {
+            let (is_success, body) = match (self.handler)(caller, &request) {
                 Ok(response) => (1, response),
                 Err(reason) => (0, reason.into_bytes()),
             };
@@ -130,8 +131,9 @@ mod tests {
 
     fn listener() -> Listener {
         let listener = Listener::start("127.0.0.1:0".parse().unwrap(), "/node").unwrap();
-        let handler = |request: &[u8]| match request {
+        let handler = |caller: &str, request: &[u8]| match request {
             b"no" => Err("refused".to_owned()),
+            b"who" => Ok(caller.as_bytes().to_vec()),
             request => Ok(request.iter().rev().copied().collect()),
         };
         listener.add_service(Service::new("/reverse", "a/Reverse".to_owned(), "abc".to_owned(), Box::new(handler)));
@@ -168,6 +170,7 @@ mod tests {
         let (mut stream, _) = connect(&listener, &[CALLER.as_slice(), &[("persistent", "1")]].concat());
         for _ in 0..3 {
             assert_eq!(call(&mut stream, b"no"), (0, b"refused".to_vec()));
+            assert_eq!(call(&mut stream, b"who"), (1, b"/caller".to_vec()));
         }
         listener.remove_service("/reverse");
         assert_eq!(stream.read(&mut [0]).unwrap(), 0);
