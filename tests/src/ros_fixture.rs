@@ -6,7 +6,7 @@ use crate::ros::{RosMaster, Running, PATIENCE, PROMPT};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -117,15 +117,17 @@ impl RosFixture {
         fs::create_dir_all(&folder)?;
         let file = folder.join(CONFIG);
         fs::write(&file, config)?;
-        let mut command = master.environment(Command::new(program("camera_stream")));
-        command.envs(environment.iter().copied());
-        let renderer = std::env::var(RENDERER).unwrap_or_else(|_| "cpu".to_owned());
-        command.arg("-d").arg(&file).args(args);
-        if !args.contains(&"--renderer") {
-            command.args(["--renderer", &renderer]);
-        }
-        let node = Running::start(&mut command)?;
+        let node = Running::start(&mut command(&master, &file, args, environment))?;
         Ok(Self { node, python, master, folder })
+    }
+
+    /// Starts `camera_stream` again, without arguments, after it has ended.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn respawn(&mut self) -> io::Result<()> {
+        self.node = Running::start(&mut command(&self.master, &self.config_file(), &[], &[]))?;
+        self.wait_for_log("drawing ")
     }
 
     /// The config's file.
@@ -219,6 +221,18 @@ impl RosFixture {
             panic!("not {color} for {duration:?}: {}", self.python("viewer.colors"));
         }
     }
+}
+
+/// `camera_stream` with a config and more arguments.
+fn command(master: &RosMaster, config: &Path, args: &[&str], environment: &[(&str, &str)]) -> Command {
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    command.envs(environment.iter().copied());
+    let renderer = std::env::var(RENDERER).unwrap_or_else(|_| "cpu".to_owned());
+    command.arg("-d").arg(config).args(args);
+    if !args.contains(&"--renderer") {
+        command.args(["--renderer", &renderer]);
+    }
+    command
 }
 
 impl Drop for RosFixture {

@@ -37,7 +37,10 @@ pub const ROS_NAMES: &[RosName] = &[
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
-    configures("~CAMERA", "a CameraPub's frame rate, background, encoding, near clip and visibility"),
+    serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release every blackout; kept as a parameter"),
+    serves("~pause", "std_srvs/SetBool", "keep the images of all cameras as long as they may be shown"),
+    serves("~test_picture", "std_srvs/Trigger", "show the next test picture, after the last one the scene again"),
+    configures("~CAMERA", "a CameraPub's blackout, frame rate, background, encoding, near clip and visibility"),
     configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
 ];
 

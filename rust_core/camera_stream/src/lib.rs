@@ -5,6 +5,7 @@
 mod camera;
 mod check;
 pub mod cli;
+mod control;
 mod doctor;
 mod new_camera;
 pub mod nudge;

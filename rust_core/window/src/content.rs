@@ -4,10 +4,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rcs_scene::Picture;
-
 use crate::keys::WindowKey;
-use crate::light::{LightLimit, Mask, WindowPermit};
+use crate::light::{LightLimit, Mask, WindowPermit, WindowView};
 use crate::screen_picture::ScreenPicture;
 use crate::test_pictures::TestPicture;
 
@@ -31,8 +29,8 @@ enum ViewMode {
     Paused,
     /// Black.
     Black,
-    /// One of [`TestPicture::ALL`].
-    Test(usize),
+    /// A test picture.
+    Test(TestPicture),
 }
 
 /// A received picture.
@@ -40,8 +38,6 @@ enum ViewMode {
 pub(crate) struct ContentImage {
     /// The picture in the screen's format.
     pub(crate) picture: ScreenPicture,
-    /// The picture before its mask.
-    pub(crate) drawn: Option<Arc<Picture>>,
     /// Limits of content in its place.
     pub(crate) permit: WindowPermit,
 }
@@ -80,17 +76,17 @@ impl WindowContent {
     pub(crate) fn on_screen(&self) -> ScreenContent<'_> {
         let permit = self.permit.as_ref().filter(|_| !self.is_stale);
         match (self.mode, permit) {
-            (ViewMode::Test(index), permit) => {
+            (ViewMode::Test(test), permit) => {
                 let light = permit.map_or(&self.silent_test, |permit| &permit.test);
-                let test = TestPicture::ALL.get(index).filter(|_| !light.is_nothing());
+                let test = Some(test).filter(|_| !light.is_nothing());
                 let mask = match light {
                     LightLimit::Masked(mask) => Some(mask),
                     LightLimit::All | LightLimit::Nothing => None,
                 };
-                test.map_or(ScreenContent::Black, |test| ScreenContent::Test(*test, mask))
+                test.map_or(ScreenContent::Black, |test| ScreenContent::Test(test, mask))
             }
             (ViewMode::Black, _) | (_, None) => ScreenContent::Black,
-            (ViewMode::Paused, Some(permit)) if !permit.paused.is_nothing() => picture_of(self.held.as_ref()),
+            (ViewMode::Paused, Some(permit)) if permit.is_lit => picture_of(self.held.as_ref()),
             (ViewMode::Live | ViewMode::Paused, Some(_)) => picture_of(self.newest.as_ref()),
         }
     }
@@ -121,31 +117,21 @@ impl WindowContent {
         let old = self.permit.replace(permit.clone());
         match self.mode {
             ViewMode::Test(_) => old.is_none_or(|old| old.test.differs(&permit.test)),
-            ViewMode::Paused => old.is_none_or(|old| old.paused.differs(&permit.paused)),
+            ViewMode::Paused => old.is_none_or(|old| old.is_lit != permit.is_lit),
             ViewMode::Live | ViewMode::Black => false,
         }
     }
 
-    /// Applies the permit to the paused picture, or holds the newest picture from now on. Returns `true` if the held
-    /// picture changed.
+    /// Holds the newest picture from now on, unless one is held. Returns `true` if the screen changes.
     fn update_held(&mut self) -> bool {
-        // The newest picture is blacked out.
-        let Some(permit) = self.permit.as_ref().filter(|permit| !permit.paused.is_nothing()) else { return true };
-        match (&mut self.held, &permit.paused) {
-            (Some(held), LightLimit::Masked(mask)) if held.permit.scene == permit.scene => {
-                let masked = held.drawn.as_ref().map(|drawn| mask.post_process(drawn));
-                let is_read = masked.is_some_and(|masked| held.picture.read(&(&masked).into()).is_ok());
-                if !is_read {
-                    self.held = self.newest.take();
-                }
-                true
+        // A newest picture without light is shown in place of the held one, and is not held.
+        if self.permit.as_ref().is_some_and(|permit| permit.is_lit) {
+            if self.held.is_some() {
+                return false;
             }
-            (Some(held), _) if held.permit.scene == permit.scene => false,
-            _ => {
-                self.held = self.newest.take().or(self.held.take());
-                true
-            }
+            self.held = self.newest.take();
         }
+        true
     }
 
     /// Drops all pictures. Returns `true` if the screen changes.
@@ -198,9 +184,7 @@ impl WindowContent {
             ViewMode::Live => log::info!("showing pictures"),
             ViewMode::Paused => log::info!("paused: the picture stays until the key is pressed again"),
             ViewMode::Black => log::info!("black until the key is pressed again"),
-            ViewMode::Test(index) => {
-                log::info!("test picture {}", TestPicture::ALL.get(index).map_or("", |test| test.name()));
-            }
+            ViewMode::Test(test) => log::info!("test picture {}", test.name()),
         }
         match self.mode {
             // A blacked-out picture is not held.
@@ -213,13 +197,20 @@ impl WindowContent {
         true
     }
 
+    /// Selects a view for the program. Returns `true` if the screen changes.
+    pub(crate) fn set_view(&mut self, view: WindowView) -> bool {
+        let mode = match view {
+            WindowView::Live => ViewMode::Live,
+            WindowView::Black => ViewMode::Black,
+            WindowView::Test(test) => ViewMode::Test(test),
+        };
+        std::mem::replace(&mut self.mode, mode) != mode
+    }
+
     /// The next test picture; after the last one, the pictures.
     fn next_test(&self) -> ViewMode {
-        match self.mode {
-            ViewMode::Test(index) if index + 1 < TestPicture::ALL.len() => ViewMode::Test(index + 1),
-            ViewMode::Test(_) => ViewMode::Live,
-            _ => ViewMode::Test(0),
-        }
+        let current = if let ViewMode::Test(test) = self.mode { Some(test) } else { None };
+        TestPicture::after(current).map_or(ViewMode::Live, ViewMode::Test)
     }
 }
 
@@ -229,6 +220,8 @@ fn picture_of(image: Option<&ContentImage>) -> ScreenContent<'_> {
 
 #[cfg(test)]
 mod tests {
+    use rcs_scene::Picture;
+
     use super::*;
 
     fn picture(level: u8) -> ContentImage {
@@ -345,36 +338,22 @@ mod tests {
         assert_eq!(shown(&content), "black");
     }
 
-    /// A mask that adds its number to each level.
     #[derive(Debug)]
-    struct Added(u8);
+    struct AllDark;
 
-    impl Mask for Added {
-        fn post_process(&self, drawn: &Picture) -> Picture {
-            let data = drawn.data.iter().map(|level| level + self.0).collect();
-            Picture { data, ..drawn.clone() }
-        }
-
+    impl Mask for AllDark {
         fn shares(&self, _: [u32; 2]) -> Picture {
             Picture::default()
         }
     }
 
-    /// A picture of this level that was drawn as a hundred more.
-    fn masked(level: u8, scene: u64, mask: u8) -> ContentImage {
-        let mut drawn = Picture::default();
-        drawn.reset(1, 1, rcs_scene::Encoding::Mono8);
-        drawn.data = vec![level + 100];
-        let light = || LightLimit::Masked(Arc::new(Added(mask)));
-        ContentImage {
-            drawn: Some(Arc::new(drawn)),
-            permit: WindowPermit { paused: light(), test: light(), scene },
-            ..picture(level)
-        }
+    fn masked(level: u8) -> ContentImage {
+        let test = LightLimit::Masked(Arc::new(AllDark));
+        ContentImage { permit: WindowPermit { test, is_lit: true }, ..picture(level) }
     }
 
     fn dark(test: LightLimit) -> ContentImage {
-        ContentImage { permit: WindowPermit { paused: LightLimit::Nothing, test, scene: 0 }, ..picture(0) }
+        ContentImage { permit: WindowPermit { test, is_lit: false }, ..picture(0) }
     }
 
     #[test]
@@ -404,38 +383,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_below_a_mask_is_masked_anew_with_each_picture() {
-        let now = Instant::now();
-        let mut content = content(None);
-        content.take(masked(1, 0, 5), now);
-        content.press(WindowKey::Space);
-        assert_eq!(shown(&content), "1");
-        assert!(content.take(masked(2, 0, 7), now).1);
-        assert_eq!(shown(&content), "108", "drawn as 101, and the mask of now");
-        assert!(content.take(masked(3, 0, 9), now).1);
-        assert_eq!(shown(&content), "110");
-    }
-
-    #[test]
-    fn a_pause_goes_on_with_the_newest_picture_where_other_data_are_left_out() {
-        let now = Instant::now();
-        let mut content = content(None);
-        content.take(masked(1, 0, 5), now);
-        content.press(WindowKey::Space);
-        assert!(content.take(masked(2, 1, 7), now).1);
-        assert_eq!(shown(&content), "2");
-        content.take(masked(3, 1, 7), now);
-        assert_eq!(shown(&content), "109", "it is held from then on");
-    }
-
-    #[test]
     fn masks_beat_test_pictures_and_what_is_only_too_old_does_not() {
         let now = Instant::now();
         let name = TestPicture::ALL[0].name();
         let mut content = WindowContent::new(Some(Duration::from_secs(1)), LightLimit::Nothing);
         content.press(TEST);
         assert_eq!(shown(&content), "black", "no mask has come yet");
-        assert!(content.take(masked(1, 0, 5), now).1);
+        assert!(content.take(masked(1), now).1);
         assert_eq!(shown(&content), format!("{name} masked"));
         assert!(content.take(dark(LightLimit::Nothing), now).1);
         assert_eq!(shown(&content), "black", "the mask is too old");

@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use rcs_scene::Picture;
 
+use crate::test_pictures::TestPicture;
+
 /// A mask of the light at each pixel.
 pub trait Mask: Debug + Send + Sync {
-    /// Applies the current mask to a picture that was drawn earlier.
-    fn post_process(&self, drawn: &Picture) -> Picture;
-
     /// The allowed share of light at each pixel of a monitor of this size: a mono8 picture, 255 for all. Pixels beyond
     /// the picture's edges are dark.
     fn shares(&self, monitor_px: [u32; 2]) -> Picture;
@@ -40,15 +39,30 @@ impl LightLimit {
 }
 
 /// Limits of content in place of a picture.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct WindowPermit {
-    /// Limit of an earlier, paused picture. For [`LightLimit::Nothing`] the newest picture is drawn.
-    pub paused: LightLimit,
+    /// `true` if a paused picture may stay in its place.
+    pub is_lit: bool,
     /// Limit of test pictures.
     pub test: LightLimit,
-    /// Scene number. A paused picture stays only while it is that of the newest picture; otherwise the pause goes on
-    /// with the newest one.
-    pub scene: u64,
+}
+
+impl Default for WindowPermit {
+    fn default() -> Self {
+        Self { is_lit: true, test: LightLimit::All }
+    }
+}
+
+/// The view that a program selects.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum WindowView {
+    /// The newest picture.
+    #[default]
+    Live,
+    /// No light.
+    Black,
+    /// A test picture in the monitor's resolution, within the permit.
+    Test(TestPicture),
 }
 
 /// A picture with the limits of content in its place.
@@ -56,8 +70,6 @@ pub struct WindowPermit {
 pub struct LitPicture {
     /// The picture.
     pub picture: Arc<Picture>,
-    /// The picture before its mask: a paused picture gets newer masks.
-    pub drawn: Option<Arc<Picture>>,
     /// Limits of content in its place.
     pub permit: WindowPermit,
 }

@@ -18,16 +18,18 @@ use crate::x11::{self, X11Session, X11Window};
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window or goes away.
 pub fn run(options: &WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
     let mut start = Some(start);
-    run_with(options, &PictureSink::new()?, |_, sink| {
+    let mut handle = |_: UserEvent<'_>, sink: &PictureSink| {
         // The first event is `Opened`.
         if let Some(start) = start.take() {
             start(sink.clone());
         }
-    })
+    };
+    run_window(open(options)?.as_mut(), options, KeyHandler::Window, &PictureSink::new()?, &mut handle)
 }
 
-/// Opens the window and shows the sink's pictures until it is closed, as [`run`] does. `handle` is called on this
-/// thread for each event; it must not block.
+/// Opens the window and shows the sink's pictures until it is closed. Keys except Escape and q are left to the program,
+/// which selects the view with [`PictureSink::set_view`]. `handle` is called on this thread for each event; it must not
+/// block.
 ///
 /// # Errors
 /// As for [`run`].
@@ -36,19 +38,19 @@ pub fn run_with(
     sink: &PictureSink,
     mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
-    run_window(open(options)?.as_mut(), options, KeyHandler::Window, sink, &mut handle)
+    run_window(open(options)?.as_mut(), options, KeyHandler::Program, sink, &mut handle)
 }
 
-/// Opens the window and runs it until it is closed, as [`run`] does, but leaves all keys except Escape and q to the
-/// program. `handle` is called on this thread for each event and may show pictures at once; it must not block.
+/// Opens the window and runs it until it is closed, as [`run_with`] does, with a sink of its own. `handle` may show
+/// pictures at once.
 ///
 /// # Errors
 /// As for [`run`].
 pub fn run_interactive(
     options: &WindowOptions,
-    mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
+    handle: impl FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
-    run_window(open(options)?.as_mut(), options, KeyHandler::Program, &PictureSink::new()?, &mut handle)
+    run_with(options, &PictureSink::new()?, handle)
 }
 
 /// Opens a window on Wayland if the environment names a compositor, else on X11.

@@ -58,6 +58,7 @@ pub(crate) fn run(
         if let Some(timeout) = sink.stale_timeout() {
             painter.content.set_stale_timeout(timeout);
         }
+        painter.is_due |= sink.view().is_some_and(|view| painter.content.set_view(view));
         painter.take_picture(sink, window.monitor(), now);
         painter.is_due |= sink.confirmed().is_some_and(|at| painter.content.confirm(at));
         painter.is_due |= painter.content.check(now);
@@ -145,15 +146,15 @@ impl<'a> WindowPainter<'a> {
                 self.last_drawn = None;
                 return;
             }
-            Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, drawn: None, permit },
-            Some(SunkPicture::Drawn(LitPicture { picture: source, drawn, permit })) => {
+            Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, permit },
+            Some(SunkPicture::Drawn(LitPicture { picture: source, permit })) => {
                 if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source)) {
                     self.is_due |= self.content.repeat(&permit, now);
                     return;
                 }
                 let Some(picture) = self.read(&source) else { return };
                 self.last_drawn = Some(source);
-                ContentImage { picture, drawn, permit }
+                ContentImage { picture, permit }
             }
         };
         let size = image.picture.size_px();

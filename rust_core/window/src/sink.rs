@@ -10,7 +10,7 @@ use rcs_scene::lock;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
-use crate::light::{LitPicture, WindowPermit};
+use crate::light::{LitPicture, WindowPermit, WindowView};
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
 
@@ -35,6 +35,8 @@ struct SinkState {
     newest: Mutex<Option<(SunkPicture, Instant)>>,
     is_closing: AtomicBool,
     refresh: Mutex<Option<Refresh>>,
+    /// The view that the program has selected; `None`: keys select it.
+    view: Mutex<Option<WindowView>>,
     /// Overrides the options.
     stale_timeout: Mutex<Option<Duration>>,
     /// Time of the last confirmation that the picture is current.
@@ -54,6 +56,7 @@ impl PictureSink {
             newest: Mutex::default(),
             is_closing: AtomicBool::new(false),
             refresh: Mutex::default(),
+            view: Mutex::default(),
             stale_timeout: Mutex::default(),
             confirmed: Mutex::default(),
             wake,
@@ -73,6 +76,17 @@ impl PictureSink {
     /// Shows a shared picture; it is converted on the window's thread.
     pub fn show_drawn(&self, picture: LitPicture) {
         self.hand_over(SunkPicture::Drawn(picture));
+    }
+
+    /// Selects the view of a window whose keys the program handles.
+    pub fn set_view(&self, view: WindowView) {
+        if lock(&self.0.view).replace(view) != Some(view) {
+            self.wake();
+        }
+    }
+
+    pub(crate) fn view(&self) -> Option<WindowView> {
+        *lock(&self.0.view)
     }
 
     /// Overrides the options' time without a picture after which the window becomes black; zero: never.

@@ -201,7 +201,7 @@ fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_picture() {
         .run("PublishRepeatedly(20, lambda i: cloud(color[0], points=points, stamp=rospy.Time.now()), '/cloud')")
         .unwrap();
     assert!(wait_until(PATIENCE, || level_at(&screen, [320, 180]) == RED), "{}", fixture.log());
-    press(&screen, &fixture, "p", "paused: the picture stays");
+    press(&screen, &fixture, "p", "pause on by key p");
     publisher.run("color[0] = 0x0000ff").unwrap();
     std::thread::sleep(Duration::from_millis(1500));
     assert_eq!(level_at(&screen, [320, 180]), RED, "it is paused while data are current");
@@ -227,7 +227,7 @@ fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
     let (right, left, above) = ([470, 180], [170, 180], [320, 30]);
     let sees = |expected: [[u8; 3]; 3]| [right, left, above].map(|at| level_at(&screen, at)) == expected;
     assert!(wait_until(PATIENCE, || sees([[0; 3], RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "p", "paused: the picture stays");
+    press(&screen, &fixture, "p", "pause on by key p");
     fixture.python("latch('/cloud', cloud(0x0000ff, points=points))");
     tracker.run("x[0] = -0.5").unwrap();
     assert!(wait_until(PATIENCE, || sees([RED, [0; 3], RED])), "the scene is held, and the head is masked where it is");
@@ -248,7 +248,7 @@ fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
     assert!(wait_until(PATIENCE, || black_pixels(1) == (0, true) && black_pixels(0).0 > 0), "{}", fixture.log());
     drop(tracker);
     assert!(wait_until(PATIENCE, || is_black(&screen)), "nobody knows where the head is: {}", fixture.log());
-    press(&screen, &fixture, "p", "paused: the picture stays");
+    press(&screen, &fixture, "p", "pause off by key p");
     std::thread::sleep(Duration::from_millis(500));
     assert!(is_black(&screen));
 }
@@ -266,11 +266,11 @@ fn a_mask_that_closes_beats_a_pause() {
     fixture.python("PublishRepeatedly(20, lambda i: mask(), '/mask')");
     let sees = |expected: [[u8; 3]; 2]| [[160, 180], [480, 180]].map(|at| level_at(&screen, at)) == expected;
     assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "space", "paused: the picture stays");
+    press(&screen, &fixture, "space", "pause on by key p");
     fixture.python("latch('/cloud', cloud(0x0000ff, points=points)); level[0] = 0");
     assert!(wait_until(PATIENCE, || sees([RED, [0; 3]])), "{}", fixture.log());
     fixture.python("level[0] = 255");
     assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "space", "showing pictures");
+    press(&screen, &fixture, "space", "pause off by key p");
     assert!(wait_until(PATIENCE, || sees([BLUE, BLUE])), "{}", fixture.log());
 }

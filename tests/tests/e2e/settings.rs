@@ -61,7 +61,8 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
     fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub', '/view/image/compressed']");
     fixture.python("c = client(); updates = []; c.set_config_callback(lambda config: updates.append(config))");
 
-    let names = "frame_rate background_red background_green background_blue image_encoding near_clip visibility \
+    let names =
+        "blackout frame_rate background_red background_green background_blue image_encoding near_clip visibility \
                  show_My_sensors show_My_sensors_cloud";
     assert_eq!(fixture.python("' '.join(p['name'] for p in c.get_parameter_descriptions(300))"), names);
     let bounds = |name: &str| fixture.python(format!("[described(c)['{name}'][k] for k in ('type', 'min', 'max')]"));

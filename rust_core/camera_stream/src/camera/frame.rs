@@ -14,10 +14,13 @@ use rcs_render::{Finished, LastStep, RenderError, Renderer, View};
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
+use crate::control::LightTicket;
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::safety;
 use crate::safety::causes::DarkReason;
 use crate::safety::permit::Permit;
 use crate::scene::renderer_view;
+use rcs_window::test_pictures::TestPicture;
 
 /// The content of a frame.
 #[derive(Clone, PartialEq)]
@@ -26,6 +29,8 @@ pub(crate) enum FrameContent {
     Scene { version: u64, camera: Arc<Camera>, hidden: Vec<DisplayId> },
     /// Black. The size is that before post-processing turns it; `has_note`: it says why it is black.
     Black { size_px: [u32; 2], dark: DarkReason, has_note: bool },
+    /// A test picture. The size is that before post-processing turns it.
+    Test { size_px: [u32; 2], test: TestPicture },
 }
 
 /// A frame's content and everything that is published with it.
@@ -35,13 +40,15 @@ pub(crate) struct FrameSpec {
     pub(crate) post: Arc<LastStep>,
     /// `true` if the camera has masks on a topic, or keep-out frames.
     pub(crate) protects_eyes: bool,
-    /// See [`Permit::epoch`].
+    /// A paused frame stays only among those of its number: they leave out the same data, of the same config.
     pub(crate) epoch: u64,
     pub(crate) info: Arc<CameraInfo>,
     /// Expiry if nothing new arrives.
     pub(crate) valid_until: Option<Instant>,
     /// ROS time of the lookup of predicted transforms.
     pub(crate) looked_up: Option<Time>,
+    /// Void from the next blackout on.
+    pub(crate) ticket: LightTicket,
 }
 
 /// A frame that is due and to be drawn.
@@ -52,7 +59,7 @@ pub(crate) struct DueFrame {
     pub(crate) camera: Arc<Camera>,
     /// The encoding of its depths, if somebody subscribes to them.
     pub(crate) depth: Option<DepthEncoding>,
-    /// `true` if the image before post-processing is needed, too: a window may hold it below newer masks.
+    /// `true` if the image before post-processing is needed, too: a pause may keep it below newer masks.
     pub(crate) keeps_drawn: bool,
     /// Time of the decision to draw it.
     pub(crate) begun: Instant,
@@ -86,9 +93,10 @@ pub(crate) struct SharedBuffers {
 }
 
 impl FrameContent {
-    /// `true` if one of the two shows something that is stale in the other.
+    /// `true` if one of the two shows something that is stale in the other, or another test picture.
     pub(crate) fn differs_in_staleness(&self, other: &Self) -> bool {
         match (self, other) {
+            (Self::Test { test: own, .. }, Self::Test { test, .. }) => own != test,
             (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
             (Self::Black { .. }, Self::Black { .. }) => false,
             _ => true,
@@ -99,24 +107,42 @@ impl FrameContent {
     pub(crate) fn size_px(&self) -> [u32; 2] {
         match self {
             Self::Scene { camera, .. } => size_px(camera),
-            Self::Black { size_px, .. } => *size_px,
+            Self::Black { size_px, .. } | Self::Test { size_px, .. } => *size_px,
         }
     }
 }
 
 impl FrameSpec {
-    /// The permit for a window to show something else in the frame's place.
+    /// The permit to show something else in the frame's place.
     pub(crate) fn permit(&self) -> Permit {
         let dark = match &self.content {
-            FrameContent::Scene { .. } => None,
+            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
             FrameContent::Black { dark, .. } => Some(dark),
         };
-        Permit::new(dark, self.protects_eyes, self.epoch, &self.post)
+        Permit::new(dark, self.protects_eyes, &self.post)
     }
 
     /// `true` if an image of the other one looks the same.
     pub(crate) fn looks_like(&self, other: &Self) -> bool {
         self.content == other.content && self.post == other.post
+    }
+
+    /// The same frame, black for a reason that is not written into it.
+    pub(crate) fn blacked_out(mut self, dark: DarkReason) -> Self {
+        self.content = FrameContent::Black { size_px: self.content.size_px(), dark, has_note: false };
+        self.post = safety::unplaced(&self.post);
+        self
+    }
+
+    /// The ticket that lets an image of the frame out; `None` if it has no light.
+    pub(crate) fn needed_ticket(&self) -> Option<&LightTicket> {
+        let is_black = matches!(self.content, FrameContent::Black { has_note: false, .. });
+        (!is_black).then_some(&self.ticket)
+    }
+
+    /// `true` if an image of the frame may leave: it is black, or no blackout came since it was begun.
+    pub(crate) fn may_leave(&self) -> bool {
+        self.needed_ticket().is_none_or(LightTicket::is_valid)
     }
 
     pub(crate) fn is_expired(&self, now: Instant) -> bool {

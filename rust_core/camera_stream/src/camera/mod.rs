@@ -12,4 +12,5 @@ pub(crate) mod plan;
 pub(crate) mod rearrange;
 mod reconfigurable;
 mod runtime_settings;
+mod substitute;
 mod timing;

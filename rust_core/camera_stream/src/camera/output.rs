@@ -7,6 +7,9 @@
 //! A frame that expires, because what it shows is stale, is followed by a black one at once, whatever the frame rate;
 //! see [`crate::safety`].
 //!
+//! What the [operator](crate::control) has set comes before the scene: a blackout goes out at once, from the control
+//! thread, and no image that was begun before it leaves afterwards.
+//!
 //! A camera belongs to both of the node's threads: the scene's thread polls and publishes, and the control thread
 //! answers calls and repeats the last frame while another is drawn for long. None of its methods takes long.
 
@@ -31,11 +34,11 @@ use super::oriented_info::TurnedInfo;
 use super::plan::CameraPlan;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
+use super::substitute;
 use super::timing::FrameTiming;
+use crate::control::{Control, OperatorSettings};
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
-use crate::outputs::{Output, OutputFrame, TopicOutput};
-use crate::safety::black_image::black_picture;
-use crate::safety::causes::DarkReason;
+use crate::outputs::{Output, OutputFrame, TopicOutput, WindowOutput};
 use crate::safety::{self, FramePolicy};
 use crate::scene::status_tree::StatusEntry;
 use crate::scene::SceneState;
@@ -43,6 +46,7 @@ use crate::scene::SceneState;
 /// The settings that all cameras of the node share.
 pub(crate) struct CameraContext {
     pub(crate) ros: Arc<RosNode>,
+    pub(crate) control: Arc<Control>,
     pub(crate) model: CameraModel,
     pub(crate) depth_encoding: DepthEncoding,
     /// The images of the operator's page, if there is one.
@@ -80,8 +84,7 @@ pub(crate) struct CameraFigures<'a> {
     pub(crate) dark: Option<String>,
 }
 
-/// The number of the frames that a window may hold in each other's place: see
-/// [`Permit::epoch`](crate::safety::permit::Permit::epoch).
+/// The number of the frames among which a paused one may stay: see [`FrameSpec::epoch`].
 #[derive(Default)]
 struct Epoch {
     number: u64,
@@ -133,9 +136,10 @@ pub(crate) fn names(cameras: &[CameraOutput]) -> String {
 impl CameraOutput {
     /// A camera without connections; [`Self::apply`] gives it those.
     pub(super) fn new(context: &Arc<CameraContext>, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
+        let is_black = context.control.of_camera(plan.name()).is_switched_off;
         Self {
             context: Arc::clone(context),
-            settings: RuntimeSettings::start(&context.ros, plan, switches),
+            settings: RuntimeSettings::start(&context.ros, plan, switches, is_black),
             connections: CameraConnections::default(),
             timing: FrameTiming::default(),
             policy: FramePolicy::default(),
@@ -157,10 +161,11 @@ impl CameraOutput {
     ) {
         self.settings.update_from(&self.context.ros, plan.view, switches);
         self.connections = connections;
-        // What a window holds is of a config that may have had other displays.
+        // A paused frame is of a config that may have had other displays.
         self.epoch.number += 1;
         self.timing.global_frame_rate_hz = global_frame_rate_hz;
         self.apply_new_settings(displays);
+        self.show_view(&self.operator());
     }
 
     /// Gives its connections away, for the cameras of another config.
@@ -208,7 +213,9 @@ impl CameraOutput {
 
     pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
         let mut entry = self.health.status_entry(scene, self.view(), self.context.model, &self.connections);
-        safety::status::add_dark(&mut entry, &self.policy);
+        let operator = self.operator();
+        safety::status::add_dark(&mut entry, operator.blackout.as_ref().or(self.policy.dark_reason.as_ref()));
+        safety::status::add_substitute(&mut entry, &operator);
         entry
     }
 
@@ -243,7 +250,7 @@ impl CameraOutput {
         let last = self.buffers.front.as_ref();
         let black = last.and_then(|last| match &last.spec.content {
             FrameContent::Black { dark, .. } => Some(dark.why.clone()),
-            FrameContent::Scene { .. } => None,
+            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
         });
         let [latency_ms, age_ms] = self.health.latency.medians_ms();
         CameraFigures {
@@ -274,12 +281,12 @@ impl CameraOutput {
         self.settings.serves(server) || topic.is_some_and(|topic| topic.has_parameters(server))
     }
 
-    /// Takes a user's values of a server for the next frame. Returns the values that apply from then on.
-    pub(crate) fn reconfigure(&mut self, server: &str, request: &Values) -> Values {
+    /// Takes a caller's values of a server for the next frame. Returns the values that apply from then on.
+    pub(crate) fn reconfigure(&mut self, server: &str, request: &Values, caller: &str) -> Values {
         let ros = &self.context.ros;
         match self.connections.outputs.topic.as_mut().filter(|topic| topic.has_parameters(server)) {
             Some(topic) => topic.reconfigure(ros, request),
-            None => self.settings.set(ros, request),
+            None => self.settings.set(ros, &self.context.control, request, caller),
         }
     }
 
@@ -307,8 +314,38 @@ impl CameraOutput {
         can_draw.then(|| self.timing.until_due(self.connections.outputs.refresh(), now)).flatten()
     }
 
-    /// The frame that is due now, if it is to be drawn. One that would look like the last, and a black one, is
-    /// published at once.
+    /// What the operator has set.
+    fn operator(&self) -> OperatorSettings {
+        self.context.control.of_camera(&self.view().name)
+    }
+
+    /// Selects the view of the window.
+    fn show_view(&self, operator: &OperatorSettings) {
+        self.connections.outputs.window.iter().for_each(|window| window.set_view(operator.window_view()));
+    }
+
+    /// Applies what the operator has changed. The image of a blackout goes out here, whatever is being drawn.
+    ///
+    /// # Errors
+    /// The outputs'.
+    pub(crate) fn apply_control(&mut self) -> Result<()> {
+        let operator = self.operator();
+        self.settings.set_black(&self.context.ros, operator.is_switched_off);
+        self.show_view(&operator);
+        let lit = self.buffers.front.take_if(|last| !last.spec.may_leave());
+        let Some(dark) = operator.blackout else { return Ok(()) };
+        if lit.is_some() || self.buffers.front.is_none() {
+            // Also where no size of an image is known.
+            self.connections.outputs.window.iter().for_each(WindowOutput::clear);
+        }
+        match lit.filter(|_| self.is_watched()) {
+            Some(last) => self.publish_substitute(last.spec.blacked_out(dark)),
+            None => Ok(()),
+        }
+    }
+
+    /// The frame that is due now, if it is to be drawn. One that would look like the last, and one that shows no scene,
+    /// is published at once.
     ///
     /// # Errors
     /// The outputs'.
@@ -320,39 +357,60 @@ impl CameraOutput {
             return Ok(None);
         }
         let view = Arc::clone(self.view());
+        let operator = self.operator();
+        let policy = match &operator.blackout {
+            Some(dark) => self.policy.blacked_out(dark.clone()),
+            None => self.policy.clone(),
+        };
         let camera = match scene.camera(&view, self.context.model) {
             Ok(camera) => Arc::new(camera),
             Err(problem) => {
                 let why = problem.to_string();
                 self.health.record_problem(&view.name, problem, Instant::now());
-                return self.black_out(scene.camera_info(&view), &why).map(|()| None);
+                return self.publish_without_camera(scene.camera_info(&view), &why, &policy, &operator).map(|()| None);
             }
         };
         self.health.clear_problem(&view.name);
-        self.health.record_dark(&view.name, self.policy.dark_reason.as_ref());
+        self.health.record_dark(&view.name, policy.dark_reason.as_ref());
         let Some(info) = scene.camera_info(&view) else { return Ok(None) };
         let mut visible = view.visible.clone();
-        self.policy.hidden.iter().for_each(|display| visible.set(*display, false));
-        self.epoch.follow(&self.policy.hidden, size_px(&camera));
-        let content = match &self.policy.dark_reason {
-            Some(dark) => black(size_px(&camera), dark.clone(), &self.policy),
-            None => FrameContent::Scene {
+        policy.hidden.iter().for_each(|display| visible.set(*display, false));
+        self.epoch.follow(&policy.hidden, size_px(&camera));
+        let substitute = substitute::content(size_px(&camera), policy.dark_reason.as_ref(), &policy, &operator);
+        let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
+        let is_scene = held.is_none() && substitute.is_none();
+        let spec = held.unwrap_or_else(|| {
+            let content = substitute.unwrap_or_else(|| FrameContent::Scene {
                 version: scene.displays().version_shown(&visible),
                 camera: Arc::clone(&camera),
-                hidden: self.policy.hidden.clone(),
-            },
-        };
-        let looked_up = scene.prediction().map(|prediction| prediction.now);
-        let Some(spec) = self.due(self.spec(content, &self.policy, info, looked_up))? else { return Ok(None) };
-        if let FrameContent::Black { .. } = spec.content {
+                hidden: policy.hidden.clone(),
+            });
+            self.spec(content, &policy, info, scene.prediction().map(|prediction| prediction.now))
+        });
+        let Some(spec) = self.due(spec)? else { return Ok(None) };
+        if !is_scene {
             self.health.latency.forget();
-            return self.publish_black(spec).map(|()| None);
+            return self.publish_unrendered(spec).map(|()| None);
         }
         self.health.projection.check(scene, &view, self.context.model);
         let depth = self.wants_depth().then_some(self.context.depth_encoding);
         let begun = Instant::now();
-        let keeps_drawn = spec.protects_eyes && self.connections.outputs.window.is_some();
+        let keeps_drawn = spec.protects_eyes;
         Ok(Some(DueFrame { spec, view, visible, camera, depth, keeps_drawn, begun }))
+    }
+
+    /// The last frame as a pause keeps it, with the present policy; `None` if it may not stay.
+    fn held(&self, policy: &FramePolicy) -> Option<FrameSpec> {
+        let last = self.buffers.front.as_ref()?;
+        let is_scene = matches!(last.spec.content, FrameContent::Scene { .. });
+        let can_be_masked = last.drawn.is_some() || last.spec.post == policy.post;
+        let stays = is_scene && can_be_masked && last.spec.epoch == self.epoch.number;
+        stays.then(|| FrameSpec {
+            post: Arc::clone(&policy.post),
+            protects_eyes: policy.protects_eyes,
+            valid_until: policy.valid_until,
+            ..last.spec.clone()
+        })
     }
 
     fn spec(
@@ -362,14 +420,17 @@ impl CameraOutput {
         info: &Arc<CameraInfo>,
         looked_up: Option<Time>,
     ) -> FrameSpec {
+        // A test picture shows no data that could be stale.
+        let is_timeless = matches!(content, FrameContent::Test { .. }) && !policy.protects_eyes;
         FrameSpec {
             content,
             post: Arc::clone(&policy.post),
             protects_eyes: policy.protects_eyes,
             epoch: self.epoch.number,
             info: Arc::clone(info),
-            valid_until: policy.valid_until,
+            valid_until: policy.valid_until.filter(|_| !is_timeless),
             looked_up,
+            ticket: self.context.control.ticket(&self.view().name),
         }
     }
 
@@ -405,44 +466,66 @@ impl CameraOutput {
         Ok(None)
     }
 
-    /// Publishes a black frame if one is due, because there is no camera and the last frame must not pass for a current
-    /// one. Without a CameraInfo and a frame before it, no size is known.
-    fn black_out(&mut self, info: Option<&Arc<CameraInfo>>, why: &str) -> Result<()> {
-        let Some(dark) = self.policy.without_camera(why) else {
-            self.discard_last();
-            return Ok(());
-        };
+    /// Publishes a black frame or a test picture if one is due, because there is no camera and the last frame must not
+    /// pass for a current one. Without a CameraInfo and a frame before it, no size is known.
+    fn publish_without_camera(
+        &mut self,
+        info: Option<&Arc<CameraInfo>>,
+        why: &str,
+        policy: &FramePolicy,
+        operator: &OperatorSettings,
+    ) -> Result<()> {
         let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
         let last = self.buffers.last();
         let size_of_info = info.map(|info| [info.width, info.height]).filter(is_possible);
         let size_px = size_of_info.or_else(|| last.map(|last| last.content.size_px()));
         let (Some(info), Some(size_px)) = (info.or(last.map(|last| &last.info)), size_px) else { return Ok(()) };
-        let spec = self.spec(black(size_px, dark, &self.policy), &self.policy.unplaced(), info, None);
+        let dark = policy.without_camera(why);
+        let Some(content) = substitute::content(size_px, dark.as_ref(), policy, operator) else {
+            self.discard_last();
+            return Ok(());
+        };
+        let spec = self.spec(content, &policy.unplaced(), info, None);
         match self.due(spec)? {
-            Some(spec) => self.publish_black(spec),
+            Some(spec) => self.publish_substitute(spec),
             None => Ok(()),
         }
     }
 
-    /// Publishes a black image in the place of a frame, and says why.
-    fn publish_black(&mut self, mut spec: FrameSpec) -> Result<()> {
-        if let FrameContent::Scene { camera, .. } = &spec.content {
-            let (size_px, dark) = (size_px(camera), safety::expired());
-            spec.content = FrameContent::Black { size_px, dark, has_note: false };
+    /// Publishes an image that is not rendered: the last one below newer masks, or one that shows no scene.
+    fn publish_unrendered(&mut self, spec: FrameSpec) -> Result<()> {
+        if !matches!(spec.content, FrameContent::Scene { .. }) {
+            return self.publish_substitute(spec);
         }
-        let FrameContent::Black { size_px, dark, has_note } = &spec.content else { return Ok(()) };
-        let note = has_note.then_some(dark.why.as_str());
-        let mut picture = black_picture(*size_px, self.view().settings.image_encoding, note);
-        spec.post.apply(&mut picture, &mut Picture::default());
-        let depth = self.wants_depth().then(|| {
-            let mut nowhere = DepthPicture::default();
-            nowhere.reset(size_px[0], size_px[1]);
-            Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.post.orientation))
-        });
-        spec.valid_until = None;
+        let Some(mut last) = self.buffers.front.take() else { return Ok(()) };
+        if let Some(drawn) = last.drawn.as_ref().filter(|_| last.spec.post != spec.post) {
+            let mut picture = Picture::clone(drawn);
+            spec.post.apply(&mut picture, &mut Picture::default());
+            last.picture = Arc::new(picture);
+        }
+        last.depth = last.depth.or_else(|| self.wants_depth().then(|| self.nowhere(&spec)));
+        self.buffers.front = Some(FinishedFrame { spec, ..last });
+        self.publish_last(None)
+    }
+
+    /// Publishes an image that shows no scene.
+    fn publish_substitute(&mut self, mut spec: FrameSpec) -> Result<()> {
+        let view = self.view();
+        let Some(picture) = substitute::image(&spec, view.settings.image_encoding, &view.name) else { return Ok(()) };
+        let depth = self.wants_depth().then(|| self.nowhere(&spec));
+        if let FrameContent::Black { .. } = spec.content {
+            spec.valid_until = None;
+        }
         let picture = Arc::new(picture);
         self.buffers.front = Some(FinishedFrame { spec, picture, depth, drawn: None, begun: None });
         self.publish_last(None)
+    }
+
+    /// Depths where nothing is drawn.
+    fn nowhere(&self, spec: &FrameSpec) -> Arc<DepthImage> {
+        let ([width_px, height_px], mut nowhere) = (spec.content.size_px(), DepthPicture::default());
+        nowhere.reset(width_px, height_px);
+        Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.post.orientation))
     }
 
     /// `true` if somebody subscribed since the last call and is to get an image at once.
@@ -458,7 +541,7 @@ impl CameraOutput {
         let Some(last) = self.buffers.last().filter(|_| self.is_watched()) else { return Ok(()) };
         let now = Instant::now();
         if last.is_expired(now) {
-            return self.publish_black(last.clone());
+            return self.publish_substitute(last.clone().blacked_out(safety::expired()));
         }
         self.connections.outputs.confirm();
         if !self.take_new_watcher() && !self.timing.schedule.is_repetition_due(now) {
@@ -486,10 +569,13 @@ impl CameraOutput {
         self.health.counts.drawn += 1;
         self.health.counts.depths_drawn += u64::from(frame.depth.is_some());
         let begun = frame.begun;
-        self.buffers.retire_front(frame.picture.data.len());
-        let published = if frame.spec.is_expired(Instant::now()) {
-            self.publish_black(frame.spec)
+        let published = if !frame.spec.may_leave() {
+            // The next frame shows what is then.
+            self.apply_control()
+        } else if frame.spec.is_expired(Instant::now()) {
+            self.publish_substitute(frame.spec.blacked_out(safety::expired()))
         } else {
+            self.buffers.retire_front(frame.picture.data.len());
             self.buffers.front = Some(frame);
             self.publish_last(Some(Instant::now()))
         };
@@ -499,12 +585,16 @@ impl CameraOutput {
 
     /// Hands the last frame to the outputs. `drawn`: when it was drawn, if it is a new one.
     fn publish_last(&mut self, drawn: Option<Instant>) -> Result<()> {
+        if self.buffers.last().is_some_and(|last| !last.may_leave()) {
+            return self.apply_control();
+        }
         let outputs = &mut self.connections.outputs;
         let Some(last) = self.buffers.front.as_ref().filter(|_| !outputs.is_empty()) else { return Ok(()) };
         let stamp = self.context.ros.now();
         let info = self.turned_info.of(&last.spec.info, last.spec.post.orientation);
         let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.spec.permit());
-        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, drawn: last.drawn.clone() })?;
+        let ticket = last.spec.needed_ticket().cloned();
+        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, ticket })?;
         if let Some(drawn) = drawn {
             let latency = &mut self.health.latency;
             latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
@@ -516,10 +606,4 @@ impl CameraOutput {
         self.timing.schedule.clear_trigger();
         Ok(())
     }
-}
-
-/// A black frame, which says why if its policy allows it.
-fn black(size_px: [u32; 2], dark: DarkReason, policy: &FramePolicy) -> FrameContent {
-    let has_note = policy.shows_note(&dark);
-    FrameContent::Black { size_px, dark, has_note }
 }

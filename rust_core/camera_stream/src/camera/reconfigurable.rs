@@ -12,6 +12,7 @@ use rcs_messages::dynamic_reconfigure::{
 use rcs_rviz_config::{CameraPubSettings, Config, Role, Visibility};
 use rcs_scene::{Encoding, FAR_CLIP_M};
 
+use crate::control::BLACKOUT;
 use crate::outputs::parameter_description::{choice_of, parameter};
 
 const FRAME_RATE: &str = "frame_rate";
@@ -193,15 +194,17 @@ impl CameraParameters {
         unknown
     }
 
-    pub(super) fn values(&self, switches: &[Switch]) -> Values {
+    /// The values of all parameters. `is_black`: the camera's own blackout is on, which is no setting of its images.
+    pub(super) fn values(&self, switches: &[Switch], is_black: bool) -> Values {
         let switch = |switch: &Switch| BoolParameter {
             name: switch.name.clone(),
             value: self.visibility.is_ticked(&switch.path()),
         };
+        let blackout = BoolParameter { name: BLACKOUT.to_owned(), value: is_black };
         let all = BoolParameter { name: VISIBILITY.to_owned(), value: self.visibility.is_ticked(&[]) };
         let channel = |(name, value): (&&str, &u8)| IntParameter { name: (*name).to_owned(), value: (*value).into() };
         Values {
-            bools: std::iter::once(all).chain(switches.iter().map(switch)).collect(),
+            bools: [blackout, all].into_iter().chain(switches.iter().map(switch)).collect(),
             ints: BACKGROUND.iter().zip(&self.background).map(channel).collect(),
             strs: vec![StrParameter { name: ENCODING.to_owned(), value: self.encoding.name().to_owned() }],
             doubles: vec![double(FRAME_RATE, self.frame_rate_hz), double(NEAR_CLIP, self.near_clip_m)],
@@ -213,7 +216,7 @@ impl CameraParameters {
     pub(super) fn description(&self, switches: &[Switch]) -> ConfigDescription {
         // The smallest or the largest of all values.
         let bounds = |value: bool, channel: i32, frame_rate_hz: f64, near_clip_m: f64| {
-            let mut values = self.values(switches);
+            let mut values = self.values(switches, false);
             values.bools.iter_mut().for_each(|param| param.value = value);
             values.ints.iter_mut().for_each(|param| param.value = channel);
             values.strs.iter_mut().for_each(|param| param.value.clear());
@@ -223,7 +226,7 @@ impl CameraParameters {
         let plain = |name, kind, description| parameter(name, kind, description, String::new());
         let rate = "Pictures a second; below 0: when the scene changes, 0: only when triggered";
         let colors = ["red", "green", "blue"].map(|color| format!("Background: {color}"));
-        let mut parameters = vec![plain(FRAME_RATE, "double", rate)];
+        let mut parameters = vec![plain(BLACKOUT, "bool", "Black out the picture"), plain(FRAME_RATE, "double", rate)];
         parameters.extend(BACKGROUND.iter().zip(&colors).map(|(name, text)| plain(name, "int", text)));
         let (pixel, encodings) = ("What a pixel of the picture is", Encoding::ALL.map(Encoding::name));
         parameters.push(parameter(ENCODING, "str", pixel, choice_of(pixel, encodings)));
@@ -235,7 +238,7 @@ impl CameraParameters {
             groups: vec![group("Default", 0, parameters), group("Visibility", 1, shown)],
             max: bounds(true, 255, HIGH_FRAME_RATE_HZ.max(self.frame_rate_hz), FAR_CLIP_M.max(self.near_clip_m)),
             min: bounds(false, 0, -1.0, NEAREST_CLIP_M),
-            dflt: self.values(switches),
+            dflt: self.values(switches, false),
         }
     }
 }
@@ -280,7 +283,7 @@ mod tests {
         let request = Values { bools: vec![off], ..Values::default() };
         parameters.set(&request, &switches, &parameters.description(&switches));
         assert!(!parameters.visibility.shows(&["g", "a_b"]) && parameters.visibility.shows(&["g", "a b"]));
-        let off = parameters.values(&switches).bools.into_iter().filter(|param| !param.value);
+        let off = parameters.values(&switches, true).bools.into_iter().filter(|param| !param.value);
         let off: Vec<String> = off.map(|param| param.name).collect();
         assert_eq!(off, ["show_g_a_b_2"]);
     }
@@ -337,7 +340,7 @@ mod tests {
     fn a_configs_numbers_are_reported_as_they_are_written() {
         let settings = CameraPubSettings { near_clip_m: 0.01, frame_rate_hz: 144.1, ..CameraPubSettings::default() };
         let parameters = CameraParameters::of(&settings);
-        assert_eq!(parameters.values(&[]).doubles, [double(FRAME_RATE, 144.1), double(NEAR_CLIP, 0.01)]);
+        assert_eq!(parameters.values(&[], false).doubles, [double(FRAME_RATE, 144.1), double(NEAR_CLIP, 0.01)]);
         let most = &parameters.description(&[]).max.doubles[0];
         assert_eq!(most.value, 144.1, "the file's value is within bounds");
         let mut written = CameraPubSettings::default();

@@ -12,6 +12,7 @@ use rcs_ros::{ReconfigureServer, RosNode};
 
 use super::plan::CameraPlan;
 use super::reconfigurable::{CameraParameters, Switch, ENCODING};
+use crate::control::{Control, BLACKOUT};
 
 /// The settings of one camera that can be changed while it runs.
 pub(super) struct RuntimeSettings {
@@ -26,17 +27,20 @@ pub(super) struct RuntimeSettings {
     server: Option<ReconfigureServer>,
     /// `true` if `current` differs from what `view` has.
     has_changed: bool,
+    /// The camera's own blackout, as the server has it.
+    is_black: bool,
 }
 
 impl RuntimeSettings {
-    /// The config's settings of a camera, offered as `~ID`.
-    pub(super) fn start(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
+    /// The config's settings of a camera, offered as `~ID`, with its blackout.
+    pub(super) fn start(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>, is_black: bool) -> Self {
         let current = CameraParameters::of(&plan.view.settings);
         let (id, view) = (plan.id.clone(), Arc::new(plan.view.clone()));
-        let server = ros.serve_reconfigure(&format!("~{id}"), current.description(switches), current.values(switches));
+        let (description, values) = (current.description(switches), current.values(switches, is_black));
+        let server = ros.serve_reconfigure(&format!("~{id}"), description, values);
         let server = server.map_err(|error| log::error!("{error}")).ok();
         let (in_file, switches) = (current.clone(), Arc::clone(switches));
-        Self { id, view, in_file, current, switches, server, has_changed: true }
+        Self { id, view, in_file, current, switches, server, has_changed: true, is_black }
     }
 
     /// Identifies the camera when the config is read again.
@@ -67,19 +71,32 @@ impl RuntimeSettings {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)
     }
 
-    /// Takes a user's values. Returns the values that apply from the next frame on.
-    pub(super) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
+    /// Takes a caller's values. Returns the values that apply from the next frame on.
+    pub(super) fn set(&mut self, ros: &RosNode, control: &Control, request: &Values, caller: &str) -> Values {
+        let name = &self.view.name;
+        for param in request.bools.iter().filter(|param| param.name == BLACKOUT) {
+            control.set_camera_blackout(name, param.value, caller);
+        }
+        self.is_black = control.of_camera(name).is_switched_off;
         self.has_changed = true;
         let unknown = self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
         if let Some(encoding) = unknown {
             let server = self.server.as_ref().map(|server| &**server.name()).unwrap_or_default();
             log::warn!("{server}: {ENCODING}: unknown encoding \"{encoding}\"");
         }
-        let values = self.current.values(&self.switches);
+        let values = self.current.values(&self.switches, self.is_black);
         if let Some(server) = &mut self.server {
             server.set_config(ros, values.clone());
         }
         values
+    }
+
+    /// Publishes the camera's own blackout if it was set elsewhere.
+    pub(super) fn set_black(&mut self, ros: &RosNode, is_black: bool) {
+        if std::mem::replace(&mut self.is_black, is_black) != is_black {
+            let values = self.current.values(&self.switches, is_black);
+            self.server.iter_mut().for_each(|server| server.set_config(ros, values.clone()));
+        }
     }
 
     /// Takes over the values that changed in the config.
@@ -88,10 +105,10 @@ impl RuntimeSettings {
         let mut current = self.current.with_changes(&self.in_file, &in_file);
         let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
         current.forget(self.switches.iter().filter(is_gone), &in_file);
-        let values = current.values(switches);
+        let values = current.values(switches, self.is_black);
         if let Some(server) = &mut self.server {
             server.set_description(in_file.description(switches));
-            if values != self.current.values(&self.switches) {
+            if values != self.current.values(&self.switches, self.is_black) {
                 server.set_config(ros, values);
             }
         }

@@ -89,6 +89,8 @@ struct Opposites {
     no_set_mode: bool,
     #[arg(long, hide = true, overrides_with = "stale_note")]
     no_stale_note: bool,
+    #[arg(long, hide = true, overrides_with = "blackout")]
+    no_blackout: bool,
     #[arg(long, hide = true, overrides_with = "no_mask_required")]
     mask_required: bool,
 }
@@ -117,6 +119,9 @@ pub struct LightArgs {
     /// Write into a black picture why it is black
     #[arg(long)]
     pub stale_note: bool,
+    /// Start with all cameras blacked out, until the service ~blackout releases them
+    #[arg(long)]
+    pub blackout: bool,
     /// Topic of a mono8 image over the projector's picture, dark where there must be no light; with CAMERA= for one
     #[arg(long, value_name = "[CAMERA=]TOPIC")]
     pub mask_topic: Vec<String>,

@@ -61,6 +61,8 @@ pub(crate) struct LightOptions {
     pub(crate) stale_timeouts: Vec<StaleTimeout>,
     /// Black images say why they are black.
     pub(crate) stale_note: bool,
+    /// All cameras are blacked out at the start.
+    pub(crate) blackout: bool,
     /// Topics of masks.
     pub(crate) mask_topics: Vec<ForCamera<String>>,
     /// Frames around which there must be no light.
@@ -124,6 +126,7 @@ impl LightOptions {
         Ok(Self {
             stale_timeouts: std::iter::once(general).chain(of_topics).collect(),
             stale_note: args.stale_note,
+            blackout: args.blackout,
             mask_topics: ForCamera::read_all(&name_of("mask-topic"), &args.mask_topic, cameras)?,
             keep_out: parse_all(&name_of("keep-out"), &args.keep_out, str::parse)?,
             mask_required: !args.no_mask_required,
@@ -224,7 +227,7 @@ mod tests {
     fn of_a_switch_and_its_opposite_the_last_counts() {
         let default = options(&[]).unwrap();
         assert!(default.is_lazy && default.watches_config && default.light.mask_required);
-        assert!(!default.set_mode && !default.light.stale_note && !default.model.undistort);
+        assert!(!default.set_mode && !default.light.stale_note && !default.light.blackout && !default.model.undistort);
         let changed = ["--no-lazy", "--no-watch", "--no-mask-required", "--set-mode", "--stale-note", "--undistort"];
         let undone = ["--lazy", "--watch", "--mask-required", "--no-set-mode", "--no-stale-note", "--no-undistort"];
         let other = options(&changed).unwrap();

@@ -17,6 +17,7 @@ use rcs_ros::{Publisher, ReconfigureServer, RosNode};
 use rcs_scene::{lock, wait_while, Picture};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
+use crate::control::LightTicket;
 use crate::runtime::watchdog::Task;
 
 pub(super) struct CompressedOutput {
@@ -37,18 +38,26 @@ struct CompressionQueue {
 
 struct Work {
     /// The newest image that is not encoded yet.
-    next: Option<(Arc<Picture>, Header)>,
+    next: Option<Waiting>,
     settings: CompressionSettings,
     is_ended: bool,
 }
 
+/// An image that is not encoded yet.
+struct Waiting {
+    picture: Arc<Picture>,
+    header: Header,
+    /// Lets the image out; `None` if it has no light.
+    ticket: Option<LightTicket>,
+}
+
 impl CompressionQueue {
     /// The next image, with the settings for it; `None` at the end.
-    fn wait(&self) -> Option<(Arc<Picture>, Header, CompressionSettings)> {
+    fn wait(&self) -> Option<(Waiting, CompressionSettings)> {
         let idle = |work: &mut Work| work.next.is_none() && !work.is_ended;
         let mut work = wait_while(&self.changed, lock(&self.work), idle);
-        let (picture, header) = work.next.take().filter(|_| !work.is_ended)?;
-        Some((picture, header, work.settings))
+        let next = work.next.take().filter(|_| !work.is_ended)?;
+        Some((next, work.settings))
     }
 }
 
@@ -105,11 +114,11 @@ impl CompressedOutput {
     }
 
     /// Has an image encoded and published if somebody subscribes. Never waits.
-    pub(super) fn offer(&mut self, picture: &Arc<Picture>, header: Header) {
+    pub(super) fn offer(&mut self, picture: &Arc<Picture>, header: Header, ticket: Option<LightTicket>) {
         if !self.shared.publisher.is_watched() {
             return;
         }
-        lock(&self.shared.work).next = Some((Arc::clone(picture), header));
+        lock(&self.shared.work).next = Some(Waiting { picture: Arc::clone(picture), header, ticket });
         self.shared.changed.notify_one();
         if !self.is_started {
             let shared = Arc::clone(&self.shared);
@@ -133,7 +142,7 @@ fn encode_all(shared: &CompressionQueue) {
     rcs_resources::yield_to_others();
     let mut is_failure_logged = false;
     let task = Task::watched(format!("compressing a picture of {}", shared.publisher.topic()));
-    while let Some((picture, header, settings)) = shared.wait() {
+    while let Some((Waiting { picture, header, ticket }, settings)) = shared.wait() {
         let publisher = &shared.publisher;
         task.begin();
         let result = guarded(|| {
@@ -141,6 +150,10 @@ fn encode_all(shared: &CompressionQueue) {
             let format = settings.format(picture.encoding);
             // Drawn into again while the message is on its way.
             drop(picture);
+            if !ticket.is_none_or(|ticket| ticket.is_valid()) {
+                // A blackout came meanwhile.
+                return Ok(());
+            }
             publisher.send_compressed(header, &format, data).map_err(|error| error.to_string())
         });
         task.wait_for_work();

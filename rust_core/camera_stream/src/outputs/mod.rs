@@ -23,6 +23,7 @@ use rcs_messages::Time;
 use rcs_scene::Picture;
 use rcs_window::Refresh;
 
+use crate::control::LightTicket;
 use crate::outputs::depth_image::DepthImage;
 use crate::safety::permit::Permit;
 
@@ -44,8 +45,8 @@ pub(crate) struct OutputFrame {
     pub(crate) stamp: Time,
     /// The permit for a window to show something else in its place.
     pub(crate) permit: Permit,
-    /// The image before post-processing, for a window that may hold it below newer masks.
-    pub(crate) drawn: Option<Arc<Picture>>,
+    /// Lets the image out; `None` if it has no light.
+    pub(crate) ticket: Option<LightTicket>,
 }
 
 /// An output of a camera's frames.

@@ -12,9 +12,9 @@ use rcs_scene::lock;
 use rcs_web::{ImageFile, Images};
 
 use super::page_image::{mask_file, Costs};
-use super::window::allowed_light;
 use super::{Output, OutputFrame};
 use crate::runtime::watchdog::Task;
+use crate::safety::permit::shares;
 
 /// Shows a camera's images on the page.
 pub(crate) struct PageOutput {
@@ -43,7 +43,7 @@ impl PageOutput {
         self.mask = Some((Arc::clone(post), size_px));
         let post = Arc::clone(post);
         let drawn_px = post.orientation.size_px(size_px);
-        self.images.offer_mask(&self.camera, move || mask_file(&allowed_light(&post, drawn_px), stamp_secs));
+        self.images.offer_mask(&self.camera, move || mask_file(&shares(&post, drawn_px, size_px), stamp_secs));
     }
 }
 

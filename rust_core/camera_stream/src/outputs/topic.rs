@@ -94,7 +94,7 @@ impl TopicOutput {
 impl Output for TopicOutput {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         let header = self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
-        self.compressed.offer(&frame.picture, header);
+        self.compressed.offer(&frame.picture, header, frame.ticket.clone());
         let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
         if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };

@@ -11,14 +11,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use rcs_render::LastStep;
-use rcs_scene::{join_within, Encoding, Picture};
+use rcs_scene::{join_within, Picture};
 use rcs_window::{
-    run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit,
+    run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions, WindowPermit,
+    WindowView,
 };
 
 use super::{Output, OutputFrame};
 use crate::runtime::watchdog::{self, Task, Worker};
-use crate::safety::permit::{Allowance, Permit};
+use crate::safety::permit::{shares, Allowance, Permit};
 
 /// Time until a window that could not be opened is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(2);
@@ -65,13 +66,15 @@ pub(crate) struct WindowThread {
 }
 
 impl WindowOutput {
-    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no image yet.
+    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no image yet, `press` with each
+    /// key.
     ///
     /// # Errors
     /// The thread or its descriptors cannot be created.
     pub(crate) fn open(
         options: WindowOptions,
         wake: impl Fn() + Send + 'static,
+        press: impl Fn(WindowKey) + Send + 'static,
     ) -> std::io::Result<(WindowOutput, WindowThread)> {
         let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
         let source = options.source.clone();
@@ -79,7 +82,7 @@ impl WindowOutput {
         watchdog::watch(&worker);
         let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer), _worker: worker };
         let window_sink = sink.clone();
-        let running = move || keep_open(&options, &window_sink, &viewer, &wake);
+        let running = move || keep_open(&options, &window_sink, &viewer, &wake, &press);
         let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
         Ok((output, WindowThread { sink, thread: Some(thread) }))
     }
@@ -94,25 +97,32 @@ impl WindowOutput {
         self.sink.confirm();
     }
 
-    /// Shows black until the next image: its camera was removed.
+    /// Selects what the window shows.
+    pub(crate) fn set_view(&self, view: WindowView) {
+        self.sink.set_view(view);
+    }
+
+    /// Shows black until the next image: its camera was removed, or it is blacked out.
     pub(crate) fn clear(&self) {
         self.sink.clear();
     }
 }
 
 /// Opens the window again whenever it had to close, until that is asked for or the user closes it.
-fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn()) {
+fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn(), press: &dyn Fn(WindowKey)) {
     let mut last_error = String::new();
     let opening = Task::watched(format!("opening the window of {}", options.source));
     while !sink.is_closing() {
         opening.begin();
-        let result = run_with(options, sink, |event, _| {
-            if let UserEvent::Opened(_) = event {
+        let result = run_with(options, sink, |event, _| match event {
+            UserEvent::Opened(_) => {
                 opening.wait_for_work();
                 viewer.is_new.store(true, Ordering::Release);
                 viewer.is_there.store(true, Ordering::Release);
                 wake();
             }
+            UserEvent::Key(key) => press(key),
+            UserEvent::MonitorChanged(_) => {}
         });
         opening.wait_for_work();
         let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
@@ -143,8 +153,8 @@ impl Output for WindowOutput {
         if self.is_watched() {
             let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
             let permit = window_permit(&frame.permit, Some(drawn_px));
-            let (picture, drawn) = (Arc::clone(&frame.picture), frame.drawn.clone());
-            self.sink.show_drawn(LitPicture { picture, drawn, permit });
+            let picture = Arc::clone(&frame.picture);
+            self.sink.show_drawn(LitPicture { picture, permit });
         }
         Ok(())
     }
@@ -161,36 +171,19 @@ impl Output for WindowOutput {
 /// Converts an image's permit for a window. `drawn_px` is the size of its images before they are turned; without one,
 /// the monitor's.
 pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
-    WindowPermit {
-        paused: light(permit.paused, permit, drawn_px),
-        test: test_light(permit, drawn_px),
-        scene: permit.epoch,
-    }
+    WindowPermit { is_lit: permit.is_lit, test: test_light(permit, drawn_px) }
 }
 
+/// The light of test pictures in a window.
 pub(crate) fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
-    light(permit.test, permit, drawn_px)
-}
-
-fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
-    match allowance {
+    match permit.test {
         Allowance::All => LightLimit::All,
         Allowance::Masked => LightLimit::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
         Allowance::Nothing => LightLimit::Nothing,
     }
 }
 
-/// Shares of the light that masks and keep-out frames allow, as a turned grey image; `drawn_px` is the size before.
-pub(super) fn allowed_light(post: &LastStep, drawn_px: [u32; 2]) -> Picture {
-    let mut shares = Picture::default();
-    shares.reset(drawn_px[0], drawn_px[1], Encoding::Mono8);
-    shares.data.fill(u8::MAX);
-    // Blending is no mask.
-    LastStep { blend: None, ..post.clone() }.apply(&mut shares, &mut Picture::default());
-    shares
-}
-
-/// A camera's post-processing, for images that a window shows in place of the newest.
+/// A camera's post-processing, for test pictures in its window.
 #[derive(Debug)]
 struct PostMask {
     post: Arc<LastStep>,
@@ -199,23 +192,9 @@ struct PostMask {
 }
 
 impl Mask for PostMask {
-    fn post_process(&self, drawn: &Picture) -> Picture {
-        let mut picture = drawn.clone();
-        self.post.apply(&mut picture, &mut Picture::default());
-        picture
-    }
-
     fn shares(&self, monitor_px: [u32; 2]) -> Picture {
-        let [width_px, height_px] = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
-        let turned = allowed_light(&self.post, [width_px, height_px]);
-        let mut shares = Picture::default();
-        shares.reset(monitor_px[0], monitor_px[1], Encoding::Mono8);
-        let rows = shares.data.chunks_mut(monitor_px[0].max(1) as usize);
-        for (to, from) in rows.zip(turned.data.chunks(turned.width_px.max(1) as usize)) {
-            let width = to.len().min(from.len());
-            to.iter_mut().zip(from.iter().take(width)).for_each(|(to, from)| *to = *from);
-        }
-        shares
+        let drawn_px = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
+        shares(&self.post, drawn_px, monitor_px)
     }
 }
 

@@ -30,7 +30,7 @@ impl PageOperator {
         let camera = cameras.iter_mut().find(|camera| camera.has_parameters(name)).ok_or_else(unknown)?;
         let server = camera.servers().find(|server| &**server.name() == name).ok_or_else(unknown)?;
         let request = parameters::request(values, server).map_err(Refusal::Invalid)?;
-        camera.reconfigure(name, &request);
+        camera.reconfigure(name, &request, caller);
         drop(cameras);
         self.shared.ros.events().wake();
         let names: Vec<&str> = values.keys().map(String::as_str).collect();

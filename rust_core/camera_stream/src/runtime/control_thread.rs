@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, Context, Result};
 use rcs_logging::one_line;
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_ros::{ServiceCall, TriggerReply};
+use rcs_ros::{NodeError, RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 use rcs_scene::join_within;
 
@@ -47,15 +47,33 @@ pub(crate) struct ControlThread {
     reader: ConfigReader,
     /// The caller of `reload_config` for whom the config is being read.
     reload_reply: Option<TriggerReply>,
-    /// The whole name of the service that reloads the config.
-    reload_service: Arc<str>,
+    services: Services,
     /// Latest time of an answer to the caller of `reload_config`.
     answer_reload_at: Option<Instant>,
     task: Arc<Task>,
 }
 
+/// Whole names of the node's services.
+struct Services {
+    reload: Arc<str>,
+    blackout: Arc<str>,
+    pause: Arc<str>,
+    test_picture: Arc<str>,
+}
+
+impl Services {
+    fn serve(ros: &RosNode) -> Result<Self, NodeError> {
+        Ok(Self {
+            reload: ros.serve_trigger("~reload_config")?,
+            blackout: ros.serve_set_bool("~blackout")?,
+            pause: ros.serve_set_bool("~pause")?,
+            test_picture: ros.serve_trigger("~test_picture")?,
+        })
+    }
+}
+
 impl ControlThread {
-    /// Offers the service that reloads the config, and watches the config's file unless told not to.
+    /// Offers the node's services, and watches the config's file unless told not to.
     ///
     /// # Errors
     /// One line that names what failed.
@@ -67,7 +85,7 @@ impl ControlThread {
             config: config.clone(),
             reader: reader.context("cannot start the thread that reads the config")?,
             reload_reply: None,
-            reload_service: shared.ros.serve_trigger("~reload_config")?,
+            services: Services::serve(&shared.ros)?,
             answer_reload_at: None,
             task: Task::watched("answering calls"),
         })
@@ -89,6 +107,8 @@ impl ControlThread {
             self.task.wait_for_work();
             let calls = shared.ros.calls().wait(sleep);
             self.task.begin();
+            // Keys and the page wake this thread, too.
+            self.apply_control();
             for call in calls {
                 self.answer(call);
             }
@@ -117,23 +137,59 @@ impl ControlThread {
 
     fn answer(&mut self, call: ServiceCall) {
         match call {
-            ServiceCall::Trigger { service, reply, .. } if service == self.reload_service => self.reload(reply),
+            ServiceCall::Trigger { service, reply, .. } if service == self.services.reload => self.reload(reply),
+            ServiceCall::Trigger { service, caller, reply } if service == self.services.test_picture => {
+                let test = self.shared.control.next_test_picture(&caller);
+                self.apply_control();
+                reply.send(true, test.unwrap_or("the scene"));
+            }
+            ServiceCall::SetBool { service, value, caller, reply } => self.switch(&service, value, &caller, reply),
             ServiceCall::Trigger { service, reply, .. } => {
                 match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
                     Some(camera) => camera.trigger(reply),
                     None => reply.send(false, "Image publisher not configured"),
                 }
             }
-            ServiceCall::Reconfigure { server, request, reply, .. } => {
+            ServiceCall::Reconfigure { server, request, caller, reply } => {
+                let set = self.shared.cameras().iter_mut().find_map(|camera| {
+                    camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))
+                });
+                self.apply_control();
                 // Without an answer, the caller gets an error.
-                if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
-                    reply.answer(camera.reconfigure(&server, &request));
+                if let Some(values) = set {
+                    reply.answer(values);
                 }
             }
-            // No such service is offered yet.
-            ServiceCall::SetBool { .. } => {}
         }
         self.shared.ros.events().wake();
+    }
+
+    /// Switches the blackout or the pause of all cameras.
+    fn switch(&self, service: &Arc<str>, on: bool, caller: &str, reply: TriggerReply) {
+        let control = &self.shared.control;
+        let done = if *service == self.services.blackout {
+            control.set_blackout(on, caller);
+            ["all blackouts are released", "all cameras are black"]
+        } else if *service == self.services.pause {
+            control.set_pause(on, caller);
+            ["no camera is paused", "all cameras are paused"]
+        } else {
+            return;
+        };
+        self.apply_control();
+        reply.send(true, done[usize::from(on)]);
+    }
+
+    /// Applies to the outputs what the operator has changed, whatever the scene's thread does.
+    fn apply_control(&self) {
+        if !self.shared.control.take_change() {
+            return;
+        }
+        for camera in self.shared.cameras().iter_mut() {
+            if let Err(error) = camera.apply_control() {
+                camera.record_error(&error);
+            }
+        }
     }
 
     /// Has the config read again for the caller of a service, who is answered when it is applied.

@@ -74,10 +74,12 @@ impl SceneThread {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = plan::plans(ros, config)?;
-        let windows = Windows::open(ros, options, &safety, &plans)?;
+        shared.control.set_cameras(plans.iter().map(|plan| (plan.name(), plan.id())));
+        let windows = Windows::open(ros, &shared.control, options, &safety, &plans)?;
         let (model, depth_encoding) = (options.model, options.depth_encoding);
         let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
-        let context = Arc::new(CameraContext { ros: Arc::clone(ros), model, depth_encoding, page });
+        let (own_ros, control) = (Arc::clone(ros), Arc::clone(&shared.control));
+        let context = Arc::new(CameraContext { ros: own_ros, control, model, depth_encoding, page });
         let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
         let mut scene = LiveScene::start(ros, state, options.prediction, options.fixed_frame.clone())?;
         log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
@@ -153,6 +155,7 @@ impl SceneThread {
             // It was possible when the config was read.
             Err(error) => return log::error!("{}: {error}", config.source),
         };
+        shared.control.set_cameras(plans.iter().map(|plan| (plan.name(), plan.id())));
         let changed = self.scene.reconfigure(ros, &config, self.now());
         {
             let mut cameras = shared.cameras();
@@ -214,6 +217,7 @@ impl SceneThread {
             entry.values.push(("received", "not while nobody watches".to_owned()));
         }
         status::add(&mut entries, &self.safety);
+        status::add_operator(&mut entries, &shared.control.state());
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.

@@ -10,6 +10,7 @@ use super::activity::Activity;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
 use crate::camera::output::CameraOutput;
+use crate::control::Control;
 use crate::page::Board;
 
 /// NodeState by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
@@ -19,6 +20,7 @@ pub(crate) struct NodeState {
     pub(super) activity: Arc<Activity>,
     /// What the operator's page shows.
     pub(crate) board: Board,
+    pub(crate) control: Arc<Control>,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
@@ -41,12 +43,14 @@ pub(super) struct Reload {
 }
 
 impl NodeState {
-    /// Without cameras.
-    pub(super) fn new(ros: Arc<RosNode>) -> Self {
+    /// Without cameras. `is_black`: they start with a blackout.
+    pub(super) fn new(ros: Arc<RosNode>, is_black: bool) -> Self {
+        let control = Arc::new(Control::start(&ros, is_black));
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
-        Self { ros, activity, board: Board::new(), cameras: Mutex::default(), diagnostics, requests: Mutex::default() }
+        let (board, cameras, requests) = (Board::new(), Mutex::default(), Mutex::default());
+        Self { ros, activity, control, board, cameras, diagnostics, requests }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.

@@ -7,6 +7,7 @@ use rcs_ros::RosNode;
 use rcs_window::WindowOptions;
 
 use crate::camera::plan::CameraPlan;
+use crate::control::Control;
 use crate::options::Options;
 use crate::outputs::{test_light, WindowOutput, WindowThread};
 use crate::safety::names::ForCamera;
@@ -27,7 +28,13 @@ impl Windows {
     ///
     /// # Errors
     /// One line: no such camera, two windows for one camera, or several cameras and no name.
-    pub(crate) fn open(ros: &RosNode, options: &Options, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
+    pub(crate) fn open(
+        ros: &RosNode,
+        control: &Arc<Control>,
+        options: &Options,
+        safety: &Safety,
+        plans: &[CameraPlan],
+    ) -> Result<Self> {
         let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
         let mut windows = Self::default();
         for ForCamera { camera: wanted, value: monitor } in options.windows.iter().cloned() {
@@ -41,7 +48,7 @@ impl Windows {
             let set_mode = options.set_mode;
             let options =
                 WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
-            windows.0.push(OpenWindow::open(ros, camera, options)?);
+            windows.0.push(OpenWindow::open(ros, control, camera, options)?);
         }
         Ok(windows)
     }
@@ -61,9 +68,11 @@ impl Windows {
 }
 
 impl OpenWindow {
-    fn open(ros: &RosNode, camera: String, options: WindowOptions) -> Result<Self> {
-        let events = Arc::clone(ros.events());
-        let (output, thread) = WindowOutput::open(options, move || events.wake()).context("cannot open a window")?;
+    fn open(ros: &RosNode, control: &Arc<Control>, camera: String, options: WindowOptions) -> Result<Self> {
+        let (events, control, pressed) = (Arc::clone(ros.events()), Arc::clone(control), camera.clone());
+        let press = move |key| control.press(&pressed, key);
+        let opened = WindowOutput::open(options, move || events.wake(), press);
+        let (output, thread) = opened.context("cannot open a window")?;
         Ok(Self { camera, output, _thread: thread })
     }
 }

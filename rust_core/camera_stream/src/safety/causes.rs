@@ -2,6 +2,7 @@
 //!
 //! | cause | beats a pause | beats test pictures | says why in the image (`~stale_note`) |
 //! |---|---|---|---|
+//! | the operator has blacked it out (`~blackout`, the camera's switch, key b of its window) | yes | yes | no |
 //! | a rule names a camera that the config does not have | yes | yes | no |
 //! | a mask is missing, invalid or stale | yes | yes | no |
 //! | the place of a keep-out frame is missing or stale | yes | yes | no |
@@ -12,15 +13,15 @@
 //! | nothing was drawn or confirmed in time: the node is busy, hangs or is gone | yes | where eyes are protected | no |
 //! | an image that is black came on a topic (`projector_window`) | yes | no | it has what it has |
 //!
-//! Beside these, a window is black before its first image, without its camera or its monitor, and on key b; an image
-//! whose blend weights have another size is black; and what a mask or a keep-out frame covers stays dark in all of a
-//! window's modes.
+//! Beside these, a window is black before its first image, and without its camera or its monitor; an image whose blend
+//! weights have another size is black; and what a mask or a keep-out frame covers stays dark in pauses and test pictures.
 
 use std::fmt;
 
 /// A row of the table, in its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DarkCause {
+    Blackout,
     UnknownCamera,
     Mask,
     KeepOut,
@@ -36,7 +37,7 @@ impl DarkCause {
     /// `true` if test pictures, which are for focusing before the robot runs, are dark, too.
     pub(crate) fn beats_test_pictures(self, protects_eyes: bool) -> bool {
         match self {
-            Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => true,
+            Self::Blackout | Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => true,
             Self::NoCamera | Self::CameraData | Self::Silence => protects_eyes,
             Self::Displays | Self::BlackImage => false,
         }
@@ -47,7 +48,8 @@ impl DarkCause {
         match self {
             Self::CameraData | Self::Displays => true,
             Self::NoCamera => !protects_eyes,
-            Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens | Self::Silence | Self::BlackImage => false,
+            Self::Blackout | Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => false,
+            Self::Silence | Self::BlackImage => false,
         }
     }
 
@@ -74,7 +76,7 @@ pub(crate) struct DarkReason {
 }
 
 impl DarkReason {
-    pub(super) fn new(cause: DarkCause, why: impl Into<String>) -> Self {
+    pub(crate) fn new(cause: DarkCause, why: impl Into<String>) -> Self {
         Self { cause, why: why.into() }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  stamps, transforms, masks ─► Safety ─► FramePolicy {dark_reason, hidden, valid_until, post} ─► image ─► outputs
-//!  rules of the user ───────────┘                 └─► Permit ─► windows: paused images, test pictures
+//!  rules of the user ───────────┘                 └─► Permit ─► paused images, test pictures
 //! ```
 //!
 //! [`causes`] is the table of reasons for a blackout; there are no others. Black is the safe image: unknown data make
@@ -80,14 +80,23 @@ impl FramePolicy {
 
     /// The policy of a black image while there is no camera: without post-processing that depends on it.
     pub(crate) fn unplaced(&self) -> Self {
-        let post = LastStep { blend: None, mask: None, keep_out: None, ..(*self.post).clone() };
-        Self { post: Arc::new(post), valid_until: None, ..self.clone() }
+        Self { post: unplaced(&self.post), valid_until: None, ..self.clone() }
+    }
+
+    /// The policy while the operator has blacked the camera out.
+    pub(crate) fn blacked_out(&self, dark: DarkReason) -> Self {
+        Self { dark_reason: Some(dark), ..self.unplaced() }
     }
 
     /// `true` if a black image says why it is black.
     pub(crate) fn shows_note(&self, dark: &DarkReason) -> bool {
         self.has_note && dark.cause.allows_note(self.protects_eyes)
     }
+}
+
+/// Post-processing without what depends on the camera: of a black image.
+pub(crate) fn unplaced(post: &LastStep) -> Arc<LastStep> {
+    Arc::new(LastStep { blend: None, mask: None, keep_out: None, ..post.clone() })
 }
 
 /// Reason for a blackout after an image has expired before the next one is drawn.
@@ -239,7 +248,7 @@ impl Safety {
         let limit = self.rules.limits.for_all_topics().or(protects_eyes.then_some(EYE_SAFETY_LIMIT));
         let nowhere = KeepOutSpheres::none();
         let silence = DarkReason::new(DarkCause::Silence, "no image");
-        let permit = Permit::new(Some(&silence), protects_eyes, 0, &Arc::new(self.post(camera, None, &nowhere)));
+        let permit = Permit::new(Some(&silence), protects_eyes, &Arc::new(self.post(camera, None, &nowhere)));
         SilentWindow { timeout: limit.map(|limit| limit.max(LEAST_WINDOW_TIMEOUT)), permit }
     }
 }

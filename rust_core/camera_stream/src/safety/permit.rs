@@ -1,8 +1,9 @@
-//! The permit for a window to show a paused image or a test picture in place of the newest image.
+//! The permit to show a paused image or a test picture in place of an image.
 
 use std::sync::Arc;
 
 use rcs_render::LastStep;
+use rcs_scene::{Encoding, Picture};
 
 use super::causes::{DarkCause, DarkReason};
 
@@ -21,33 +22,48 @@ pub(crate) enum Allowance {
 /// The permit that comes with an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Permit {
-    pub(crate) paused: Allowance,
+    /// `true` if the image is not dark for a reason, so that a paused one may stay in its place.
+    pub(crate) is_lit: bool,
     pub(crate) test: Allowance,
-    /// Images of one number may be held in each other's place: they leave out the same data, of the same config.
-    pub(crate) epoch: u64,
     /// Post-processing, with masks and keep-out frames.
     pub(crate) post: Arc<LastStep>,
 }
 
 impl Permit {
     /// The permit of an image that is dark for a reason, or lit.
-    pub(crate) fn new(dark: Option<&DarkReason>, protects_eyes: bool, epoch: u64, post: &Arc<LastStep>) -> Self {
-        let post = Arc::clone(post);
-        let masked = if protects_eyes { Allowance::Masked } else { Allowance::All };
+    pub(crate) fn new(dark: Option<&DarkReason>, protects_eyes: bool, post: &Arc<LastStep>) -> Self {
         let is_dark_in_tests = dark.is_some_and(|dark| dark.cause.beats_test_pictures(protects_eyes));
         let test = match is_dark_in_tests {
             true => Allowance::Nothing,
-            false if post.painted_mask.is_some() => Allowance::Masked,
-            false => masked,
+            false if protects_eyes || post.painted_mask.is_some() => Allowance::Masked,
+            false => Allowance::All,
         };
-        Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, epoch, post }
+        Self { is_lit: dark.is_none(), test, post: Arc::clone(post) }
     }
 
     /// The permit of an image on a topic, of which only the pixels are known.
     pub fn of_topic(is_black: bool) -> Self {
         let dark = is_black.then(|| DarkReason::new(DarkCause::BlackImage, "the image is black"));
-        Self::new(dark.as_ref(), false, 0, &Arc::default())
+        Self::new(dark.as_ref(), false, &Arc::default())
     }
+}
+
+/// The share of light that post-processing leaves each pixel of an image of this size: a mono8 picture, 255 for all.
+/// `drawn_px` is the size of the camera's images before they are turned. Pixels beyond their edges are dark.
+pub(crate) fn shares(post: &LastStep, drawn_px: [u32; 2], size_px: [u32; 2]) -> Picture {
+    let mut turned = Picture::default();
+    turned.reset(drawn_px[0], drawn_px[1], Encoding::Mono8);
+    turned.data.fill(u8::MAX);
+    // Blending is no mask.
+    LastStep { blend: None, ..post.clone() }.apply(&mut turned, &mut Picture::default());
+    let mut shares = Picture::default();
+    shares.reset(size_px[0], size_px[1], Encoding::Mono8);
+    let rows = shares.data.chunks_mut(size_px[0].max(1) as usize);
+    for (to, from) in rows.zip(turned.data.chunks(turned.width_px.max(1) as usize)) {
+        let width = to.len().min(from.len());
+        to.iter_mut().zip(from.iter().take(width)).for_each(|(to, from)| *to = *from);
+    }
+    shares
 }
 
 #[cfg(test)]
@@ -56,13 +72,15 @@ mod tests {
 
     #[test]
     fn each_cause_beats_a_pause_and_those_about_eyes_beat_test_pictures() {
-        use DarkCause::{BlackImage, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        use DarkCause::{
+            BlackImage, Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera,
+        };
         let test = |cause, protects_eyes| {
-            let permit = Permit::new(Some(&DarkReason::new(cause, "")), protects_eyes, 0, &Arc::default());
-            assert_eq!(permit.paused, Allowance::Nothing, "{cause:?}");
+            let permit = Permit::new(Some(&DarkReason::new(cause, "")), protects_eyes, &Arc::default());
+            assert!(!permit.is_lit, "{cause:?}");
             permit.test
         };
-        for cause in [UnknownCamera, Mask, KeepOut, Lens] {
+        for cause in [Blackout, UnknownCamera, Mask, KeepOut, Lens] {
             assert_eq!([test(cause, false), test(cause, true)], [Allowance::Nothing; 2], "{cause:?}");
         }
         for cause in [NoCamera, CameraData, Silence] {
@@ -71,15 +89,15 @@ mod tests {
         for cause in [Displays, BlackImage] {
             assert_eq!([test(cause, false), test(cause, true)], [Allowance::All, Allowance::Masked], "{cause:?}");
         }
-        let lit = |protects_eyes| Permit::new(None, protects_eyes, 0, &Arc::default());
-        assert_eq!((lit(false).paused, lit(false).test), (Allowance::All, Allowance::All));
-        assert_eq!((lit(true).paused, lit(true).test), (Allowance::Masked, Allowance::Masked));
+        let lit = |protects_eyes| Permit::new(None, protects_eyes, &Arc::default());
+        assert_eq!((lit(false).is_lit, lit(false).test), (true, Allowance::All));
+        assert_eq!((lit(true).is_lit, lit(true).test), (true, Allowance::Masked));
     }
 
     #[test]
     fn only_what_is_too_old_is_said_in_the_image() {
-        use DarkCause::{CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
-        for cause in [UnknownCamera, Mask, KeepOut, Lens, Silence] {
+        use DarkCause::{Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        for cause in [Blackout, UnknownCamera, Mask, KeepOut, Lens, Silence] {
             assert!(!cause.allows_note(false) && !cause.allows_note(true), "{cause:?}");
         }
         for cause in [CameraData, Displays] {

@@ -2,7 +2,9 @@
 
 use rcs_displays::Level;
 
-use crate::safety::{FramePolicy, Safety, STALE};
+use crate::control::{ControlState, OperatorSettings};
+use crate::safety::causes::DarkReason;
+use crate::safety::{Safety, STALE};
 use crate::scene::status_tree::{EntryKind, StatusEntry};
 
 /// Adds a warning to stale displays, and an error to the scene if rules name cameras that do not exist.
@@ -18,9 +20,26 @@ pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
     }
 }
 
+/// Adds what the operator has set for all cameras.
+pub(crate) fn add_operator(entries: &mut [StatusEntry<'_>], control: &ControlState) {
+    for entry in entries.iter_mut().filter(|entry| entry.kind == EntryKind::Global) {
+        let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
+        control.blackout.iter().for_each(|caller| set("Blackout", format!("all cameras, by {caller}")));
+        control.paused.iter().for_each(|caller| set("Pause", format!("all cameras, by {caller}")));
+        control.test_picture.iter().for_each(|test| set("Test picture", format!("{test}, in all cameras")));
+    }
+}
+
+/// Adds to a camera that it shows something else than the scene as it is.
+pub(crate) fn add_substitute(entry: &mut StatusEntry<'_>, operator: &OperatorSettings) {
+    let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
+    operator.paused.iter().for_each(|caller| set("Pause", format!("paused by {caller}")));
+    operator.test_picture.iter().for_each(|test| set("Test picture", test.name().to_owned()));
+}
+
 /// Adds a camera's reason for a blackout.
-pub(crate) fn add_dark(entry: &mut StatusEntry<'_>, policy: &FramePolicy) {
-    if let Some(dark) = &policy.dark_reason {
+pub(crate) fn add_dark(entry: &mut StatusEntry<'_>, dark: Option<&DarkReason>) {
+    if let Some(dark) = dark {
         let level = if dark.cause.is_error() { Level::Error } else { Level::Warn };
         entry.statuses.to_mut().set(level, dark.cause.status(), format!("the picture is black: {dark}"));
     }

@@ -41,6 +41,12 @@ impl TestPicture {
     pub const ALL: [Self; 7] =
         [Self::Name, Self::Border, Self::Orientation, Self::Grid, Self::Checkerboard, Self::Crosshair, Self::Ramp];
 
+    /// The picture after another one in [`ALL`](Self::ALL), the first after none; `None` after the last one.
+    pub fn after(current: Option<Self>) -> Option<Self> {
+        let index = current.and_then(|current| Self::ALL.iter().position(|test| *test == current));
+        Self::ALL.get(index.map_or(0, |index| index + 1)).copied()
+    }
+
     /// The name on command lines and of files.
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,0 +1,298 @@
+//! What an operator sets: `~blackout`, `~pause`, `~test_picture`, a camera's `blackout`, and the keys of its window.
+
+use std::time::Duration;
+
+use rcs_tests::python_node::{PythonNode, MONITOR};
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+
+use crate::load::{CROWD, MANY};
+use crate::viewers::{saved, Screen};
+
+/// A wall of one colour before the whole view.
+const WALL: &str = "
+from std_srvs.srv import SetBool
+def wall(color, stamp=rospy.Time()):
+    return cloud(color, points=[(0.5 * x, 0.5 * y, 2) for x in range(-6, 7) for y in range(-6, 7)], stamp=stamp)
+def switch(service, on):
+    rospy.wait_for_service(service, 300)
+    answer = rospy.ServiceProxy(service, SetBool)(on)
+    return answer.success, answer.message
+def blackout(on):
+    return switch('/camera_stream/blackout', on)
+def pause(on):
+    return switch('/camera_stream/pause', on)
+def set_up_view(width=64, height=48, f=50.0):
+    latch('/tf_static', tf('map', 'eye'))
+    latch('/eye/camera_info', info(width=width, height=height, f=f))
+def set_up(*size):
+    set_up_view(*size)
+    latch('/cloud', wall(0xff0000))
+def is_black():
+    return viewer.last is not None and max(viewer.last.data) == 0
+";
+const CLIENT: &str = "import dynamic_reconfigure.client\n\
+     client = dynamic_reconfigure.client.Client('/camera_stream/CameraPub', timeout=300)";
+const RED: &str = "viewer.middle() == (255, 0, 0)";
+const BLUE: &str = "viewer.middle() == (0, 0, 255)";
+const MARKERS: &str = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
+
+fn fixture(args: &[&str]) -> RosFixture {
+    let fixture = RosFixture::start(&config(&[CLOUD, MARKERS], &[CameraPub::default()]), args).unwrap();
+    fixture.python(WALL);
+    fixture.python("viewer = Viewer('/view/image'); set_up()");
+    fixture
+}
+
+/// A node with a window on a screen.
+fn with_window(screen: &Screen, args: &[&str]) -> RosFixture {
+    let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let config = config(&[CLOUD, MARKERS], &[CameraPub::default()]);
+    let args = [&["--window", "auto"], args].concat();
+    let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python(WALL);
+    fixture.python("viewer = Viewer('/view/image'); set_up(640, 360, 300.0)");
+    fixture
+}
+
+fn is_black(screen: &Screen) -> bool {
+    screen.pixels().iter().all(|level| *level == 0)
+}
+
+fn is_red(screen: &Screen) -> bool {
+    screen.pixels().chunks_exact(3).all(|pixel| *pixel == [255, 0, 0])
+}
+
+/// Presses a key, again if nobody has heard it, until the log says so.
+fn press(screen: &Screen, fixture: &RosFixture, key: &str, logged: &str) {
+    let before = fixture.log_lines(&[logged]);
+    let is_pressed = || {
+        screen.press(key);
+        wait_until(Duration::from_secs(5), || fixture.log_lines(&[logged]) > before)
+    };
+    assert!(wait_until(PATIENCE, is_pressed), "{}", fixture.log());
+}
+
+#[test]
+fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one() {
+    let fixture = fixture(&[]);
+    fixture.wait_for(RED);
+    assert_eq!(fixture.python("blackout(True)"), "(True, 'all cameras are black')");
+    fixture.wait_for("is_black()");
+    fixture.python("viewer.forget(); latch('/cloud', wall(0x0000ff))");
+    fixture.python("late = Viewer('/view/image')");
+    fixture.wait_for("late.last is not None and max(late.last.data) == 0");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python("viewer.colors in ([], [(0, 0, 0)])"), "True");
+    fixture.python("viewer.forget()");
+    assert_eq!(fixture.python("blackout(False)"), "(True, 'all blackouts are released')");
+    fixture.wait_for(BLUE);
+    assert_eq!(fixture.python("(255, 0, 0) in viewer.colors"), "False", "never the old one");
+    let caller = fixture.python("rospy.get_name()");
+    fixture.wait_for_log(&format!("all cameras: blackout on by {caller}")).unwrap();
+    fixture.wait_for_log(&format!("camera CameraPub: the picture is black: blackout by {caller}")).unwrap();
+    fixture.wait_for_log(&format!("all cameras: blackout off by {caller}")).unwrap();
+}
+
+#[test]
+fn diagnostics_say_who_has_set_what() {
+    let fixture = fixture(&[]);
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    fixture.wait_for(RED);
+    let caller = fixture.python("rospy.get_name()");
+    fixture.python("blackout(True); pause(True); trigger('/camera_stream/test_picture')");
+    fixture.wait_for(format!("values('camera_stream: CameraPub').get('Dark', '').endswith('blackout by {caller}')"));
+    fixture.wait_for(format!("'paused by {caller}' in values('camera_stream: CameraPub').get('Pause', '')"));
+    fixture.wait_for(format!("'{caller}' in values('camera_stream: Global Status').get('Blackout', '')"));
+    fixture.wait_for("'name' in values('camera_stream: Global Status').get('Test picture', '')");
+}
+
+#[test]
+fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &[]);
+    fixture.python(MANY);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    // Markers behind the wall, which are placed again and again.
+    fixture.python(CROWD);
+    fixture.python("array = crowd(100000, Marker.ARROW)");
+    fixture.python("sending = PublishRepeatedly(5, lambda i: array, '/markers')");
+    for _ in 0..5 {
+        fixture.python("viewer.forget(); begun = time.time(); blackout(True)");
+        let took: f64 = fixture.python("time.time() - begun").parse().unwrap();
+        assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
+        fixture.wait_for("is_black()");
+        let black = fixture.python("[i[0] for i in viewer.images][-1] - begun");
+        println!("answered after {took:.3} s, black on the topic after {black} s");
+        fixture.python("viewer.forget()");
+        std::thread::sleep(Duration::from_millis(300));
+        assert!(is_black(&screen));
+        assert_eq!(fixture.python("viewer.colors in ([], [(0, 0, 0)])"), "True", "nothing that was begun before");
+        fixture.python("blackout(False)");
+        assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+        fixture.wait_for(RED);
+    }
+}
+
+#[test]
+fn a_cameras_switch_blacks_out_that_camera_and_the_service_releases_it() {
+    let left = CameraPub { name: "Left", image: "/left/image", namespace: "left", ..CameraPub::default() };
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), left]), &[]).unwrap();
+    fixture.python(WALL);
+    fixture.python("viewer, left = Viewer('/view/image'), Viewer('/left/image'); set_up()");
+    fixture.python(CLIENT);
+    fixture.wait_for(format!("{RED} and left.middle() == (255, 0, 0)"));
+    fixture.python(
+        "updates = []; client.set_config_callback(lambda config: updates.append(config and config['blackout']))",
+    );
+    assert_eq!(fixture.python("client.update_configuration({'blackout': True})['blackout']"), "True");
+    fixture.wait_for("is_black() and rospy.get_param('/camera_stream/CameraPub/blackout')");
+    fixture.wait_for_log("camera CameraPub: blackout on by /").unwrap();
+    fixture.python("left.forget(); latch('/cloud', wall(0x0000ff))");
+    fixture.wait_for("left.middle() == (0, 0, 255) and is_black()");
+    fixture.python("blackout(False)");
+    fixture.wait_for(format!("{BLUE} and updates[-1] == False"));
+    fixture.python("client.update_configuration({'blackout': True})");
+    fixture.wait_for("is_black()");
+    fixture.python("client.update_configuration({'blackout': False})");
+    fixture.wait_for(BLUE);
+}
+
+#[test]
+fn the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &[]);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    press(&screen, &fixture, "b", "camera CameraPub: blackout on by key b");
+    fixture.wait_for("is_black()");
+    assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
+    fixture.python("blackout(True)");
+    press(&screen, &fixture, "b", "camera CameraPub: blackout off by key b");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(is_black(&screen) && fixture.python("is_black()") == "True", "the service holds");
+    press(&screen, &fixture, "b", "camera CameraPub: blackout on by key b");
+    fixture.python("blackout(False)");
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    fixture.wait_for(RED);
+}
+
+#[test]
+fn a_blackout_survives_a_respawn_and_its_release_too() {
+    let mut fixture = fixture(&["--blackout"]);
+    fixture.wait_for("is_black() and rospy.get_param('/camera_stream/blackout') == True");
+    fixture.python("blackout(False)");
+    fixture.wait_for(format!("{RED} and rospy.get_param('/camera_stream/blackout') == False"));
+    fixture.python(CLIENT);
+    let respawn = |fixture: &mut RosFixture| {
+        fixture.node.signal("KILL");
+        assert!(fixture.node.wait(PATIENCE).is_some());
+        fixture.python("viewer.forget()");
+        fixture.respawn().unwrap();
+    };
+    respawn(&mut fixture);
+    fixture.wait_for(RED);
+    fixture.python("blackout(True)");
+    fixture.wait_for("rospy.get_param('/camera_stream/blackout') == True");
+    respawn(&mut fixture);
+    fixture.wait_for("is_black()");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python("viewer.colors"), "[(0, 0, 0)]", "never lit");
+    fixture.python("blackout(False)");
+    fixture.wait_for(RED);
+    fixture.python("client.update_configuration({'blackout': True})");
+    fixture.wait_for("rospy.get_param('/camera_stream/CameraPub/blackout') == True");
+    respawn(&mut fixture);
+    fixture.wait_for("is_black()");
+    fixture.python("blackout(False)");
+    fixture.wait_for(RED);
+}
+
+#[test]
+fn a_pause_keeps_the_image_until_its_data_are_stale() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["--stale-timeout", "1"]).unwrap();
+    fixture.python(WALL);
+    // What a latching publisher sent would not age.
+    fixture.python("viewer = Viewer('/view/image'); set_up_view()");
+    let publisher = PythonNode::start(&fixture.master, &["__name:=publisher"]).unwrap();
+    publisher.run(WALL).unwrap();
+    publisher.run("color = [0xff0000]").unwrap();
+    publisher.run("PublishRepeatedly(20, lambda i: wall(color[0], rospy.Time.now()), '/cloud')").unwrap();
+    fixture.wait_for(RED);
+    assert_eq!(fixture.python("pause(True)"), "(True, 'all cameras are paused')");
+    publisher.run("color[0] = 0x0000ff").unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(fixture.python(RED), "True", "it is paused while data are current");
+    fixture.python("blackout(True)");
+    fixture.wait_for("is_black()");
+    fixture.python("blackout(False)");
+    fixture.wait_for(BLUE);
+    publisher.run("color[0] = 0xff0000").unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(fixture.python(BLUE), "True", "the pause goes on with the first image after a blackout");
+    drop(publisher);
+    fixture.wait_for("is_black()");
+    assert_eq!(fixture.python("pause(False)"), "(True, 'no camera is paused')");
+}
+
+/// A mask that is dark on the right of a column.
+const MASK: &str = "column = [64]
+def mask():
+    message = Image(width=64, height=48, step=64, encoding='mono8')
+    message.header.stamp = rospy.Time.now()
+    message.data = bytes([255] * column[0] + [0] * (64 - column[0])) * 48
+    return message
+def lit_columns():
+    rows = [bytes(viewer.last.data[192 * v : 192 * (v + 1)]) for v in range(48)]
+    lit = [u for u in range(64) if any(row[3 * u : 3 * u + 3] != b'\\0\\0\\0' for row in rows)]
+    return (min(lit), max(lit)) if lit else None
+masks = PublishRepeatedly(20, lambda i: mask(), '/mask')";
+
+#[test]
+fn masks_apply_to_paused_images_and_to_test_pictures() {
+    let fixture = fixture(&["--mask-topic", "/mask"]);
+    fixture.python(MASK);
+    fixture.wait_for(format!("{RED} and lit_columns() == (0, 63)"));
+    fixture.python("pause(True); latch('/cloud', wall(0x0000ff)); column[0] = 40");
+    fixture.wait_for(format!("{RED} and lit_columns() == (0, 39)"));
+    fixture.python("column[0] = 64");
+    fixture.wait_for(format!("{RED} and lit_columns() == (0, 63)"));
+    fixture.python("pause(False)");
+    fixture.wait_for(BLUE);
+    // The border is lit along all edges.
+    assert_eq!(fixture.python("[trigger('/camera_stream/test_picture') for _ in range(2)][-1]"), "(True, 'border')");
+    fixture.wait_for("lit_columns() == (0, 63) and viewer.pixel(0, 0) == (255, 255, 255)");
+    fixture.python("column[0] = 40");
+    fixture.wait_for("lit_columns() == (0, 39) and viewer.pixel(0, 0) == (255, 255, 255)");
+    fixture.python("blackout(True)");
+    fixture.wait_for("is_black()");
+    fixture.python("blackout(False)");
+    fixture.wait_for("lit_columns() == (0, 39)");
+    fixture.python("masks.stop()");
+    fixture.wait_for("is_black()");
+}
+
+#[test]
+fn test_pictures_come_one_after_the_other_and_then_the_scene() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &[]);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("picture");
+    for name in ["name", "border", "orientation", "grid", "checkerboard", "crosshair", "ramp"] {
+        fixture.python("viewer.forget()");
+        let answer = fixture.python("trigger('/camera_stream/test_picture')");
+        assert_eq!(answer, format!("(True, '{name}')"));
+        fixture.wait_for("viewer.last is not None");
+        if name != "name" {
+            // The name is the camera's on the topic and the monitor's in the window.
+            let is_same = || saved(&fixture.python, &file) == screen.pixels();
+            assert!(wait_until(PATIENCE, is_same), "{name}: {}", fixture.log());
+        }
+    }
+    assert_eq!(fixture.python("trigger('/camera_stream/test_picture')"), "(True, 'the scene')");
+    fixture.wait_for(RED);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+}
