@@ -8,6 +8,7 @@ mod limits;
 mod messages;
 mod node;
 mod raw;
+mod services;
 mod subscribers;
 
 use rcs_tests::ros::{RosMaster, Running};

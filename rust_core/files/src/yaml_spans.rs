@@ -104,7 +104,7 @@ mod tests {
         assert_eq!(items, ["1", "'é 2'"]);
         assert_eq!(list.items()[1].scalar(), Some("é 2"));
         let (key, _) = map.entry("c").unwrap();
-        assert_eq!((&text[key.bytes.clone()], key.column), ("c", 18));
+        assert_eq!((&text[key.bytes.clone()], key.column), ("c", 20));
         assert!(root.get("d").is_none(), "of the second document");
         assert!(first_document("").is_none() && first_document("a: [").is_none());
     }

@@ -3,11 +3,15 @@
 //! ```text
 //! ros_probe listen [TOPIC TYPE QUEUE_SIZE]...      messages, transforms, calls of the service `probe_trigger`
 //! ros_probe image TOPIC WIDTH HEIGHT RATE          pictures, while it listens to their own camera_info
+//! ros_probe call SERVICE TIMEOUT                   one call of a std_srvs/Trigger
+//! ros_probe nudge INFO_TOPIC ORIENTATION RIGHT DOWN FORWARD    one step of a projector
 //! ```
 //!
 //! SIGTERM and SIGINT unregister and end it.
 
+use rcs_camera_stream::nudge::{NudgeTarget, NudgedProjector, Nudger, Step};
 use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::std_srvs::{Trigger, TriggerReq};
 use rcs_messages::{header, MessageKind};
 use rcs_ros::{Change, NodeEvent, RosNode, ServiceCall, TopicSubscription};
 use rcs_scene::{Encoding, Picture};
@@ -25,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
     }
     let is_ended = || ended.load(Ordering::Relaxed);
-    let node = RosNode::connect("probe", &is_ended)?;
+    let node = Arc::new(RosNode::connect("probe", &is_ended)?);
     let args: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.contains(":=")).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     match args.as_slice() {
@@ -33,7 +37,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["image", topic, width, height, rate] => {
             publish(&node, topic, [width.parse()?, height.parse()?], rate.parse()?, &is_ended)?;
         }
-        _ => return Err("usage: ros_probe listen|image ...".into()),
+        ["call", service, timeout] => {
+            let timeout = Duration::from_secs_f64(timeout.parse()?);
+            match node.call::<Trigger>(service, &TriggerReq {}, timeout) {
+                Ok(answer) => print_line(&format!("answer {} {}", answer.success, answer.message)),
+                Err(error) => print_line(&format!("error {error}")),
+            }
+        }
+        ["nudge", topic, orientation, right, down, forward] => {
+            let target = NudgeTarget { camera_info_topic: (*topic).to_owned(), orientation: orientation.parse()? };
+            let [right_m, down_m, forward_m] = [right.parse()?, down.parse()?, forward.parse()?];
+            let step = Step { right_m, down_m, forward_m, ..Step::default() };
+            match Nudger::new(Arc::clone(&node)).nudge(&target, &step) {
+                Ok(NudgedProjector { node, nudge }) => print_line(&format!("nudged {node} {:?}", nudge.0)),
+                Err(error) => print_line(&format!("error {error}")),
+            }
+        }
+        _ => return Err("usage: ros_probe listen|image|call|nudge ...".into()),
     }
     node.shutdown();
     print_line("ended");

@@ -42,6 +42,7 @@ mod meshes;
 mod never_false;
 mod node_log;
 mod node_window;
+mod nudge;
 mod operator;
 mod orientation;
 mod projector_calibrate;

@@ -34,6 +34,7 @@ fn listed(node: &str, names: &[(&str, &str)]) -> BTreeSet<String> {
         for name in cells[2].split(", ").map(|name| name.trim_matches('`')) {
             let name = names.iter().find(|(placeholder, _)| *placeholder == name).map_or(name, |(_, name)| name);
             let name = name.replace('~', &format!("/{node}/"));
+            let name = name.trim_end_matches('/');
             if usage == "settings" {
                 // What dynamic_reconfigure's servers have.
                 found.insert(format!("publishes {name}/parameter_descriptions"));

@@ -23,12 +23,9 @@ use publishers::Publishers;
 pub const ROS_NAMES: &[RosName] = &[
     publishes("/proj_view/camera_info", "sensor_msgs/CameraInfo", "intrinsics and distortion, latched"),
     publishes("/tf_static", "tf2_msgs/TFMessage", "the file's frames, latched"),
-    configures(
-        "~",
-        "moves the CameraInfo's frame along its axes: x, y, z [m], roll, pitch, yaw [rad], at most 0.5 each",
-    ),
-    serves("~save", "std_srvs/Trigger", "writes the moved pose into the file; all other bytes stay"),
-    serves("~revert", "std_srvs/Trigger", "moves the frame back to its pose in the file"),
+    configures("~", "nudges the CameraInfo's frame: x, y, z [m], roll, pitch, yaw [rad], up to ±0.5"),
+    serves("~save", "std_srvs/Trigger", "writes the nudge into the file"),
+    serves("~revert", "std_srvs/Trigger", "sets the nudge to 0"),
 ];
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";

@@ -1,0 +1,55 @@
+//! Calls of services of rospy and of this project's own node.
+
+use std::time::Instant;
+
+use crate::probe;
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{RosMaster, PATIENCE, PROMPT};
+
+/// A rospy server of three services: one answers, one fails, one hangs.
+const SERVER: &str = "
+from std_srvs.srv import Trigger, TriggerResponse, SetBool
+def fail(_): raise ValueError('it is Sunday')
+rospy.Service('/answers', Trigger, lambda _: TriggerResponse(True, 'grüße'))
+rospy.Service('/fails', Trigger, fail)
+rospy.Service('/hangs', Trigger, lambda _: time.sleep(1000))
+rospy.Service('/other', SetBool, lambda _: None)
+";
+
+#[test]
+fn a_service_is_called_and_its_faults_are_told_in_words() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run(SERVER).unwrap();
+    let call = |service: &str, timeout: &str| {
+        let mut probe = probe(&master, &["call", service, timeout]);
+        probe.wait(PATIENCE).unwrap();
+        probe.lines().first().cloned().unwrap_or_else(|| format!("{:?}", probe.errors()))
+    };
+    assert_eq!(call("/answers", "60"), "answer true grüße");
+    assert_eq!(call("/nobody", "60"), "error calling /nobody failed: no node offers it");
+    let error = call("/fails", "60");
+    assert!(error.starts_with("error calling /fails failed: it answered with an error: "), "{error}");
+    assert!(error.contains("it is Sunday"), "{error}");
+    let error = call("/other", "60");
+    assert!(error.starts_with("error calling /other failed: it refused the call: "), "{error}");
+    let started = Instant::now();
+    assert_eq!(call("/hangs", "0.3"), "error calling /hangs failed: it did not answer in time");
+    assert!(started.elapsed() < PROMPT);
+    let listening = probe(&master, &["listen", "__name:=own"]);
+    assert!(listening.line_with("ready").is_some());
+    assert_eq!(call("/probe_trigger", "60"), "answer true received by /own");
+}
+
+#[test]
+fn a_server_that_died_is_an_error() {
+    let master = RosMaster::start().unwrap();
+    let listening = probe(&master, &["listen", "__name:=own"]);
+    assert!(listening.line_with("ready").is_some());
+    // Killed, so that it stays registered.
+    drop(listening);
+    let mut probe = probe(&master, &["call", "/probe_trigger", "60"]);
+    probe.wait(PATIENCE).unwrap();
+    let line = probe.line_with("error").unwrap();
+    assert!(line.starts_with("error calling /probe_trigger failed: its node at http://127.0.0.1:"), "{line}");
+}
