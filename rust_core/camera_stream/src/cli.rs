@@ -28,6 +28,11 @@ pub const ROS_NAMES: &[RosName] = &[
         "sensor_msgs/Image",
         "distance along the optical axis (REP 118), NaN or 0 where nothing is drawn; while subscribed to",
     ),
+    publishes(
+        "shown beside IMAGE",
+        "sensor_msgs/TimeReference",
+        "for each new image, with its stamp: when it was on the screen, and `CAMERA;why black;oldest data stamp`",
+    ),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "status of each display and camera, once a second"),
     publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images, with `--orientation` 90, 180 or 270"),
     subscribes("INFO", "sensor_msgs/CameraInfo", "size, P and optical frame of the virtual camera"),

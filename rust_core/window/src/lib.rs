@@ -38,7 +38,7 @@ mod x11;
 pub use error::WindowError;
 pub use identify::identify;
 pub use keys::WindowKey;
-pub use light::{LightLimit, LitPicture, Mask, WindowPermit, WindowView};
+pub use light::{LightLimit, LitPicture, Mask, OnScreen, WindowPermit, WindowView};
 pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
 pub use open::{inspect_monitor, keep_over, list_monitors, run, run_interactive, run_with};
 pub use refresh::Refresh;

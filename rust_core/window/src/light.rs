@@ -65,6 +65,13 @@ pub enum WindowView {
     Test(TestPicture),
 }
 
+/// Hears when a picture is on the screen.
+pub trait OnScreen: Debug + Send + Sync {
+    /// The display server has completed the picture in the window, or has it where it does not report that. Called on
+    /// the window's thread, once, and never for a picture that a newer one has replaced before.
+    fn shown(&self);
+}
+
 /// A picture with the limits of content in its place.
 #[derive(Debug, Clone)]
 pub struct LitPicture {
@@ -72,6 +79,8 @@ pub struct LitPicture {
     pub picture: Arc<Picture>,
     /// Limits of content in its place.
     pub permit: WindowPermit,
+    /// Hears when it is on the screen.
+    pub on_screen: Option<Arc<dyn OnScreen>>,
 }
 
 /// Scales pixels, `0x00RRGGBB`, by their shares; pixels without a share are dark.

@@ -11,7 +11,7 @@ use rcs_scene::{Encoding, Picture};
 use crate::content::{ContentImage, ScreenContent, WindowContent};
 use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
-use crate::light::{dim, LitPicture};
+use crate::light::{dim, LitPicture, OnScreen};
 use crate::monitor::MonitorInfo;
 use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
 use crate::sink::{PictureSink, SunkPicture};
@@ -104,6 +104,8 @@ struct WindowPainter<'a> {
     /// Sizes of picture and monitor for which a warning was logged.
     warned_sizes: HashSet<((u32, u32), (u32, u32))>,
     is_due: bool,
+    /// Hears when the newest picture is on the screen.
+    on_screen: Option<Arc<dyn OnScreen>>,
 }
 
 impl<'a> WindowPainter<'a> {
@@ -118,6 +120,7 @@ impl<'a> WindowPainter<'a> {
             screenshot: options.screenshot.clone(),
             warned_sizes: HashSet::new(),
             is_due: true,
+            on_screen: None,
         }
     }
 
@@ -143,12 +146,16 @@ impl<'a> WindowPainter<'a> {
             None => return,
             Some(SunkPicture::Nothing) => {
                 self.is_due |= self.content.clear();
-                self.last_drawn = None;
+                (self.last_drawn, self.on_screen) = (None, None);
                 return;
             }
             Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, permit },
-            Some(SunkPicture::Drawn(LitPicture { picture: source, permit })) => {
-                if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source)) {
+            Some(SunkPicture::Drawn(LitPicture { picture: source, permit, on_screen })) => {
+                // Also in a view that does not show it: what hears of it is told when the window has what it shows then.
+                self.is_due |= on_screen.is_some();
+                let is_same = self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source));
+                self.on_screen = on_screen.or(self.on_screen.take().filter(|_| is_same));
+                if is_same {
                     self.is_due |= self.content.repeat(&permit, now);
                     return;
                 }
@@ -210,7 +217,7 @@ impl<'a> WindowPainter<'a> {
                 &self.composed
             }
         };
-        window.present(pixels)?;
+        window.present(pixels, self.on_screen.take())?;
         if is_picture && size == window.monitor().size_px {
             if let Some(path) = self.screenshot.take() {
                 let (width_px, height_px) = size;

@@ -2,6 +2,7 @@
 
 use std::os::fd::BorrowedFd;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rustix::event::{poll, PollFd, Timespec};
@@ -9,7 +10,7 @@ use rustix::io::Errno;
 use xkeysym::Keysym;
 
 use crate::error::WindowError;
-use crate::light::LightLimit;
+use crate::light::{LightLimit, OnScreen};
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::refresh::Refresh;
 
@@ -41,8 +42,9 @@ pub(crate) trait SystemWindow {
     /// `true` if the window system accepts a picture; otherwise an event follows when it does.
     fn is_ready(&self) -> bool;
 
-    /// Brings pixels of the window's size to the screen, `0x00RRGGBB`, rows from the top.
-    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError>;
+    /// Brings pixels of the window's size to the screen, `0x00RRGGBB`, rows from the top. `on_screen` hears when they
+    /// are there.
+    fn present(&mut self, pixels: &[u32], on_screen: Option<Arc<dyn OnScreen>>) -> Result<(), WindowError>;
 
     /// The monitor's refresh, if the window system reports it.
     fn refresh(&self) -> Option<Refresh> {

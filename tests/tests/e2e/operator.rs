@@ -296,3 +296,51 @@ fn test_pictures_come_one_after_the_other_and_then_the_scene() {
     fixture.wait_for(RED);
     assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
 }
+
+/// Receives the records of what was shown.
+const RECORDS: &str = "
+from sensor_msgs.msg import TimeReference
+records = []
+recorder = rospy.Subscriber('/view/shown', TimeReference, records.append)
+def joined():
+    stamps = {image[2] for image in viewer.images}
+    return [record.source for record in records if record.header.stamp.to_sec() in stamps]";
+
+#[test]
+fn each_new_image_has_a_record_that_joins_it() {
+    let fixture = fixture(&[]);
+    fixture.wait_for(RED);
+    fixture.python(RECORDS);
+    fixture.wait_for("recorder.get_num_connections() == 1");
+    fixture.python("viewer.forget(); latch('/cloud', wall(0x0000ff, rospy.Time(12, 34)))");
+    fixture.wait_for(format!("{BLUE} and records and records[-1].source == 'CameraPub;;12.000000034'"));
+    assert_eq!(fixture.python("joined()[-1:]"), "['CameraPub;;12.000000034']");
+    assert_eq!(fixture.python("0 <= (records[-1].time_ref - records[-1].header.stamp).to_sec() < 60"), "True");
+    let caller = fixture.python("rospy.get_name()");
+    fixture.python("blackout(True)");
+    fixture.wait_for(format!("records[-1].source == 'CameraPub;blackout by {caller};'"));
+    let count = fixture.python("len(records)");
+    // The same image again.
+    fixture.python("trigger('/camera_trigger'), trigger('/camera_trigger')");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python("len(records)"), count);
+}
+
+#[test]
+fn the_record_of_an_image_in_a_window_comes_when_the_x_server_has_it() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &[]);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    fixture.wait_for(RED);
+    fixture.python(RECORDS);
+    fixture.wait_for("recorder.get_num_connections() == 1");
+    screen.signal("STOP");
+    fixture.python("viewer.forget(); latch('/cloud', wall(0x0000ff, rospy.Time(12, 34)))");
+    fixture.wait_for(BLUE);
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python("records"), "[]", "it is not on the screen yet");
+    screen.signal("CONT");
+    fixture.wait_for("'CameraPub;;12.000000034' in joined()");
+    fixture.python("blackout(True)");
+    fixture.wait_for("records[-1].source.startswith('CameraPub;blackout by ')");
+}

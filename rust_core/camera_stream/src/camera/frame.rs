@@ -47,6 +47,8 @@ pub(crate) struct FrameSpec {
     pub(crate) valid_until: Option<Instant>,
     /// ROS time of the lookup of predicted transforms.
     pub(crate) looked_up: Option<Time>,
+    /// Stamp of the oldest data in a scene, where somebody wants to know it.
+    pub(crate) oldest: Option<Time>,
     /// Void from the next blackout on.
     pub(crate) ticket: LightTicket,
 }
@@ -82,6 +84,8 @@ pub(crate) struct FinishedFrame {
     pub(crate) drawn: Option<Arc<Picture>>,
     /// Time of the decision to draw it; `None` for a black frame.
     pub(crate) begun: Option<Instant>,
+    /// `false` until it is published for the first time.
+    pub(crate) is_published: bool,
 }
 
 /// The renderer's buffers that all frames share, one after the other.
@@ -115,11 +119,7 @@ impl FrameContent {
 impl FrameSpec {
     /// The permit to show something else in the frame's place.
     pub(crate) fn permit(&self) -> Permit {
-        let dark = match &self.content {
-            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
-            FrameContent::Black { dark, .. } => Some(dark),
-        };
-        Permit::new(dark, self.protects_eyes, &self.post)
+        Permit::new(self.dark_reason(), self.protects_eyes, &self.post)
     }
 
     /// `true` if an image of the other one looks the same.
@@ -131,7 +131,16 @@ impl FrameSpec {
     pub(crate) fn blacked_out(mut self, dark: DarkReason) -> Self {
         self.content = FrameContent::Black { size_px: self.content.size_px(), dark, has_note: false };
         self.post = safety::unplaced(&self.post);
+        self.oldest = None;
         self
+    }
+
+    /// Why the image is black.
+    pub(crate) fn dark_reason(&self) -> Option<&DarkReason> {
+        match &self.content {
+            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
+            FrameContent::Black { dark, .. } => Some(dark),
+        }
     }
 
     /// The ticket that lets an image of the frame out; `None` if it has no light.
@@ -192,7 +201,7 @@ impl FrameInFlight {
         let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
         self.spec.post.apply(&mut picture, &mut buffers.turned);
         let (picture, begun) = (Arc::new(picture), Some(self.begun));
-        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, begun }))
+        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, begun, is_published: false }))
     }
 }
 

@@ -21,8 +21,9 @@ use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::std_msgs::Header;
 use rcs_ros::{ReconfigureServer, RosNode, TriggerReply};
-use rcs_scene::{DepthPicture, DisplayId, Picture, MAX_SIDE_PX};
+use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
 
@@ -38,6 +39,7 @@ use super::substitute;
 use super::timing::FrameTiming;
 use crate::control::{Control, OperatorSettings};
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::outputs::shown::{self, ShownRecord};
 use crate::outputs::{Output, OutputFrame, TopicOutput, WindowOutput};
 use crate::safety::{self, FramePolicy};
 use crate::scene::status_tree::StatusEntry;
@@ -385,7 +387,10 @@ impl CameraOutput {
                 camera: Arc::clone(&camera),
                 hidden: policy.hidden.clone(),
             });
-            self.spec(content, &policy, info, scene.prediction().map(|prediction| prediction.now))
+            let is_recorded = self.connections.outputs.shown().is_some();
+            let oldest = is_recorded.then(|| oldest_stamp(scene, &visible)).flatten();
+            let looked_up = scene.prediction().map(|prediction| prediction.now);
+            FrameSpec { oldest, ..self.spec(content, &policy, info, looked_up) }
         });
         let Some(spec) = self.due(spec)? else { return Ok(None) };
         if !is_scene {
@@ -430,6 +435,7 @@ impl CameraOutput {
             info: Arc::clone(info),
             valid_until: policy.valid_until.filter(|_| !is_timeless),
             looked_up,
+            oldest: None,
             ticket: self.context.control.ticket(&self.view().name),
         }
     }
@@ -504,7 +510,7 @@ impl CameraOutput {
             last.picture = Arc::new(picture);
         }
         last.depth = last.depth.or_else(|| self.wants_depth().then(|| self.nowhere(&spec)));
-        self.buffers.front = Some(FinishedFrame { spec, ..last });
+        self.buffers.front = Some(FinishedFrame { spec, is_published: false, ..last });
         self.publish_last(None)
     }
 
@@ -517,7 +523,8 @@ impl CameraOutput {
             spec.valid_until = None;
         }
         let picture = Arc::new(picture);
-        self.buffers.front = Some(FinishedFrame { spec, picture, depth, drawn: None, begun: None });
+        self.buffers.front =
+            Some(FinishedFrame { spec, picture, depth, drawn: None, begun: None, is_published: false });
         self.publish_last(None)
     }
 
@@ -589,12 +596,19 @@ impl CameraOutput {
             return self.apply_control();
         }
         let outputs = &mut self.connections.outputs;
-        let Some(last) = self.buffers.front.as_ref().filter(|_| !outputs.is_empty()) else { return Ok(()) };
+        let Some(last) = self.buffers.front.as_mut().filter(|_| !outputs.is_empty()) else { return Ok(()) };
+        let is_new = !std::mem::replace(&mut last.is_published, true);
         let stamp = self.context.ros.now();
         let info = self.turned_info.of(&last.spec.info, last.spec.post.orientation);
         let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.spec.permit());
         let ticket = last.spec.needed_ticket().cloned();
-        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, ticket })?;
+        let shown = outputs.shown().filter(|_| is_new).map(|publisher| {
+            let dark = last.spec.dark_reason().map(|dark| dark.why.as_str());
+            let source = shown::source(&self.settings.view().name, dark, last.spec.oldest);
+            let header = Header { seq: 0, stamp, frame_id: info.header.frame_id.clone() };
+            Arc::new(ShownRecord::new(&self.context.ros, publisher, header, source))
+        });
+        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, ticket, shown })?;
         if let Some(drawn) = drawn {
             let latency = &mut self.health.latency;
             latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
@@ -606,4 +620,10 @@ impl CameraOutput {
         self.timing.schedule.clear_trigger();
         Ok(())
     }
+}
+
+/// Stamp of the oldest data that displays have drawn; `None` if none of them has a stamp.
+fn oldest_stamp(scene: &SceneState, visible: &DisplayMask) -> Option<Time> {
+    let drawn = scene.displays().ages().filter(|age| visible.shows(age.id) && !age.is_empty);
+    drawn.filter_map(|age| age.current).map(|shown| shown.stamp).filter(|stamp| !stamp.is_zero()).min()
 }

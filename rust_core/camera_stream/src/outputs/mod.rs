@@ -11,6 +11,7 @@ pub(crate) mod page;
 mod page_image;
 pub(crate) mod parameter_description;
 mod picture_files;
+pub(crate) mod shown;
 mod topic;
 mod video;
 mod window;
@@ -21,10 +22,11 @@ use anyhow::Result;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
 use rcs_scene::Picture;
-use rcs_window::Refresh;
+use rcs_window::{OnScreen, Refresh};
 
 use crate::control::LightTicket;
 use crate::outputs::depth_image::DepthImage;
+use crate::outputs::shown::{ShownPublisher, ShownRecord};
 use crate::safety::permit::Permit;
 
 pub(crate) use page::PageOutput;
@@ -47,6 +49,8 @@ pub(crate) struct OutputFrame {
     pub(crate) permit: Permit,
     /// Lets the image out; `None` if it has no light.
     pub(crate) ticket: Option<LightTicket>,
+    /// The record of a new image, if somebody subscribes to them.
+    pub(crate) shown: Option<Arc<ShownRecord>>,
 }
 
 /// An output of a camera's frames.
@@ -104,6 +108,11 @@ impl Outputs {
         self.topic.as_ref().is_some_and(TopicOutput::wants_depth)
     }
 
+    /// The topic of records of what was shown, if somebody subscribes to it.
+    pub(crate) fn shown(&self) -> Option<&ShownPublisher> {
+        self.topic.as_ref().and_then(TopicOutput::shown)
+    }
+
     /// Confirms the last image to a window that would become black otherwise.
     pub(crate) fn confirm(&self) {
         self.window.iter().for_each(WindowOutput::confirm);
@@ -122,6 +131,10 @@ impl Output for Outputs {
         for output in self.each() {
             let sent = output.send(frame);
             result = result.and(sent);
+        }
+        // A window reports itself when it has shown the image.
+        if !self.window.as_ref().is_some_and(Output::is_watched) {
+            frame.shown.iter().for_each(|record| record.shown());
         }
         result
     }

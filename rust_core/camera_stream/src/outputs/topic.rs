@@ -1,5 +1,5 @@
-//! A camera's image topic, with the CameraInfo beside it, compressed images below it, and the depths on the topic
-//! `depth` beside both.
+//! A camera's image topic, with the CameraInfo beside it, compressed images below it, and beside it the topics `depth`
+//! and `shown`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
 use rcs_ros::{Change, NodeError, Publisher, ReconfigureServer, RosNode};
 
 use super::compressed::CompressedOutput;
+use super::shown::{self, ShownPublisher};
 use super::{Output, OutputFrame};
 
 /// The whole names of the image's and the CameraInfo's topic.
@@ -23,6 +24,8 @@ pub(crate) struct TopicOutput {
     compressed: CompressedOutput,
     /// `None` where the image topic has that name.
     depth: Option<Publisher<Image>>,
+    /// `None` where the image topic has that name.
+    shown: Option<ShownPublisher>,
     /// `true` if somebody subscribed and has not received an image yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -50,7 +53,9 @@ impl TopicOutput {
         if !is_free {
             log::warn!("depths are not published: the pictures themselves are on {}", publisher.topic());
         }
-        Ok(Self { publisher, compressed, depth: is_free.then_some(depth), new_subscriber })
+        let shown: ShownPublisher = Arc::new(ros.publisher(&sibling_topic(topic, "shown"), shown::QUEUE_SIZE)?);
+        let shown = Some(shown).filter(|shown| shown.topic() != publisher.topic());
+        Ok(Self { publisher, compressed, depth: is_free.then_some(depth), shown, new_subscriber })
     }
 
     pub(crate) fn topic(&self) -> &str {
@@ -83,6 +88,11 @@ impl TopicOutput {
 
     pub(crate) fn wants_depth(&self) -> bool {
         self.depth.as_ref().is_some_and(Publisher::is_watched)
+    }
+
+    /// The topic of records of what was shown, if somebody subscribes to it.
+    pub(crate) fn shown(&self) -> Option<&ShownPublisher> {
+        self.shown.as_ref().filter(|shown| shown.is_watched())
     }
 
     /// Number of nodes that subscribe to the images, compressed ones included, or the CameraInfo.

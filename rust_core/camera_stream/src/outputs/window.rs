@@ -13,8 +13,8 @@ use anyhow::Result;
 use rcs_render::LastStep;
 use rcs_scene::{join_within, Picture};
 use rcs_window::{
-    run_with, LightLimit, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions, WindowPermit,
-    WindowView,
+    run_with, LightLimit, LitPicture, Mask, OnScreen, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions,
+    WindowPermit, WindowView,
 };
 
 use super::{Output, OutputFrame};
@@ -154,7 +154,8 @@ impl Output for WindowOutput {
             let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
             let permit = window_permit(&frame.permit, Some(drawn_px));
             let picture = Arc::clone(&frame.picture);
-            self.sink.show_drawn(LitPicture { picture, permit });
+            let on_screen = frame.shown.clone().map(|record| record as Arc<dyn OnScreen>);
+            self.sink.show_drawn(LitPicture { picture, permit, on_screen });
         }
         Ok(())
     }

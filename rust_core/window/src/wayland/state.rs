@@ -2,6 +2,7 @@
 
 use std::io::Read;
 use std::os::fd::OwnedFd;
+use std::sync::Arc;
 
 use wayland_client::backend::WaylandError;
 use wayland_client::globals::{registry_queue_init, GlobalList, GlobalListContents};
@@ -18,6 +19,8 @@ use wayland_client::protocol::wl_surface::WlSurface;
 use wayland_client::{delegate_noop, Connection, Dispatch, DispatchError, EventQueue, Proxy, QueueHandle, WEnum};
 use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibit_manager_v1::ZwpIdleInhibitManagerV1;
 use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibitor_v1::ZwpIdleInhibitorV1;
+use wayland_protocols::wp::presentation_time::client::wp_presentation::WpPresentation;
+use wayland_protocols::wp::presentation_time::client::wp_presentation_feedback::{self, WpPresentationFeedback};
 use wayland_protocols::wp::viewporter::client::wp_viewport::WpViewport;
 use wayland_protocols::wp::viewporter::client::wp_viewporter::WpViewporter;
 use wayland_protocols::xdg::shell::client::xdg_surface::{self, XdgSurface};
@@ -29,6 +32,7 @@ use wayland_protocols::xdg::xdg_output::zv1::client::zxdg_output_v1::ZxdgOutputV
 use super::keymap::Keymap;
 use super::outputs::WaylandOutputs;
 use crate::error::WindowError;
+use crate::light::OnScreen;
 use crate::shared_pixels::SharedSlot;
 use crate::system_window::SystemEvent;
 
@@ -190,6 +194,12 @@ on_event!(WlKeyboard, (), |state, _, event, _, _| {
     }
 });
 
+on_event!(WpPresentationFeedback, Arc<dyn OnScreen>, |_, _, event, listener, _| {
+    if let wp_presentation_feedback::Event::Presented { .. } = event {
+        listener.shown();
+    }
+});
+
 /// The keymap in the compositor's shared file; without keys if it cannot be read.
 fn read_keymap(file: OwnedFd, size: u32) -> Keymap {
     use std::io::Seek;
@@ -235,6 +245,8 @@ delegate_noop!(CompositorState: ignore WlCompositor);
 delegate_noop!(CompositorState: ignore WlShm);
 delegate_noop!(CompositorState: ignore WlShmPool);
 delegate_noop!(CompositorState: ignore WlSurface);
+// Names the clock of the reported times, which are just past when they come.
+delegate_noop!(CompositorState: ignore WpPresentation);
 delegate_noop!(CompositorState: ignore WpViewporter);
 delegate_noop!(CompositorState: ignore WpViewport);
 delegate_noop!(CompositorState: ignore ZwpIdleInhibitManagerV1);

@@ -1,6 +1,7 @@
 //! The open window on a Wayland compositor.
 
 use std::os::fd::BorrowedFd;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rustix::event::{PollFd, PollFlags};
@@ -10,6 +11,7 @@ use wayland_client::protocol::wl_shm::{Format, WlShm};
 use wayland_client::protocol::wl_surface::WlSurface;
 use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibit_manager_v1::ZwpIdleInhibitManagerV1;
 use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibitor_v1::ZwpIdleInhibitorV1;
+use wayland_protocols::wp::presentation_time::client::wp_presentation::WpPresentation;
 use wayland_protocols::wp::viewporter::client::wp_viewport::WpViewport;
 use wayland_protocols::wp::viewporter::client::wp_viewporter::WpViewporter;
 use wayland_protocols::xdg::shell::client::xdg_surface::XdgSurface;
@@ -18,6 +20,7 @@ use wayland_protocols::xdg::shell::client::xdg_wm_base::XdgWmBase;
 
 use super::state::{lost, lost_connection, CompositorState, WaylandSession};
 use crate::error::WindowError;
+use crate::light::OnScreen;
 use crate::monitor::MonitorInfo;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
 use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
@@ -40,6 +43,8 @@ struct Globals {
     shell: XdgWmBase,
     viewports: Option<WpViewporter>,
     idle: Option<ZwpIdleInhibitManagerV1>,
+    /// Reports when pictures are on the screen.
+    presentation: Option<WpPresentation>,
 }
 
 /// The surface on the screen.
@@ -140,6 +145,7 @@ impl Globals {
             shell: session.globals.bind(&handle, 1..=1, ()).map_err(|error| missing(&error))?,
             viewports: session.globals.bind(&handle, 1..=1, ()).ok(),
             idle: session.globals.bind(&handle, 1..=1, ()).ok(),
+            presentation: session.globals.bind(&handle, 1..=1, ()).ok(),
         })
     }
 }
@@ -201,7 +207,7 @@ impl SystemWindow for WaylandWindow {
         buffers.is_none_or(|buffers| buffers.pixels.free_slot().is_some())
     }
 
-    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError> {
+    fn present(&mut self, pixels: &[u32], on_screen: Option<Arc<dyn OnScreen>>) -> Result<(), WindowError> {
         let (size, handle) = (self.size_px(), self.session.queue.handle());
         let (Some(active), Some(desktop_size)) = (&mut self.active, self.session.state.configured) else {
             return Ok(());
@@ -218,8 +224,18 @@ impl SystemWindow for WaylandWindow {
         }
         active.surface.attach(buffer.as_ref(), 0, 0);
         active.surface.damage(0, 0, i32::MAX, i32::MAX);
+        let presentation = self.globals.presentation.as_ref();
+        let unreported = match (presentation, on_screen) {
+            (Some(presentation), Some(listener)) => {
+                presentation.feedback(&active.surface, &handle, listener);
+                None
+            }
+            (_, on_screen) => on_screen,
+        };
         active.surface.commit();
-        self.session.queue.flush().map_err(lost_connection)
+        self.session.queue.flush().map_err(lost_connection)?;
+        unreported.iter().for_each(|listener| listener.shown());
+        Ok(())
     }
 
     fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError> {

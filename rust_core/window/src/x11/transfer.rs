@@ -1,6 +1,7 @@
 //! Sends pixels to a window: in memory shared with the server, or else through the connection.
 
 use std::os::fd::AsFd;
+use std::sync::Arc;
 
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::shm::{self, CompletionEvent, ConnectionExt as _, Seg};
@@ -9,6 +10,7 @@ use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat, ImageOr
 use super::pixel_format::PixelFormat;
 use super::session::X11Session;
 use crate::error::WindowError;
+use crate::light::OnScreen;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
 
 /// The version of MIT-SHM that takes a descriptor.
@@ -30,6 +32,8 @@ pub(super) struct Transfer {
 struct SharedSegment {
     segment: Seg,
     pixels: SharedPixels,
+    /// The listeners of the pictures that the server reads, with their slots.
+    listeners: Vec<(usize, Arc<dyn OnScreen>)>,
 }
 
 impl Transfer {
@@ -59,7 +63,7 @@ impl Transfer {
         self.shared.as_ref().is_none_or(|shared| shared.pixels.free_slot().is_some())
     }
 
-    /// Sends pixels of the window's size, `0x00RRGGBB`.
+    /// Sends pixels of the window's size, `0x00RRGGBB`. `on_screen` hears when the server has read them.
     ///
     /// # Errors
     /// The connection broke.
@@ -68,6 +72,7 @@ impl Transfer {
         session: &X11Session,
         pixels: &[u32],
         size_px: (u32, u32),
+        mut on_screen: Option<Arc<dyn OnScreen>>,
     ) -> Result<(), WindowError> {
         if self.can_share && self.shared.as_ref().is_none_or(|shared| shared.pixels.size_px() != size_px) {
             self.share(session, size_px);
@@ -81,21 +86,26 @@ impl Transfer {
             &converted
         };
         let is_sent = match &mut self.shared {
-            Some(shared) => shared.send(session, self.window, self.context, pixels)?,
+            Some(shared) => shared.send(session, self.window, self.context, pixels, &mut on_screen)?,
             None => false,
         };
         if !is_sent {
             self.put(session, pixels, size_px)?;
         }
         self.converted = converted;
-        session.connection.flush().map_err(X11Session::lost)
+        session.connection.flush().map_err(X11Session::lost)?;
+        // Without shared memory the server does not report it.
+        on_screen.iter().for_each(|listener| listener.shown());
+        Ok(())
     }
 
     /// Records that the server has read a picture.
     pub(super) fn complete(&mut self, event: &CompletionEvent) {
         let Some(shared) = self.shared.as_mut().filter(|shared| shared.segment == event.shmseg) else { return };
         let slot = u64::from(event.offset).checked_div(shared.pixels.slot_bytes()).unwrap_or(0);
-        shared.pixels.end_reading(shared.pixels.shared_slot(usize::try_from(slot).unwrap_or(0)));
+        let slot = usize::try_from(slot).unwrap_or(0);
+        shared.pixels.end_reading(shared.pixels.shared_slot(slot));
+        shared.listeners.extract_if(.., |(of, _)| *of == slot).for_each(|(_, listener)| listener.shown());
     }
 
     /// Shares memory for pictures of this size with the server, or disables sharing.
@@ -147,16 +157,17 @@ impl SharedSegment {
         let segment = session.connection.generate_id().ok()?;
         let descriptor = pixels.fd().as_fd().try_clone_to_owned().ok()?;
         session.connection.shm_attach_fd(segment, descriptor, true).ok()?.check().ok()?;
-        Some(Self { segment, pixels })
+        Some(Self { segment, pixels, listeners: Vec::new() })
     }
 
-    /// Sends a picture; `false` if the memory cannot be written.
+    /// Sends a picture, and takes its listener; `false` if the memory cannot be written.
     fn send(
         &mut self,
         session: &X11Session,
         window: Window,
         context: Gcontext,
         pixels: &[u32],
+        on_screen: &mut Option<Arc<dyn OnScreen>>,
     ) -> Result<bool, WindowError> {
         let Some(slot) = self.pixels.free_slot() else { return Ok(false) };
         let (Ok(()), Ok(offset)) = (self.pixels.write(slot, pixels), u32::try_from(self.pixels.offset(slot))) else {
@@ -184,6 +195,7 @@ impl SharedSegment {
         );
         put.map_err(X11Session::lost)?;
         self.pixels.begin_reading(slot);
+        self.listeners.extend(on_screen.take().map(|listener| (slot, listener)));
         Ok(true)
     }
 }

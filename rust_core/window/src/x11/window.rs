@@ -1,6 +1,7 @@
 //! The open window on an X server.
 
 use std::os::fd::BorrowedFd;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rustix::event::{PollFd, PollFlags};
@@ -17,6 +18,7 @@ use super::refresh::RefreshWatch;
 use super::session::X11Session;
 use super::transfer::Transfer;
 use crate::error::WindowError;
+use crate::light::OnScreen;
 use crate::monitor::MonitorInfo;
 use crate::refresh::Refresh;
 use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
@@ -139,8 +141,8 @@ impl SystemWindow for X11Window {
         self.transfer.is_ready()
     }
 
-    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError> {
-        self.transfer.send(&self.session, pixels, self.size_px)
+    fn present(&mut self, pixels: &[u32], on_screen: Option<Arc<dyn OnScreen>>) -> Result<(), WindowError> {
+        self.transfer.send(&self.session, pixels, self.size_px, on_screen)
     }
 
     fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError> {
