@@ -156,6 +156,14 @@ def light(given, result):
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 
 
+def blackout(_, result):
+    intro = ('`./bench --only blackout` on {}: 1280×800 in a window of the node on Xvfb, from the call on a persistent connection to '
+             'a black screen.').format(machine())
+    heads = ['program', 'meanwhile', 'median ms', 'worst ms', 'blackouts']
+    row = ['{name}', '{load}', '{median_ms:.0f}', '{worst_ms:.0f}', '{count}']
+    return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
+
+
 def plugin(given, result):
     intro = ('`./bench --only plugin` on {}: rviz with one camera, Flat Squares, 10,000 points at {:g} clouds/s, 1280×800, {:g} s '
              'each.').format(machine(), given.hz, given.seconds)
