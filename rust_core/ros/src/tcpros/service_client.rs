@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn a_service_answers_fails_or_refuses() {
         let listener = Listener::start("127.0.0.1:0".parse().unwrap(), "/node").unwrap();
-        let handler = |request: &[u8]| match request {
+        let handler = |_: &str, request: &[u8]| match request {
             b"no" => Err("it is Sunday".to_owned()),
             request => Ok(request.iter().rev().copied().collect()),
         };
