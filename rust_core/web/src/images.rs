@@ -17,7 +17,7 @@ use rcs_scene::{lock, wait_timeout, IDLE_PERIOD};
 use serde_json::json;
 use tokio::sync::watch;
 
-/// Shortest time between two images of a camera.
+/// Shortest time between two images, or two masks, of a camera.
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// Format of an encoded image.
@@ -73,7 +73,6 @@ struct State {
 struct Camera {
     image: Slot,
     mask: Slot,
-    begun: Option<Instant>,
     /// A page has begun to watch.
     has_new_watcher: bool,
 }
@@ -82,6 +81,8 @@ struct Camera {
 #[derive(Default)]
 struct Slot {
     waiting: Option<Encode>,
+    /// When the last one began to be encoded.
+    begun: Option<Instant>,
     /// The number of the newest one that is encoded, and its message.
     encoded: Option<(u64, Bytes)>,
 }
@@ -154,11 +155,9 @@ impl Images {
             let now = Instant::now();
             match state.next_due(now) {
                 Some((due, camera, kind)) if due <= now => {
-                    let slots = state.cameras.get_mut(&camera)?;
-                    if kind == Kind::Image {
-                        slots.begun = Some(now);
-                    }
-                    let encode = slots.slot(kind).waiting.take()?;
+                    let slot = state.cameras.get_mut(&camera)?.slot(kind);
+                    slot.begun = Some(now);
+                    let encode = slot.waiting.take()?;
                     return Some(EncodingJob { camera, kind, encode, images: self.clone() });
                 }
                 Some((due, ..)) => state = wait_timeout(&self.0.work, state, due.saturating_duration_since(now)),
@@ -238,7 +237,7 @@ impl Images {
         let new = |camera: &String| {
             let (slots, sent) = (cameras.get(camera)?, page.sent.get(camera).map_or(0, |sent| sent[0]));
             let (number, message) = slots.image.encoded.as_ref().filter(|(number, _)| *number > sent)?;
-            slots.is_current().then(|| (sent, camera.clone(), *number, message.clone()))
+            slots.image.is_current().then(|| (sent, camera.clone(), *number, message.clone()))
         };
         // Of several cameras, the one that waited longest.
         let next = page.cameras.iter().filter_map(new).min_by_key(|(sent, ..)| *sent);
@@ -258,11 +257,9 @@ impl State {
     fn next_due(&self, now: Instant) -> Option<(Instant, String, Kind)> {
         let due = |(name, camera): (&String, &Camera)| {
             let is_wanted = || self.pages.values().any(|page| page.has_credit && page.watches(name));
-            if camera.mask.waiting.is_some() {
-                return Some((now, name.clone(), Kind::Mask));
-            }
-            let image = camera.image.waiting.is_some() && is_wanted();
-            image.then(|| (camera.begun.map_or(now, |begun| begun + PERIOD), name.clone(), Kind::Image))
+            let mask = camera.mask.due(now).map(|due| (due, name.clone(), Kind::Mask));
+            let image = camera.image.due(now).filter(|_| is_wanted()).map(|due| (due, name.clone(), Kind::Image));
+            mask.into_iter().chain(image).min_by_key(|(due, ..)| *due)
         };
         self.cameras.iter().filter_map(due).min_by_key(|(due, ..)| *due)
     }
@@ -281,10 +278,17 @@ impl Camera {
             Kind::Mask => &mut self.mask,
         }
     }
+}
+
+impl Slot {
+    /// When the image that waits may be encoded.
+    fn due(&self, now: Instant) -> Option<Instant> {
+        self.waiting.as_ref().map(|_| self.begun.map_or(now, |begun| begun + PERIOD))
+    }
 
     /// `true` unless a newer image waits that may be encoded already.
     fn is_current(&self) -> bool {
-        self.image.waiting.is_none() || self.begun.is_some_and(|begun| begun.elapsed() < PERIOD)
+        self.waiting.is_none() || self.begun.is_some_and(|begun| begun.elapsed() < PERIOD)
     }
 }
 

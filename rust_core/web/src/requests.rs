@@ -29,11 +29,18 @@ pub(crate) const MOST_REQUESTS: usize = 8;
 const API: &str = "/api/";
 const STREAM: &str = "/api/stream";
 
-/// The page's files: path, type and content.
-const FILES: [(&str, &str, &[u8]); 3] = [
-    ("/", "text/html; charset=utf-8", include_bytes!("../page/index.html")),
-    ("/page.js", "text/javascript; charset=utf-8", include_bytes!("../page/page.js")),
-    ("/page.css", "text/css; charset=utf-8", include_bytes!("../page/page.css")),
+/// The page's files: path and content.
+const FILES: [(&str, &[u8]); 10] = [
+    ("/", include_bytes!("../page/index.html")),
+    ("/page.css", include_bytes!("../page/page.css")),
+    ("/camera.js", include_bytes!("../page/camera.js")),
+    ("/displays.js", include_bytes!("../page/displays.js")),
+    ("/elements.js", include_bytes!("../page/elements.js")),
+    ("/light.js", include_bytes!("../page/light.js")),
+    ("/node.js", include_bytes!("../page/node.js")),
+    ("/nudge.js", include_bytes!("../page/nudge.js")),
+    ("/page.js", include_bytes!("../page/page.js")),
+    ("/settings.js", include_bytes!("../page/settings.js")),
 ];
 
 /// Headers of all responses.
@@ -85,12 +92,21 @@ async fn route(site: &Arc<Site>, peer: IpAddr, request: Request<Incoming>) -> Re
         let name = name.to_owned();
         return post(site, peer, &name, request).await;
     }
-    let file = FILES.iter().find(|(known, ..)| *known == path);
-    let (_, kind, content) = file.ok_or((StatusCode::NOT_FOUND, "there is nothing at this address".to_owned()))?;
+    let file = FILES.iter().find(|(known, _)| *known == path);
+    let (path, content) = file.ok_or((StatusCode::NOT_FOUND, "there is nothing at this address".to_owned()))?;
     allow(&request, &[Method::GET, Method::HEAD])?;
     let mut response = Response::new(Full::new(Bytes::from_static(content)));
-    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind_of(path)));
     Ok(response)
+}
+
+/// The type of a file.
+fn kind_of(path: &str) -> &'static str {
+    match path.rsplit_once('.') {
+        Some((_, "js")) => "text/javascript; charset=utf-8",
+        Some((_, "css")) => "text/css; charset=utf-8",
+        _ => "text/html; charset=utf-8",
+    }
 }
 
 fn allow(request: &Request<Incoming>, methods: &[Method]) -> Result<(), Refused> {
