@@ -8,6 +8,7 @@ pub(crate) mod oriented_frames;
 pub(crate) mod oriented_info;
 pub(crate) mod output;
 mod pacing;
+mod page_view;
 pub(crate) mod plan;
 pub(crate) mod rearrange;
 mod reconfigurable;

@@ -22,7 +22,7 @@ use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
-use rcs_ros::{ReconfigureServer, RosNode, TriggerReply};
+use rcs_ros::{RosNode, TriggerReply};
 use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
@@ -58,32 +58,15 @@ pub(crate) struct CameraContext {
 /// A camera with its outputs and its trigger service.
 pub(crate) struct CameraOutput {
     context: Arc<CameraContext>,
-    settings: RuntimeSettings,
-    connections: CameraConnections,
+    pub(super) settings: RuntimeSettings,
+    pub(super) connections: CameraConnections,
     timing: FrameTiming,
     /// The policy of the last assessment.
-    policy: FramePolicy,
+    pub(super) policy: FramePolicy,
     epoch: Epoch,
-    buffers: FrameBuffers,
+    pub(super) buffers: FrameBuffers,
     turned_info: TurnedInfo,
-    health: CameraHealth,
-}
-
-/// A camera's figures for the operator's page.
-#[derive(Debug)]
-pub(crate) struct CameraFigures<'a> {
-    /// The whole name of the image topic.
-    pub(crate) topic: Option<&'a str>,
-    /// The optical frame and the size of the last image.
-    pub(crate) frame: Option<&'a str>,
-    pub(crate) size_px: Option<[u32; 2]>,
-    /// Images published so far.
-    pub(crate) published: u64,
-    /// Medians, where they were measured.
-    pub(crate) latency_ms: Option<f64>,
-    pub(crate) age_ms: Option<f64>,
-    /// Why the last image is black, or why there is none.
-    pub(crate) dark: Option<String>,
+    pub(super) health: CameraHealth,
 }
 
 /// The number of the frames among which a paused one may stay: see [`FrameSpec::epoch`].
@@ -106,9 +89,9 @@ impl Epoch {
 
 /// The last frame, and memory for the next.
 #[derive(Default)]
-struct FrameBuffers {
+pub(super) struct FrameBuffers {
     /// The frame that was published last.
-    front: Option<FinishedFrame>,
+    pub(super) front: Option<FinishedFrame>,
     /// The image before it, which is drawn into again unless an output still holds it.
     back: Option<Arc<Picture>>,
     /// The size for which the renderer keeps memory.
@@ -245,36 +228,6 @@ impl CameraOutput {
     /// Records a frame that took long.
     pub(crate) fn record_slow_frame(&mut self, text: String) {
         self.health.record_slow_frame(&self.settings.view().name, text);
-    }
-
-    /// Its figures for the operator's page.
-    pub(crate) fn figures(&self) -> CameraFigures<'_> {
-        let last = self.buffers.front.as_ref();
-        let black = last.and_then(|last| match &last.spec.content {
-            FrameContent::Black { dark, .. } => Some(dark.why.clone()),
-            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
-        });
-        let [latency_ms, age_ms] = self.health.latency.medians_ms();
-        CameraFigures {
-            topic: self.connections.outputs.topic.as_ref().map(TopicOutput::topic),
-            frame: last.map(|last| last.spec.info.header.frame_id.as_str()),
-            size_px: last.map(|last| [last.picture.width_px, last.picture.height_px]),
-            published: self.health.published(),
-            latency_ms,
-            age_ms,
-            dark: black.or_else(|| self.health.problem()),
-        }
-    }
-
-    /// Its servers of dynamic_reconfigure: its own first, then that of the compressed images.
-    pub(crate) fn servers(&self) -> impl Iterator<Item = &ReconfigureServer> {
-        let topic = self.connections.outputs.topic.as_ref();
-        self.settings.server().into_iter().chain(topic.and_then(TopicOutput::server))
-    }
-
-    /// The switches of the displays: path, name of the parameter, and `true` for one that is on.
-    pub(crate) fn switches(&self) -> impl Iterator<Item = (&[String], &str, bool)> {
-        self.settings.switches()
     }
 
     /// `true` if its parameters are served under this name.

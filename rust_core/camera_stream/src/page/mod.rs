@@ -9,6 +9,7 @@
 //! Nothing here works while no page is open. The server and its rules are [`rcs_web`]'s.
 
 pub(crate) mod board;
+mod nudging;
 pub(crate) mod operator;
 mod parameters;
 mod start;

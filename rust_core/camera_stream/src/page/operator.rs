@@ -6,19 +6,38 @@ use std::time::UNIX_EPOCH;
 use rcs_web::{LogLine, Operator, Refusal};
 use serde_json::Value;
 
+use super::nudging::Nudging;
 use super::{parameters, state};
 use crate::runtime::shared::NodeState;
 
 /// The node for the pages.
 pub(crate) struct PageOperator {
     shared: Arc<NodeState>,
+    nudging: Arc<Nudging>,
     /// File name of the config.
     config: String,
 }
 
 impl PageOperator {
     pub(super) fn new(shared: &Arc<NodeState>, config: String) -> Self {
-        Self { shared: Arc::clone(shared), config }
+        Self { shared: Arc::clone(shared), nudging: Nudging::new(shared), config }
+    }
+
+    /// Blacks out all cameras or a single one. All: `false` releases all blackouts.
+    fn black_out(&self, body: &Value, caller: &str) -> Result<String, Refusal> {
+        let on = switch(body)?;
+        let (control, what) = (&self.shared.control, if on { "black" } else { "released" });
+        if body["camera"].is_null() {
+            control.set_blackout(on, caller);
+            return Ok(format!("all cameras: {what}"));
+        }
+        let camera = text(body, "camera")?;
+        let is_known = self.shared.cameras().iter().any(|known| known.view().name == camera);
+        if !is_known {
+            return Err(Refusal::Invalid(format!("camera: there is no camera {camera}")));
+        }
+        control.set_camera_blackout(camera, on, caller);
+        Ok(format!("camera {camera}: {what}"))
     }
 
     /// Sets parameters of a dynamic_reconfigure server.
@@ -48,15 +67,23 @@ impl Operator for PageOperator {
     fn post(&self, request: &str, body: &Value, caller: &str) -> Result<String, Refusal> {
         match request {
             "parameters" => self.set_parameters(body, caller),
-            "blackout" | "pause" | "test_picture" | "nudge" | "save" | "revert" => {
-                Err(Refusal::Failed(format!("{request} is not available")))
+            "nudge" | "save" | "revert" => self.nudging.post(request, body, caller),
+            "blackout" => self.black_out(body, caller),
+            "pause" => {
+                let on = switch(body)?;
+                self.shared.control.set_pause(on, caller);
+                Ok(["no camera is paused", "all cameras are paused"][usize::from(on)].to_owned())
+            }
+            "test_picture" => {
+                let test = self.shared.control.next_test_picture(caller);
+                Ok(test.map_or_else(|| "the scene is shown".to_owned(), |name| format!("test picture: {name}")))
             }
             unknown => Err(Refusal::Unknown(unknown.to_owned())),
         }
     }
 
     fn state(&self) -> String {
-        state::state(&self.shared, &self.config).to_string()
+        state::state(&self.shared, &self.config, &self.nudging).to_string()
     }
 
     fn log_after(&self, id: u64) -> Vec<LogLine> {
@@ -74,12 +101,18 @@ impl Operator for PageOperator {
     }
 
     fn watchers_changed(&self) {
+        self.nudging.poll_while_open();
         self.shared.ros.events().wake();
     }
 }
 
 fn invalid(reason: &str) -> Refusal {
     Refusal::Invalid(reason.to_owned())
+}
+
+/// The switch `on` of a request's body.
+fn switch(body: &Value) -> Result<bool, Refusal> {
+    body["on"].as_bool().ok_or_else(|| invalid("on: neither true nor false"))
 }
 
 /// A text of a request's body.

@@ -3,13 +3,14 @@
 use rcs_messages::stamp_nanos;
 use serde_json::{json, Map, Value};
 
+use super::nudging::Nudging;
 use super::parameters;
 use crate::camera::output::CameraOutput;
 use crate::runtime::shared::NodeState;
 use crate::scene::status_tree::path_text;
 
 /// The whole state of a node with a config of this file name.
-pub(super) fn state(shared: &NodeState, config: &str) -> Value {
+pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Value {
     let statuses = shared.board.statuses();
     let mut displays = statuses.displays.clone();
     let (mut cameras, mut servers) = (Vec::new(), Vec::new());
@@ -18,23 +19,32 @@ pub(super) fn state(shared: &NodeState, config: &str) -> Value {
         add_switches(&mut displays, camera);
         let of_camera = statuses.cameras.get(&path_text(&camera.view().path));
         let rate_hz = statuses.rate_hz(name);
-        cameras.push(camera_json(camera, rate_hz, of_camera));
+        let mut json = camera_json(camera, rate_hz, of_camera);
+        json["nudge"] = nudging.of_camera(name);
+        json["blackout"] = json!(shared.control.of_camera(name).is_switched_off);
+        cameras.push(json);
         servers.extend(camera.servers().map(|server| parameters::server(server, name)));
     }
     drop(statuses);
+    let control = shared.control.state();
     json!({
         "type": "state",
         "node": shared.ros.name(),
         "config": config,
         "version": env!("CARGO_PKG_VERSION"),
         "time": stamp_nanos(shared.ros.now()) as f64 * 1e-9,
-        "blackout": {"on": false, "by": ""},
-        "paused": {"on": false, "by": ""},
-        "test_picture": null,
+        "blackout": by(control.blackout),
+        "paused": by(control.paused),
+        "test_picture": control.test_picture,
         "cameras": cameras,
         "displays": displays,
         "reconfigure": servers,
     })
+}
+
+/// Something that holds for all cameras, and who has set it.
+fn by(caller: Option<String>) -> Value {
+    json!({"on": caller.is_some(), "by": caller.unwrap_or_default()})
 }
 
 fn camera_json(camera: &CameraOutput, rate_hz: Option<f64>, statuses: Option<&Value>) -> Value {
@@ -47,13 +57,11 @@ fn camera_json(camera: &CameraOutput, rate_hz: Option<f64>, statuses: Option<&Va
         "frame": figures.frame,
         "size": figures.size_px,
         "encoding": view.settings.image_encoding.name(),
-        "blackout": false,
         "rate_hz": rate_hz,
         "latency_ms": figures.latency_ms,
         "age_ms": figures.age_ms,
         "dark": figures.dark,
         "statuses": statuses.unwrap_or(&json!([])),
-        "nudge": null,
     })
 }
 

@@ -185,6 +185,7 @@ impl ControlThread {
         if !self.shared.control.take_change() {
             return;
         }
+        self.shared.board.pages().state_changed();
         for camera in self.shared.cameras().iter_mut() {
             if let Err(error) = camera.apply_control() {
                 camera.record_error(&error);

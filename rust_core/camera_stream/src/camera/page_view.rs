@@ -1,0 +1,64 @@
+//! What the operator's page shows of a camera.
+
+use rcs_ros::ReconfigureServer;
+
+use super::frame::FrameContent;
+use super::output::CameraOutput;
+use crate::nudge::NudgeTarget;
+use crate::outputs::TopicOutput;
+
+/// A camera's figures for the operator's page.
+#[derive(Debug)]
+pub(crate) struct CameraFigures<'a> {
+    /// The whole name of the image topic.
+    pub(crate) topic: Option<&'a str>,
+    /// The optical frame and the size of the last image.
+    pub(crate) frame: Option<&'a str>,
+    pub(crate) size_px: Option<[u32; 2]>,
+    /// Images published so far.
+    pub(crate) published: u64,
+    /// Medians, where they were measured.
+    pub(crate) latency_ms: Option<f64>,
+    pub(crate) age_ms: Option<f64>,
+    /// Why the last image is black, or why there is none.
+    pub(crate) dark: Option<String>,
+}
+
+impl CameraOutput {
+    /// Its figures for the operator's page.
+    pub(crate) fn figures(&self) -> CameraFigures<'_> {
+        let last = self.buffers.front.as_ref();
+        let black = last.and_then(|last| match &last.spec.content {
+            FrameContent::Black { dark, .. } => Some(dark.why.clone()),
+            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
+        });
+        let [latency_ms, age_ms] = self.health.latency.medians_ms();
+        CameraFigures {
+            topic: self.connections.outputs.topic.as_ref().map(TopicOutput::topic),
+            frame: last.map(|last| last.spec.info.header.frame_id.as_str()),
+            size_px: last.map(|last| [last.picture.width_px, last.picture.height_px]),
+            published: self.health.published(),
+            latency_ms,
+            age_ms,
+            dark: black.or_else(|| self.health.problem()),
+        }
+    }
+
+    /// Its name, and its projector for nudging.
+    pub(crate) fn nudge_target(&self) -> (String, NudgeTarget) {
+        let view = self.view();
+        let camera_info_topic = view.settings.camera_info_topic.clone();
+        (view.name.clone(), NudgeTarget { camera_info_topic, orientation: self.policy.post.orientation })
+    }
+
+    /// Its servers of dynamic_reconfigure: its own first, then that of the compressed images.
+    pub(crate) fn servers(&self) -> impl Iterator<Item = &ReconfigureServer> {
+        let topic = self.connections.outputs.topic.as_ref();
+        self.settings.server().into_iter().chain(topic.and_then(TopicOutput::server))
+    }
+
+    /// The switches of the displays: path, name of the parameter, and `true` for one that is on.
+    pub(crate) fn switches(&self) -> impl Iterator<Item = (&[String], &str, bool)> {
+        self.settings.switches()
+    }
+}

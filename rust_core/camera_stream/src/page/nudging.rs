@@ -1,0 +1,155 @@
+//! Nudging projectors for the pages, and the values that the pages show.
+//!
+//! The values are asked for every few seconds while a page is open, because others may nudge, too. That waits for other
+//! nodes, so it has a thread, which ends with the last page.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
+
+use rcs_scene::lock;
+use rcs_web::Refusal;
+use serde_json::{json, Value};
+
+use crate::nudge::{NudgeError, NudgedProjector, Nudger, Step};
+use crate::runtime::shared::NodeState;
+
+/// Time between two looks at the values.
+const PERIOD: Duration = Duration::from_secs(3);
+/// Keys of a step in a request, in the order of [`Step`]'s fields.
+const STEPS: [&str; 6] = ["right_m", "down_m", "forward_m", "pitch_rad", "yaw_rad", "roll_rad"];
+/// Names of the values, in the order of a nudge's.
+const VALUES: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
+
+/// Nudges the projectors of a node's cameras.
+pub(super) struct Nudging {
+    shared: Arc<NodeState>,
+    nudger: Nudger,
+    /// What the pages show, by camera; none for a camera whose projector cannot be nudged.
+    known: Mutex<HashMap<String, Value>>,
+    is_polling: AtomicBool,
+}
+
+impl Nudging {
+    pub(super) fn new(shared: &Arc<NodeState>) -> Arc<Self> {
+        let nudger = Nudger::new(Arc::clone(&shared.ros));
+        let (known, is_polling) = (Mutex::default(), AtomicBool::new(false));
+        Arc::new(Self { shared: Arc::clone(shared), nudger, known, is_polling })
+    }
+
+    /// What the pages show of a camera's nudge.
+    pub(super) fn of_camera(&self, camera: &str) -> Value {
+        lock(&self.known).get(camera).cloned().unwrap_or_default()
+    }
+
+    /// Asks for the values while a page is open.
+    pub(super) fn poll_while_open(self: &Arc<Self>) {
+        if !self.shared.board.pages().is_any_open() || self.is_polling.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        let own = Arc::clone(self);
+        let started = thread::Builder::new().name("web-nudge".to_owned()).spawn(move || own.poll());
+        if let Err(error) = started {
+            self.is_polling.store(false, Ordering::Release);
+            log::error!("cannot start the thread that asks projectors for their nudges: {error}");
+        }
+    }
+
+    fn poll(self: &Arc<Self>) {
+        let _is_polling = ClearWhenDropped(&self.is_polling);
+        while self.shared.board.pages().is_any_open() {
+            let targets: Vec<_> = self.shared.cameras().iter().map(|camera| camera.nudge_target()).collect();
+            for (camera, target) in targets {
+                self.note(camera, &self.nudger.values(&target));
+            }
+            thread::sleep(PERIOD);
+        }
+    }
+
+    /// Keeps the outcome of a call for the pages.
+    fn note(&self, camera: String, outcome: &Result<NudgedProjector, NudgeError>) {
+        let mut known = lock(&self.known);
+        let before = known.get(&camera).cloned();
+        let now = match outcome {
+            Ok(projector) => Some(json_of(projector)),
+            Err(NudgeError::NoProjector { .. }) => None,
+            // The last values, if there are some, cannot be changed at present.
+            Err(error) => before.clone().map(|mut known| {
+                known["problem"] = json!(error.to_string());
+                known
+            }),
+        };
+        if now == before {
+            return;
+        }
+        match now {
+            Some(now) => known.insert(camera, now),
+            None => known.remove(&camera),
+        };
+        drop(known);
+        self.shared.board.pages().state_changed();
+    }
+
+    /// Carries out `nudge`, `save` or `revert`. Waits for the projector's node.
+    pub(super) fn post(&self, request: &str, body: &Value, caller: &str) -> Result<String, Refusal> {
+        let camera = body["camera"].as_str().ok_or_else(|| Refusal::Invalid("camera: no text".to_owned()))?;
+        let targets = self.shared.cameras().iter().map(|camera| camera.nudge_target()).collect::<Vec<_>>();
+        let target = targets.into_iter().find(|(name, _)| name == camera);
+        let (_, target) = target.ok_or_else(|| Refusal::Invalid(format!("camera: there is no camera {camera}")))?;
+        let failed = |error: NudgeError| Refusal::Failed(error.to_string());
+        let message = match request {
+            "nudge" => {
+                let NudgedProjector { node, nudge } = self.nudger.nudge(&target, &step(body)?).map_err(failed)?;
+                format!("{node} nudged by {nudge} in all")
+            }
+            "save" => self.nudger.save(&target).map_err(failed)?,
+            _ => self.nudger.revert(&target).map_err(failed)?,
+        };
+        self.note(camera.to_owned(), &self.nudger.values(&target));
+        log::info!("camera {camera}: {message}; by {caller}");
+        Ok(message)
+    }
+}
+
+/// Clears a flag when its thread ends, also by a panic.
+struct ClearWhenDropped<'a>(&'a AtomicBool);
+
+impl Drop for ClearWhenDropped<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
+
+fn json_of(projector: &NudgedProjector) -> Value {
+    let mut json = json!({"node": projector.node, "problem": null});
+    for (name, value) in VALUES.iter().zip(projector.nudge.0) {
+        json[name] = json!(value);
+    }
+    json
+}
+
+/// The step of a request; what is missing is 0.
+fn step(body: &Value) -> Result<Step, Refusal> {
+    let mut values = [0.0; STEPS.len()];
+    for (value, key) in values.iter_mut().zip(STEPS) {
+        if !body[key].is_null() {
+            *value = body[key].as_f64().ok_or_else(|| Refusal::Invalid(format!("{key}: no number")))?;
+        }
+    }
+    let [right_m, down_m, forward_m, pitch_rad, yaw_rad, roll_rad] = values;
+    Ok(Step { right_m, down_m, forward_m, pitch_rad, yaw_rad, roll_rad })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_step_leaves_out_is_zero() {
+        let found = step(&json!({"camera": "proj", "down_m": 0.01, "yaw_rad": -1})).unwrap();
+        assert_eq!(found, Step { down_m: 0.01, yaw_rad: -1.0, ..Step::default() });
+        assert_eq!(step(&json!({"right_m": "1"})).unwrap_err(), Refusal::Invalid("right_m: no number".to_owned()));
+    }
+}
