@@ -288,6 +288,7 @@ fn what_works_for_the_pictures_is_watched() {
         ("runtime/shared.rs", "watchdog::watch(&activity);"),
         ("runtime/control_thread.rs", "Task::watched(\"answeringcalls\")"),
         ("outputs/compressed.rs", "Task::watched(format!(\"compressingapictureof{}\""),
+        ("outputs/page.rs", "Task::watched(\"encodinganimageforthepage\")"),
         ("outputs/window.rs", "watchdog::watch(&worker);"),
     ];
     assert_eq!(missing("rust_core/camera_stream/src", &registering), [""; 0]);

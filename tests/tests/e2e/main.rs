@@ -59,4 +59,5 @@ mod soak;
 mod thread_names;
 mod transforms;
 mod viewers;
+mod web;
 mod wrong_messages;
