@@ -7,6 +7,10 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
+from scenes.processes import wait_until
+
+# A guard against hangs, not a figure.
+PATIENCE_SECS = 120.0
 DESKTOP, PHONE = (1280, 900), (390, 844)
 PRESSABLE = 'button, input, select, summary'
 
@@ -50,10 +54,9 @@ class Page:
 
     def press(self, name):
         """Presses the button or switch that a screen reader calls so."""
-        found = [each for each in self.elements(PRESSABLE) if each.is_displayed() and each.accessible_name == name]
-        if len(found) != 1:
-            names = [each.accessible_name for each in self.elements(PRESSABLE) if each.is_displayed()]
-            raise LookupError(f'{len(found)} elements are called {name!r}; there are {names}')
+        def find():
+            return [each for each in self.elements(PRESSABLE) if each.is_displayed() and each.accessible_name == name]
+        found = wait_until(find, PATIENCE_SECS, f'nothing is called {name!r}')
         # On the phone, the middle of the screen is never below what is fixed at its ends.
         self.run('arguments[0].scrollIntoView({ block: "center" })', found[0])
         found[0].click()

@@ -12,10 +12,10 @@ import numpy
 from scenes.processes import Program, wait_until
 from scenes.rviz_runner import Stage
 
+from .browser import PATIENCE_SECS
+
 ROOT = pathlib.Path(__file__).parents[2]
 PROGRAMS = pathlib.Path(os.environ.get('CARGO_TARGET_DIR', ROOT / 'target')) / 'release'
-# Guards against hangs, not figures.
-PATIENCE_SECS = 120.0
 IMAGE = '/proj_view/image'
 CAMERA = '/camera_stream/CameraPub'
 OPTICAL_FRAME = 'proj_view'

@@ -117,6 +117,10 @@ class OperatorPage(unittest.TestCase):
 
     def test_the_image_is_live_and_masks_are_hatched(self):
         self.wait(lambda: self.page.text('.masked') == 'hatched: no light', 'the mask is not shown')
+        hatched = '''const canvas = document.querySelectorAll(".screen canvas")[1];
+            const at = (x, y) => canvas.getContext("2d").getImageData(x * canvas.width, y * canvas.height, 1, 1).data[3] > 0;
+            return [at(0.9, 0.05), at(0.5, 0.5)];'''
+        self.assertEqual([True, False], self.page.run(hatched))
         self.wait(lambda: self.page.text('.caption') == '', 'there is no image')
         lit = '''const canvas = document.querySelector(".screen canvas");
             const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });

@@ -75,12 +75,12 @@ function makeScreen(name) {
     const context = hatchingContext;
     context.drawImage(bitmap, 0, 0, hatching.width, hatching.height);
     bitmap.close();
-    // Grey becomes opacity, which the hatching then fills.
+    // 255 is all of the light, as in masks; the share that is missing becomes opacity, which the hatching then fills.
     const mask = context.getImageData(0, 0, hatching.width, hatching.height);
     let isMasked = false;
     for (let at = 0; at < mask.data.length; at += 4) {
-      mask.data[at + 3] = mask.data[at];
-      isMasked ||= mask.data[at] > 0;
+      mask.data[at + 3] = 255 - mask.data[at];
+      isMasked ||= mask.data[at] < 255;
     }
     context.putImageData(mask, 0, 0);
     context.globalCompositeOperation = 'source-in';
