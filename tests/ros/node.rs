@@ -73,6 +73,9 @@ fn transforms_carry_their_publishers_name_and_the_service_answers() {
     assert!(probe.line_with("transform odom base static true from /rostopic_").is_some());
     let printed = master.output("rosservice", &["call", "/robot/probe_trigger", "{}"]).unwrap();
     assert!(printed.contains("success: True") && printed.contains("received by /robot/probe"), "{printed}");
+    let printed = master.output("rosservice", &["call", "/robot/probe_switch", "true"]).unwrap();
+    assert!(printed.contains("success: True"), "{printed}");
+    assert!(probe.line_with("set /robot/probe_switch true by /rosservice").is_some());
 }
 
 #[test]

@@ -350,6 +350,15 @@ impl RosNode {
         Ok(struct_of(self.network().registrar().master().param(&whole_name).ok().flatten()))
     }
 
+    /// Sets a parameter soon, unless it is set to another value before. Never waits; failures are logged.
+    ///
+    /// # Errors
+    /// [`NodeError::Name`].
+    pub fn set_parameter(&self, name: &str, value: Value) -> Result<(), NodeError> {
+        self.param_writer.set(self.network(), self.resolve(name)?, value);
+        Ok(())
+    }
+
     /// `true` if the node was asked to end: by `rosnode kill`, or because another node took its name.
     pub fn is_asked_to_end(&self) -> bool {
         self.network().is_asked_to_end()

@@ -2,9 +2,7 @@
 //!
 //! Only the newest value of each parameter waits, so that a master that hangs costs no memory.
 
-use crate::error::NodeError;
 use crate::network::Network;
-use crate::node::RosNode;
 use crate::xmlrpc::Value;
 use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
@@ -18,17 +16,6 @@ type Param = (String, Value);
 /// Writer with a thread while values are waiting.
 #[derive(Default)]
 pub(crate) struct ParamWriter(Arc<Mutex<Waiting>>);
-
-impl RosNode {
-    /// Sets a parameter soon, unless it is set to another value before. Never waits; failures are logged.
-    ///
-    /// # Errors
-    /// [`NodeError::Name`].
-    pub fn set_parameter(&self, name: &str, value: Value) -> Result<(), NodeError> {
-        self.param_writer.set(self.network(), self.resolve(name)?, value);
-        Ok(())
-    }
-}
 
 /// Parameters that are not written yet.
 #[derive(Default)]

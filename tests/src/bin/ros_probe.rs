@@ -63,6 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Result<(), Box<dyn Error>> {
     node.subscribe_transforms()?;
     node.serve_trigger("probe_trigger")?;
+    node.serve_set_bool("probe_switch")?;
     let subscriptions = topics.chunks_exact(3).map(|topic| subscribe(node, topic)).collect::<Result<Vec<_>, _>>()?;
     for subscription in &subscriptions {
         print_line(&format!("subscribed {}", subscription.topic()));
