@@ -334,14 +334,14 @@ impl CameraOutput {
         let substitute = substitute::content(size_px(&camera), policy.dark_reason.as_ref(), &policy, &operator);
         let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
         let is_scene = held.is_none() && substitute.is_none();
+        let is_recorded = is_scene && self.connections.outputs.shown().is_some();
+        let oldest = is_recorded.then(|| oldest_stamp(scene, &visible)).flatten();
         let spec = held.unwrap_or_else(|| {
             let content = substitute.unwrap_or_else(|| FrameContent::Scene {
                 version: scene.displays().version_shown(&visible),
                 camera: Arc::clone(&camera),
                 hidden: policy.hidden.clone(),
             });
-            let is_recorded = self.connections.outputs.shown().is_some();
-            let oldest = is_recorded.then(|| oldest_stamp(scene, &visible)).flatten();
             let looked_up = scene.prediction().map(|prediction| prediction.now);
             FrameSpec { oldest, ..self.spec(content, &policy, info, looked_up) }
         });
