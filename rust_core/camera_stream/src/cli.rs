@@ -31,7 +31,7 @@ pub const ROS_NAMES: &[RosName] = &[
     publishes(
         "shown beside IMAGE",
         "sensor_msgs/TimeReference",
-        "for each new image, with its stamp: when it was on the screen, and `CAMERA;why black;oldest data stamp`",
+        "of each new image, with its stamp: when it was on the screen; `CAMERA;why black;oldest stamp`",
     ),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "status of each display and camera, once a second"),
     publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images, with `--orientation` 90, 180 or 270"),
@@ -42,9 +42,9 @@ pub const ROS_NAMES: &[RosName] = &[
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
-    serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release every blackout; kept as a parameter"),
-    serves("~pause", "std_srvs/SetBool", "keep the images of all cameras as long as they may be shown"),
-    serves("~test_picture", "std_srvs/Trigger", "show the next test picture, after the last one the scene again"),
+    serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release all blackouts"),
+    serves("~pause", "std_srvs/SetBool", "keep the images that are shown"),
+    serves("~test_picture", "std_srvs/Trigger", "show the next test picture"),
     configures("~CAMERA", "a CameraPub's blackout, frame rate, background, encoding, near clip and visibility"),
     configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
 ];

@@ -109,6 +109,7 @@ fn camera_stream_advertises_what_its_reference_lists() {
         ("IMAGE/compressed", "/view/image/compressed"),
         ("camera_info beside IMAGE", "/view/camera_info"),
         ("depth beside IMAGE", "/view/depth"),
+        ("shown beside IMAGE", "/view/shown"),
         ("INFO", "/eye/camera_info"),
         ("MASK", "/mask"),
         ("topics of the displays", "/cloud"),

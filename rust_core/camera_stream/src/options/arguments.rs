@@ -119,7 +119,7 @@ pub struct LightArgs {
     /// Write into a black picture why it is black
     #[arg(long)]
     pub stale_note: bool,
-    /// Start with all cameras blacked out, until the service ~blackout releases them
+    /// Start blacked out, until ~blackout releases it
     #[arg(long)]
     pub blackout: bool,
     /// Topic of a mono8 image over the projector's picture, dark where there must be no light; with CAMERA= for one
