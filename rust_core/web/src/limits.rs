@@ -24,7 +24,7 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            connections: 64,
+            connections: 256,
             headers: Duration::from_secs(10),
             body: Duration::from_secs(10),
             request: Duration::from_secs(60),

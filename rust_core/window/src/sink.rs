@@ -133,9 +133,15 @@ impl PictureSink {
         self.0.is_closing.load(Ordering::Acquire)
     }
 
-    fn hand_over(&self, picture: SunkPicture) {
+    fn hand_over(&self, mut picture: SunkPicture) {
         let mut newest = lock(&self.0.newest);
         let waiting_since = newest.as_ref().map(|(_, since)| *since);
+        // The same picture again, of which somebody still waits to hear.
+        if let (SunkPicture::Drawn(picture), Some((SunkPicture::Drawn(last), _))) = (&mut picture, &mut *newest) {
+            if Arc::ptr_eq(&picture.picture, &last.picture) {
+                picture.on_screen = picture.on_screen.take().or(last.on_screen.take());
+            }
+        }
         *newest = Some((picture, waiting_since.unwrap_or_else(Instant::now)));
         drop(newest);
         // One wake-up is enough for any number of pictures.

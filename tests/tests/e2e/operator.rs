@@ -225,6 +225,10 @@ fn a_pause_keeps_the_image_until_its_data_are_stale() {
     publisher.run("color[0] = 0x0000ff").unwrap();
     std::thread::sleep(Duration::from_millis(1500));
     assert_eq!(fixture.python(RED), "True", "it is paused while data are current");
+    fixture.python(CLIENT);
+    fixture.python("client.update_configuration({'near_clip': 0.5})");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python(RED), "True", "settings apply when the pause ends");
     fixture.python("blackout(True)");
     fixture.wait_for("is_black()");
     fixture.python("blackout(False)");

@@ -1,5 +1,8 @@
 //! The operator's page of a live node: images, state, parameters, and who may use it.
 
+use std::process::Command;
+
+use rcs_tests::programs::program;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 /// Python that is a page: a WebSocket of raw bytes, and POSTs.
@@ -180,7 +183,7 @@ fn the_token_is_on_standard_error_alone_and_a_taken_port_ends_the_node() {
         "[line for line in [l.msg for l in lines] + [l['text'] for l in page.lines] if page.token in line]";
     assert_eq!(fixture.python(with_token), "[]");
     let port = fixture.python("int(page.address.split(':')[1])");
-    let mut second = fixture.master.command("camera_stream");
+    let mut second = fixture.master.environment(Command::new(program("camera_stream")));
     second.arg("-d").arg(fixture.config_file()).args(["--renderer", "cpu", "--web", &port, "__name:=second"]);
     let output = second.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();

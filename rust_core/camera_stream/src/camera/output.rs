@@ -92,6 +92,8 @@ impl Epoch {
 pub(super) struct FrameBuffers {
     /// The frame that was published last.
     pub(super) front: Option<FinishedFrame>,
+    /// `true` if settings have changed since, during a pause.
+    is_outdated: bool,
     /// The image before it, which is drawn into again unless an output still holds it.
     back: Option<Arc<Picture>>,
     /// The size for which the renderer keeps memory.
@@ -162,7 +164,10 @@ impl CameraOutput {
     pub(crate) fn apply_new_settings(&mut self, displays: &DisplaySet) {
         if self.settings.apply_changes(displays) {
             self.timing.set_frame_rate(self.settings.view().settings.frame_rate_hz);
-            self.discard_last();
+            match self.operator().paused {
+                Some(_) => self.buffers.is_outdated = true,
+                None => self.discard_last(),
+            }
         }
     }
 
@@ -193,7 +198,7 @@ impl CameraOutput {
 
     /// Forgets the last frame: what it shows is old.
     pub(crate) fn discard_last(&mut self) {
-        self.buffers.front = None;
+        (self.buffers.front, self.buffers.is_outdated) = (None, false);
     }
 
     pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
@@ -334,6 +339,9 @@ impl CameraOutput {
         let substitute = substitute::content(size_px(&camera), policy.dark_reason.as_ref(), &policy, &operator);
         let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
         let is_scene = held.is_none() && substitute.is_none();
+        if is_scene && self.buffers.is_outdated {
+            self.discard_last();
+        }
         let is_recorded = is_scene && self.connections.outputs.shown().is_some();
         let oldest = is_recorded.then(|| oldest_stamp(scene, &visible)).flatten();
         let spec = held.unwrap_or_else(|| {
