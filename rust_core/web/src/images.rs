@@ -49,10 +49,10 @@ type Encode = Box<dyn FnOnce() -> Option<ImageFile> + Send>;
 
 /// The images of all cameras. Clones share them.
 #[derive(Clone)]
-pub struct Images(Arc<Shared>);
+pub struct Images(Arc<SharedImages>);
 
-struct Shared {
-    state: Mutex<State>,
+struct SharedImages {
+    state: Mutex<ImagesState>,
     /// Work for the encoder's thread.
     work: Condvar,
     /// Something that pages send is new.
@@ -60,7 +60,7 @@ struct Shared {
 }
 
 #[derive(Default)]
-struct State {
+struct ImagesState {
     cameras: HashMap<String, Camera>,
     pages: HashMap<u64, Page>,
     last_page: u64,
@@ -87,7 +87,7 @@ struct Slot {
     encoded: Option<(u64, Bytes)>,
 }
 
-/// What a page watches and has received.
+/// The cameras that a page watches, and the images that it has received.
 #[derive(Default)]
 struct Page {
     cameras: Vec<String>,
@@ -96,7 +96,7 @@ struct Page {
     sent: HashMap<String, [u64; 2]>,
 }
 
-/// What a job encodes.
+/// The object of an encoding job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Image,
@@ -113,7 +113,7 @@ pub struct EncodingJob {
 
 impl Images {
     pub(crate) fn new(news: watch::Sender<()>) -> Self {
-        Self(Arc::new(Shared { state: Mutex::default(), work: Condvar::new(), news }))
+        Self(Arc::new(SharedImages { state: Mutex::default(), work: Condvar::new(), news }))
     }
 
     /// Returns `true` if a page watches the camera.
@@ -221,7 +221,7 @@ impl Images {
     /// The next message for a page: a mask, or an image if it has credit, which is used up then.
     pub(crate) fn next_message(&self, page: u64) -> Option<Bytes> {
         let mut state = lock(&self.0.state);
-        let State { cameras, pages, .. } = &mut *state;
+        let ImagesState { cameras, pages, .. } = &mut *state;
         let page = pages.get_mut(&page)?;
         for camera in &page.cameras {
             let sent = page.sent.entry(camera.clone()).or_default();
@@ -248,12 +248,12 @@ impl Images {
     }
 }
 
-impl State {
+impl ImagesState {
     fn is_watched(&self, camera: &str) -> bool {
         self.pages.values().any(|page| page.watches(camera))
     }
 
-    /// What is to be encoded next, and when: now or later.
+    /// The next image to encode, and when: now or later.
     fn next_due(&self, now: Instant) -> Option<(Instant, String, Kind)> {
         let due = |(name, camera): (&String, &Camera)| {
             let is_wanted = || self.pages.values().any(|page| page.has_credit && page.watches(name));

@@ -1,4 +1,4 @@
-//! What the pages show and ask for, as the server sees it.
+//! The contents and the requests of pages, as the server sees them.
 
 use serde_json::Value;
 

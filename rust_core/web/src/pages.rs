@@ -15,19 +15,19 @@ const STATE_AGE: Duration = Duration::from_millis(200);
 
 /// The pages that are open. Clones share them.
 #[derive(Clone)]
-pub struct Pages(Arc<Shared>);
+pub struct Pages(Arc<SharedPages>);
 
-struct Shared {
+struct SharedPages {
     images: Images,
     news: watch::Sender<()>,
     open: AtomicUsize,
     /// Counts changes of the state.
     version: AtomicU64,
-    state: Mutex<Option<State>>,
+    state: Mutex<Option<PagesState>>,
 }
 
 /// The last text of the state.
-struct State {
+struct PagesState {
     version: u64,
     made: Instant,
     text: Arc<str>,
@@ -40,7 +40,7 @@ impl Pages {
         let news = watch::Sender::new(());
         let images = Images::new(news.clone());
         let (open, version) = (AtomicUsize::new(0), AtomicU64::new(0));
-        Self(Arc::new(Shared { images, news, open, version, state: Mutex::default() }))
+        Self(Arc::new(SharedPages { images, news, open, version, state: Mutex::default() }))
     }
 
     /// The images for the pages.
@@ -82,7 +82,7 @@ impl Pages {
             return (version, Arc::clone(&known.text));
         }
         let text: Arc<str> = operator.state().into();
-        *last = Some(State { version, made: Instant::now(), text: Arc::clone(&text) });
+        *last = Some(PagesState { version, made: Instant::now(), text: Arc::clone(&text) });
         (version, text)
     }
 

@@ -55,7 +55,7 @@ const HEADERS: [(HeaderName, &str); 5] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// What all connections share.
+/// The parts that all connections share.
 pub(crate) struct Site {
     pub(crate) access: Access,
     pub(crate) operator: Arc<dyn Operator>,

@@ -13,7 +13,7 @@ use rcs_ros::{ReconfigureServer, RosNode, ServiceCall};
 
 use super::publishers::Publishers;
 
-/// What the file has, published with the present nudge, and the services that change it.
+/// The file's contents, published with the present nudge, and the services that change it.
 pub(super) struct Nudging {
     path: PathBuf,
     info: CameraInfo,

@@ -127,7 +127,7 @@ impl FrameSpec {
         self.content == other.content && self.post == other.post
     }
 
-    /// The same frame, black for a reason that is not written into it.
+    /// The frame, black for a reason that is not written into it.
     pub(crate) fn blacked_out(mut self, dark: DarkReason) -> Self {
         self.content = FrameContent::Black { size_px: self.content.size_px(), dark, has_note: false };
         self.post = safety::unplaced(&self.post);

@@ -7,7 +7,7 @@
 //! A frame that expires, because what it shows is stale, is followed by a black one at once, whatever the frame rate;
 //! see [`crate::safety`].
 //!
-//! What the [operator](crate::control) has set comes before the scene: a blackout goes out at once, from the control
+//! The [operator](crate::control)'s settings come before the scene: a blackout goes out at once, from the control
 //! thread, and no image that was begun before it leaves afterwards.
 //!
 //! A camera belongs to both of the node's threads: the scene's thread polls and publishes, and the control thread
@@ -274,7 +274,7 @@ impl CameraOutput {
         can_draw.then(|| self.timing.until_due(self.connections.outputs.refresh(), now)).flatten()
     }
 
-    /// What the operator has set.
+    /// The operator's settings.
     fn operator(&self) -> OperatorSettings {
         self.context.control.of_camera(&self.view().name)
     }

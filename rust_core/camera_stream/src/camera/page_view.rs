@@ -1,4 +1,4 @@
-//! What the operator's page shows of a camera.
+//! A camera on the operator's page.
 
 use rcs_ros::ReconfigureServer;
 

@@ -1,4 +1,4 @@
-//! What the operator has set: blackout, pause and test pictures, of all cameras and of each.
+//! The operator's settings: blackout, pause and test pictures, of all cameras and of each.
 //!
 //! ```text
 //!  services, dynamic_reconfigure, keys of windows, page ─► Control ─┬─► control thread: black at once
@@ -35,15 +35,15 @@ const REMEMBERED: &str = "a parameter at the start";
 /// Sets a parameter below the node.
 type Remember = dyn Fn(&str, bool) + Send + Sync;
 
-/// What the operator has set. Cheap to read from any thread.
+/// The operator's settings. Cheap to read from any thread.
 pub(crate) struct Control {
-    state: Mutex<State>,
+    state: Mutex<ControlledState>,
     remember: Box<Remember>,
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
 #[derive(Default)]
-struct State {
+struct ControlledState {
     /// Who has blacked out all cameras.
     blackout: Option<String>,
     /// Who has paused all cameras.
@@ -69,7 +69,7 @@ struct CameraState {
     gate: Gate,
 }
 
-/// What the operator has set for one camera.
+/// The operator's settings of one camera.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OperatorSettings {
     /// The blackout that holds.
@@ -82,7 +82,7 @@ pub(crate) struct OperatorSettings {
     pub(crate) test_picture: Option<TestPicture>,
 }
 
-/// What the operator has set for all cameras.
+/// The operator's settings of all cameras.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ControlState {
     /// Who has blacked out all cameras.
@@ -127,7 +127,7 @@ impl Control {
         remember: impl Fn(&str, bool) + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let state = Mutex::new(State { remembered, ..State::default() });
+        let state = Mutex::new(ControlledState { remembered, ..ControlledState::default() });
         Self { state, remember: Box::new(remember), wake: Box::new(wake) }
     }
 
@@ -241,7 +241,7 @@ impl Control {
         lock(&self.state).camera(name).gate.ticket()
     }
 
-    /// What is set for all cameras.
+    /// The settings of all cameras.
     pub(crate) fn state(&self) -> ControlState {
         let state = lock(&self.state);
         let (blackout, paused) = (state.blackout.clone(), state.paused.clone());
@@ -253,7 +253,7 @@ impl Control {
         std::mem::take(&mut lock(&self.state).has_changed)
     }
 
-    fn change<T>(&self, change: impl FnOnce(&mut State, &dyn Fn(&str, bool)) -> T) -> T {
+    fn change<T>(&self, change: impl FnOnce(&mut ControlledState, &dyn Fn(&str, bool)) -> T) -> T {
         let mut state = lock(&self.state);
         let result = change(&mut state, &*self.remember);
         let all_black = state.blackout.is_some();
@@ -265,7 +265,7 @@ impl Control {
     }
 }
 
-impl State {
+impl ControlledState {
     /// The part of a camera, which is new if need be.
     fn camera(&mut self, name: &str) -> &mut CameraState {
         let known = self.cameras.iter().position(|camera| camera.name == name);

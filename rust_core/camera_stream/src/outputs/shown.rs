@@ -49,7 +49,7 @@ impl fmt::Debug for ShownRecord {
     }
 }
 
-/// What an image shows: `CAMERA;DARK;OLDEST`, why it is black, if it is, and the stamp of its oldest data in seconds, if
+/// The content of an image: `CAMERA;DARK;OLDEST`, why it is black, if it is, and the stamp of its oldest data in seconds, if
 /// they have stamps.
 pub(crate) fn source(camera: &str, dark: Option<&str>, oldest: Option<Time>) -> String {
     let part = |text: &str| text.replace(';', ",");

@@ -17,7 +17,7 @@ use crate::scene::status_tree::{EntryKind, StatusEntry};
 /// Most statuses of an entry that are shown: a display with markers has one for each.
 const MOST_STATUSES: usize = 20;
 
-/// What the pages show, and the pages.
+/// The pages, and their contents.
 pub(crate) struct Board {
     pages: Pages,
     statuses: Mutex<BoardStatuses>,

@@ -27,7 +27,7 @@ const VALUES: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 pub(super) struct Nudging {
     shared: Arc<NodeState>,
     nudger: Nudger,
-    /// What the pages show, by camera; none for a camera whose projector cannot be nudged.
+    /// The nudges that pages show, by camera; none for a camera whose projector cannot be nudged.
     known: Mutex<HashMap<String, Value>>,
     is_polling: AtomicBool,
 }
@@ -39,7 +39,7 @@ impl Nudging {
         Arc::new(Self { shared: Arc::clone(shared), nudger, known, is_polling })
     }
 
-    /// What the pages show of a camera's nudge.
+    /// A camera's nudge on the pages.
     pub(super) fn of_camera(&self, camera: &str) -> Value {
         lock(&self.known).get(camera).cloned().unwrap_or_default()
     }

@@ -18,7 +18,7 @@ use crate::page::Board;
 pub(crate) struct NodeState {
     pub(crate) ros: Arc<RosNode>,
     pub(super) activity: Arc<Activity>,
-    /// What the operator's page shows.
+    /// The contents of the operator's page.
     pub(crate) board: Board,
     pub(crate) control: Arc<Control>,
     cameras: Mutex<Vec<CameraOutput>>,

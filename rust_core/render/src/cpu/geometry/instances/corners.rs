@@ -11,8 +11,8 @@ use crate::cpu::raster::triangle::Corner;
 use crate::cpu::tile::lanes::{load, map, store_whole, transform, whole, F, LANES};
 use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition, SUBPIXELS};
 
-/// Source of the corners of a thing's triangles.
-pub(in crate::cpu) struct Source<'a> {
+/// CornerSource of the corners of a thing's triangles.
+pub(in crate::cpu) struct CornerSource<'a> {
     pub(in crate::cpu) vertices: Vertices<'a>,
     pub(in crate::cpu) material: &'a Material,
     pub(in crate::cpu) transform: &'a ObjectTransform,
@@ -24,7 +24,7 @@ pub(in crate::cpu) enum Vertices<'a> {
     Text(&'a Text),
 }
 
-impl Source<'_> {
+impl CornerSource<'_> {
     pub(in crate::cpu) fn vertex(&self, key: u32) -> Option<Vertex> {
         match &self.vertices {
             Vertices::Mesh(mesh) => mesh.vertices.get(key as usize).copied(),
@@ -88,7 +88,7 @@ impl InstanceScratch {
     pub(in crate::cpu) fn corner(
         &mut self,
         key: u32,
-        source: &Source<'_>,
+        source: &CornerSource<'_>,
         screen: &Screen,
         light: bool,
     ) -> Option<(Corner, Outside)> {

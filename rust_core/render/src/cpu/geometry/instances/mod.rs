@@ -28,7 +28,7 @@ use rcs_scene::{CullMode, Material, Mesh, Solid, Solids};
 
 pub(in crate::cpu) use self::batch::{Batch, BatchPiece, BatchView, InstanceContext};
 pub(in crate::cpu) use self::corners::InstanceScratch;
-use self::corners::{place_vertices, Source, Vertices};
+use self::corners::{place_vertices, CornerSource, Vertices};
 use self::placement::{place_box, Placement};
 use self::shape::Shape;
 pub(in crate::cpu) use self::shape::Shapes;
@@ -113,7 +113,7 @@ impl Instances {
             self.add_inside(shape, surface.cull, screen, scratch)
         } else {
             let transform = view.transform(&view_from_object);
-            let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
+            let source = CornerSource { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
             scratch.begin();
             let numbers = (first..).zip(&shape.triangles);
             // Each triangle is looked at, whether others are seen or not.
@@ -162,7 +162,7 @@ impl Instances {
         &mut self,
         number: u32,
         corners: [u32; 3],
-        source: &Source<'_>,
+        source: &CornerSource<'_>,
         screen: &Screen,
         scratch: &mut InstanceScratch,
     ) -> bool {
@@ -249,20 +249,20 @@ impl Placed {
         &self,
         transform: &ObjectTransform,
         &InstanceContext { batches, view, .. }: &InstanceContext<'_>,
-        work: impl FnOnce(&Source<'_>, &dyn Fn(u32) -> Option<[u32; 3]>),
+        work: impl FnOnce(&CornerSource<'_>, &dyn Fn(u32) -> Option<[u32; 3]>),
     ) {
         match batches.get(self.batch as usize) {
             Some(Batch::Solids(solids, shapes)) => {
                 let instance = SolidInstance::new(solids, shapes, self.item as usize);
                 let Some(SolidInstance { solid, mesh, shape }) = instance else { return };
                 let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
-                let source = Source { vertices: Vertices::Mesh(mesh), material, transform, surface };
+                let source = CornerSource { vertices: Vertices::Mesh(mesh), material, transform, surface };
                 work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
             }
             Some(Batch::Text(text, _)) => {
                 let material = text.material();
                 let Some(surface) = view.surface_of_texts(!material.depth_test) else { return };
-                let source = Source { vertices: Vertices::Text(text), material, transform, surface };
+                let source = CornerSource { vertices: Vertices::Text(text), material, transform, surface };
                 work(&source, &|triangle| {
                     glyph_triangles(self.item + triangle / 2).get(triangle as usize % 2).copied()
                 });
@@ -288,7 +288,7 @@ impl<'a> SolidInstance<'a> {
 
 fn draw_triangle(
     (corners, may_be_cut): ([u32; 3], bool),
-    source: &Source<'_>,
+    source: &CornerSource<'_>,
     screen: &Screen,
     scratch: &mut InstanceScratch,
     band: &mut Band<'_>,
@@ -303,7 +303,7 @@ fn draw_triangle(
 }
 
 /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.
-fn cut(keys: [u32; 3], source: &Source<'_>, screen: &Screen, out: impl FnMut(&[Corner; 3])) {
+fn cut(keys: [u32; 3], source: &CornerSource<'_>, screen: &Screen, out: impl FnMut(&[Corner; 3])) {
     let vertex = |key: u32| {
         let vertex = source.vertex(key)?;
         let position = source.transform.clip(vertex.position);

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rcs_scene::{Aabb, Drawable, Glyph, Text};
 
 use super::placement::{place_box, Placement};
-use super::{BatchPiece, InstanceContext, InstanceScratch, Instances, Placed, Source, Vertices};
+use super::{BatchPiece, CornerSource, InstanceContext, InstanceScratch, Instances, Placed, Vertices};
 
 /// Glyphs that are tested together.
 const GLYPHS_IN_GROUP: usize = 64;
@@ -24,7 +24,7 @@ impl Instances {
         let view_from_object = view.view.camera.view_from_facing(&drawable.fixed_from_object).cast();
         let transform = view.transform(&view_from_object);
         let source =
-            Source { vertices: Vertices::Text(text), material: text.material(), transform: &transform, surface };
+            CornerSource { vertices: Vertices::Text(text), material: text.material(), transform: &transform, surface };
         scratch.begin();
         let (range, first) = (piece.range.clone(), self.next);
         let mut is_seen = false;
