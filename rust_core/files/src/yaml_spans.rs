@@ -7,8 +7,8 @@ use saphyr_parser::{Event, Parser};
 /// A YAML value.
 #[derive(Debug)]
 pub(crate) struct Node {
-    /// Bytes of a scalar in the text, quotes included; space and a comment behind it may be among them. Of another value
-    /// only the first byte counts.
+    /// Bytes of a scalar in the text, quotes included; space and a comment behind it may be among them. Of another
+    /// value only the first byte counts.
     pub(crate) bytes: Range<usize>,
     /// Column of its first character, from 0.
     pub(crate) column: usize,

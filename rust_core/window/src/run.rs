@@ -151,7 +151,8 @@ impl<'a> WindowPainter<'a> {
             }
             Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, permit },
             Some(SunkPicture::Drawn(LitPicture { picture: source, permit, on_screen })) => {
-                // Also in a view that does not show it: what hears of it is told when the window has what it shows then.
+                // Also in a view that does not show it: what hears of it is told when the window has what it shows
+                // then.
                 self.is_due |= on_screen.is_some();
                 let is_same = self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source));
                 self.on_screen = on_screen.or(self.on_screen.take().filter(|_| is_same));

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Nothing else holds such state. A camera is black while any blackout holds: `~blackout`, the camera's own switch, or
-//! the key B of its window. Each is released where it was set, and `~blackout` releases all. Blackouts are remembered as
-//! parameters, so that a node which crashes during one does not come back lit.
+//! the key B of its window. Each is released where it was set, and `~blackout` releases all. Blackouts are remembered
+//! as parameters, so that a node which crashes during one does not come back lit.
 
 mod ticket;
 

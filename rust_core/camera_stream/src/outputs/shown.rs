@@ -49,8 +49,8 @@ impl fmt::Debug for ShownRecord {
     }
 }
 
-/// The content of an image: `CAMERA;DARK;OLDEST`, why it is black, if it is, and the stamp of its oldest data in seconds, if
-/// they have stamps.
+/// The content of an image: `CAMERA;DARK;OLDEST`, why it is black, if it is, and the stamp of its oldest data in
+/// seconds, if they have stamps.
 pub(crate) fn source(camera: &str, dark: Option<&str>, oldest: Option<Time>) -> String {
     let part = |text: &str| text.replace(';', ",");
     let seconds = |(secs, nanos): (u32, u32)| format!("{secs}.{nanos:09}");

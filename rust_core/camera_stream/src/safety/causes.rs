@@ -14,7 +14,8 @@
 //! | an image that is black came on a topic (`projector_window`) | yes | no | it has what it has |
 //!
 //! Beside these, a window is black before its first image, and without its camera or its monitor; an image whose blend
-//! weights have another size is black; and what a mask or a keep-out frame covers stays dark in pauses and test pictures.
+//! weights have another size is black; and what a mask or a keep-out frame covers stays dark in pauses and test
+//! pictures.
 
 use std::fmt;
 
