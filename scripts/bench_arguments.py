@@ -10,7 +10,7 @@ DESCRIPTION = """Measures the running camera from outside, with both renderers, 
 CameraPub plugin. Writes the tables and the plot of docs/explanation/performance.md and README.md. Installs and builds what is
 missing. Takes a quarter of an hour; do not use the machine for anything else meanwhile."""
 EXIT_STATUS = 'Exit status: 0 done, 1 something failed, 2 unusable arguments.'
-SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light', 'blackout', 'plugin']
+SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light', 'blackout', 'pages', 'plugin']
 RENDERERS = ['cpu', 'gpu']
 DEPTH_CAMERA_POINTS = 640 * 480
 

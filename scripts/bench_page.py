@@ -164,6 +164,14 @@ def blackout(_, result):
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 
 
+def pages(given, result):
+    intro = ("`./bench --only pages` on {}: Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s each; of twenty pages one "
+             'never reads.').format(machine(), given.hz, given.seconds)
+    heads = ['program', 'open pages', 'pictures/s on the topic', 'latency ms, median / p95', 'CPU ms per cloud', 'images/s of a page']
+    row = ['{name}', '{pages}', '{new_hz:.1f}', LATENCY, '{cpu_per_cloud_ms:.1f}', '{page_hz:.1f}']
+    return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
+
+
 def plugin(given, result):
     intro = ('`./bench --only plugin` on {}: rviz with one camera, Flat Squares, 10,000 points at {:g} clouds/s, 1280×800, {:g} s '
              'each.').format(machine(), given.hz, given.seconds)

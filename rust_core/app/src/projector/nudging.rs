@@ -81,18 +81,18 @@ impl Nudging {
                 }
                 reply.answer(self.nudge.config());
             }
-            ServiceCall::Trigger { service, reply, .. } if service == self.save || service == self.revert => {
+            ServiceCall::Trigger { service, reply, caller } if service == self.save || service == self.revert => {
                 let result = match service == self.save {
                     true => self.save(node),
                     false => self.revert(node),
                 };
                 match result {
                     Ok(done) => {
-                        log::info!("{service}: {done}");
+                        log::info!("{service} by {caller}: {done}");
                         reply.send(true, done);
                     }
                     Err(error) => {
-                        log::warn!("{service} failed: {error:#}");
+                        log::warn!("{service} by {caller} failed: {error:#}");
                         reply.send(false, format!("{error:#}"));
                     }
                 }
