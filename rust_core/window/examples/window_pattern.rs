@@ -50,25 +50,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(title) = keep {
         return Ok(window::keep_over(&title, &options.monitor, || false)?);
     }
-    let handle = move |event: UserEvent<'_>, sink: &PictureSink| match event {
+    let show = move |sink: PictureSink| {
+        thread::spawn(move || {
+            sink.show(pattern(width, height));
+            thread::sleep(Duration::from_millis(500));
+            sink.show(pattern(width, height));
+            log::info!("this was the second picture");
+            log::info!("refreshed every {:?}", sink.refresh().map(|refresh| refresh.period()));
+        });
+    };
+    if has_own_keys {
+        return Ok(window::run(&options, show)?);
+    }
+    window::run_interactive(&options, move |event, sink| match event {
         UserEvent::Opened(monitor) => {
             log::info!("opened on {monitor}");
-            let sink = sink.clone();
-            thread::spawn(move || {
-                sink.show(pattern(width, height));
-                thread::sleep(Duration::from_millis(500));
-                sink.show(pattern(width, height));
-                log::info!("this was the second picture");
-                log::info!("refreshed every {:?}", sink.refresh().map(|refresh| refresh.period()));
-            });
+            show(sink.clone());
         }
         UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),
         UserEvent::Key(key) => log::info!("key {key:?}"),
-    };
-    if has_own_keys {
-        window::run_with(&options, &PictureSink::new()?, handle)?;
-    } else {
-        window::run_interactive(&options, handle)?;
-    }
+    })?;
     Ok(())
 }
