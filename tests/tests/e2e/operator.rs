@@ -1,4 +1,4 @@
-//! What an operator sets: `~blackout`, `~pause`, `~test_picture`, a camera's `blackout`, and the keys of its window.
+//! The operator's settings: `~blackout`, `~pause`, `~test_picture`, a camera's `blackout`, and the keys of its window.
 
 use std::time::Duration;
 

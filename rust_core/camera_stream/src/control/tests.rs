@@ -1,3 +1,5 @@
+//! Which blackouts hold, and who releases them.
+
 use super::*;
 
 type Written = Arc<Mutex<Vec<(String, bool)>>>;
