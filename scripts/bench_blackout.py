@@ -1,7 +1,7 @@
 """Measures how soon a blackout is dark: from a script's call until the X server's screen is black, under load.
 
-The node has a window of its own on Xvfb. The caller keeps its connection to the service (`persistent`), as a script that has to be
-quick does. The loads:
+The node has a window of its own on Xvfb. The callers are a script that keeps its connection to the service (`persistent`), as one
+that has to be quick does, and the operator's page, which opens a connection for each request. The loads:
 
     nothing   an unchanged cloud
     markers   100,000 arrows that are placed anew all the time
@@ -10,7 +10,10 @@ quick does. The loads:
 """
 
 import contextlib
+import http.client
 import io
+import itertools
+import json
 import os
 import signal
 import statistics
@@ -26,6 +29,7 @@ from std_msgs.msg import ColorRGBA
 from std_srvs.srv import SetBool
 from visualization_msgs.msg import Marker, MarkerArray
 
+import bench_pages
 from bench_light import x_server
 from bench_probe import NEWEST, SIZE_PX, Program
 
@@ -131,8 +135,30 @@ def until(screen, is_black):
     return time.monotonic()
 
 
-def measure(bench, camera, text, load, cloud):
-    """The figures of one load."""
+def script(_bench):
+    """Switches by the service."""
+    rospy.wait_for_service('/camera_stream/blackout', TIMEOUT_S)
+    return rospy.ServiceProxy('/camera_stream/blackout', SetBool, persistent=True)
+
+
+def page(bench):
+    """Switches as the operator's page does."""
+    (host, port), token = bench_pages.address(bench.log)
+    head = {'Authorization': 'Bearer ' + token, 'Content-Type': 'application/json'}
+
+    def post(is_on):
+        connection = http.client.HTTPConnection(host, port, timeout=TIMEOUT_S)
+        connection.request('POST', '/api/blackout', json.dumps({'on': is_on, 'camera': None}), head)
+        answer = connection.getresponse()
+        if answer.status != 200:
+            sys.exit('bench: the page: {} {}'.format(answer.status, answer.read()))
+        connection.close()
+
+    return post
+
+
+def measure(bench, camera, text, load, caller, cloud):
+    """The figures of one load and caller."""
     file = os.path.join(bench.folder, 'blackout.rviz')
     with open(file, 'w') as out:
         out.write(text.replace('  Displays:\n', DISPLAY, 1))
@@ -143,11 +169,10 @@ def measure(bench, camera, text, load, cloud):
         environment['DISPLAY'] = shown
         bench.probe.use(NEWEST, cloud, SIZE_PX)
         bench.probe.send(0)
-        command = camera.command + ['-d', file, '--window', 'auto', '--mesh-folder', bench.folder]
+        command = camera.command + ['-d', file, '--window', 'auto', '--web', '0', '--mesh-folder', bench.folder]
         stack.enter_context(Program(command, bench.log, environment=environment))
         until(screen, False)
-        rospy.wait_for_service('/camera_stream/blackout', TIMEOUT_S)
-        call = rospy.ServiceProxy('/camera_stream/blackout', SetBool, persistent=True)
+        call = caller(bench)
         call(False)
         begin_load = stack.enter_context(load(publisher, bench.folder))
         times_ms = []
@@ -158,17 +183,18 @@ def measure(bench, camera, text, load, cloud):
             call(True)
             times_ms.append(1000 * (until(screen, True) - begun))
             call(False)
-        call.close()
     publisher.unregister()
     return {'median_ms': statistics.median(times_ms), 'worst_ms': max(times_ms), 'count': len(times_ms)}
 
 
 def section(bench, text, cloud):
     """The rows of the section."""
+    os.environ['ROS_HOME'] = bench.folder
     loads = (('nothing', nothing), ('100,000 arrows are placed', markers), ('a mesh of 2,000,000 triangles is loaded', mesh),
              ('the ROS master hangs', master))
     rows = []
     for camera in bench.cameras:
-        for name, load in loads:
-            rows.append(bench.row(camera, measure(bench, camera, text, load, cloud), load=name))
+        for (name, load), caller in itertools.product(loads, (script, page)):
+            figures = measure(bench, camera, text, load, caller, cloud)
+            rows.append(bench.row(camera, figures, load=name, caller='the ' + caller.__name__))
     return {'rows': rows}

@@ -157,10 +157,10 @@ def light(given, result):
 
 
 def blackout(_, result):
-    intro = ('`./bench --only blackout` on {}: 1280×800 in a window of the node on Xvfb, from the call on a persistent connection to '
-             'a black screen.').format(machine())
-    heads = ['program', 'meanwhile', 'median ms', 'worst ms', 'blackouts']
-    row = ['{name}', '{load}', '{median_ms:.0f}', '{worst_ms:.0f}', '{count}']
+    intro = ('`./bench --only blackout` on {}: 1280×800 in a window of the node on Xvfb, from the call to a black screen. A '
+             'script calls on a persistent connection, the page on a new one.').format(machine())
+    heads = ['program', 'meanwhile', 'caller', 'median ms', 'worst ms', 'blackouts']
+    row = ['{name}', '{load}', '{caller}', '{median_ms:.0f}', '{worst_ms:.0f}', '{count}']
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 
 
