@@ -167,16 +167,6 @@ fn wall(screen: &Screen, args: &[&str]) -> RosFixture {
     fixture
 }
 
-/// Presses a key, again if nobody has heard it, until the log says so.
-fn press(screen: &Screen, fixture: &RosFixture, key: &str, logged: &str) {
-    let before = fixture.log_lines(&[logged]);
-    let is_pressed = || {
-        screen.press(key);
-        wait_until(Duration::from_secs(5), || fixture.log_lines(&[logged]) > before)
-    };
-    assert!(wait_until(PATIENCE, is_pressed), "{}", fixture.log());
-}
-
 fn level_at(screen: &Screen, [u, v]: [usize; 2]) -> [u8; 3] {
     let pixels = screen.pixels();
     let at = 3 * (640 * v + u);
@@ -201,13 +191,13 @@ fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_picture() {
         .run("PublishRepeatedly(20, lambda i: cloud(color[0], points=points, stamp=rospy.Time.now()), '/cloud')")
         .unwrap();
     assert!(wait_until(PATIENCE, || level_at(&screen, [320, 180]) == RED), "{}", fixture.log());
-    press(&screen, &fixture, "p", "pause on by key p");
+    screen.press_until_logged(&fixture, "p", "pause on by key p");
     publisher.run("color[0] = 0x0000ff").unwrap();
     std::thread::sleep(Duration::from_millis(1500));
     assert_eq!(level_at(&screen, [320, 180]), RED, "it is paused while data are current");
     drop(publisher);
     assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
-    press(&screen, &fixture, "t", "test picture ");
+    screen.press_until_logged(&fixture, "t", "test picture ");
     assert!(wait_until(PATIENCE, || !is_black(&screen)), "one can focus without data");
     std::thread::sleep(Duration::from_millis(1500));
     assert!(!is_black(&screen));
@@ -227,12 +217,12 @@ fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
     let (right, left, above) = ([470, 180], [170, 180], [320, 30]);
     let sees = |expected: [[u8; 3]; 3]| [right, left, above].map(|at| level_at(&screen, at)) == expected;
     assert!(wait_until(PATIENCE, || sees([[0; 3], RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "p", "pause on by key p");
+    screen.press_until_logged(&fixture, "p", "pause on by key p");
     fixture.python("latch('/cloud', cloud(0x0000ff, points=points))");
     tracker.run("x[0] = -0.5").unwrap();
     assert!(wait_until(PATIENCE, || sees([RED, [0; 3], RED])), "the scene is held, and the head is masked where it is");
     // The test picture has light there.
-    press(&screen, &fixture, "t", "test picture ");
+    screen.press_until_logged(&fixture, "t", "test picture ");
     let black_pixels = |half: usize| {
         let pixels = screen.pixels();
         let near = |index: usize| {
@@ -248,7 +238,7 @@ fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
     assert!(wait_until(PATIENCE, || black_pixels(1) == (0, true) && black_pixels(0).0 > 0), "{}", fixture.log());
     drop(tracker);
     assert!(wait_until(PATIENCE, || is_black(&screen)), "nobody knows where the head is: {}", fixture.log());
-    press(&screen, &fixture, "p", "pause off by key p");
+    screen.press_until_logged(&fixture, "p", "pause off by key p");
     std::thread::sleep(Duration::from_millis(500));
     assert!(is_black(&screen));
 }
@@ -266,11 +256,11 @@ fn a_mask_that_closes_beats_a_pause() {
     fixture.python("PublishRepeatedly(20, lambda i: mask(), '/mask')");
     let sees = |expected: [[u8; 3]; 2]| [[160, 180], [480, 180]].map(|at| level_at(&screen, at)) == expected;
     assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "space", "pause on by key p");
+    screen.press_until_logged(&fixture, "space", "pause on by key p");
     fixture.python("latch('/cloud', cloud(0x0000ff, points=points)); level[0] = 0");
     assert!(wait_until(PATIENCE, || sees([RED, [0; 3]])), "{}", fixture.log());
     fixture.python("level[0] = 255");
     assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
-    press(&screen, &fixture, "space", "pause off by key p");
+    screen.press_until_logged(&fixture, "space", "pause off by key p");
     assert!(wait_until(PATIENCE, || sees([BLUE, BLUE])), "{}", fixture.log());
 }

@@ -65,16 +65,6 @@ fn is_red(screen: &Screen) -> bool {
     screen.pixels().chunks_exact(3).all(|pixel| *pixel == [255, 0, 0])
 }
 
-/// Presses a key, again if nobody has heard it, until the log says so.
-fn press(screen: &Screen, fixture: &RosFixture, key: &str, logged: &str) {
-    let before = fixture.log_lines(&[logged]);
-    let is_pressed = || {
-        screen.press(key);
-        wait_until(Duration::from_secs(5), || fixture.log_lines(&[logged]) > before)
-    };
-    assert!(wait_until(PATIENCE, is_pressed), "{}", fixture.log());
-}
-
 #[test]
 fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one() {
     let fixture = fixture(&[]);
@@ -166,14 +156,14 @@ fn the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it() {
     let screen = Screen::start();
     let fixture = with_window(&screen, &[]);
     assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
-    press(&screen, &fixture, "b", "camera CameraPub: blackout on by key b");
+    screen.press_until_logged(&fixture, "b", "camera CameraPub: blackout on by key b");
     fixture.wait_for("is_black()");
     assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
     fixture.python("blackout(True)");
-    press(&screen, &fixture, "b", "camera CameraPub: blackout off by key b");
+    screen.press_until_logged(&fixture, "b", "camera CameraPub: blackout off by key b");
     std::thread::sleep(Duration::from_millis(300));
     assert!(is_black(&screen) && fixture.python("is_black()") == "True", "the service holds");
-    press(&screen, &fixture, "b", "camera CameraPub: blackout on by key b");
+    screen.press_until_logged(&fixture, "b", "camera CameraPub: blackout on by key b");
     fixture.python("blackout(False)");
     assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
     fixture.wait_for(RED);

@@ -23,7 +23,7 @@ fn a_recorded_latched_topic_stays_latched() {
     // It ends by itself when it has recorded a message of each topic.
     let mut record = master.command("rosbag");
     record.args(["record", "--limit", "1", "-O"]).arg(&bag).args(topics);
-    let mut recorder = Running::start(record).unwrap();
+    let mut recorder = Running::start(&mut record).unwrap();
     assert!(python.wait_for(PATIENCE, "send_once.get_num_connections() == 1"));
     python.run("send_once.publish(info())").unwrap();
     assert!(recorder.wait(PATIENCE).is_some_and(|status| status.success()));

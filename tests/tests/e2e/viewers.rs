@@ -140,6 +140,16 @@ impl Screen {
         assert!(status.success(), "xdotool: {status}");
     }
 
+    /// Presses a key, again if nobody has heard it, until the log of the node says so.
+    pub(crate) fn press_until_logged(&self, fixture: &RosFixture, key: &str, logged: &str) {
+        let before = fixture.log_lines(&[logged]);
+        let is_pressed = || {
+            self.press(key);
+            wait_until(Duration::from_secs(5), || fixture.log_lines(&[logged]) > before)
+        };
+        assert!(wait_until(PATIENCE, is_pressed), "{}", fixture.log());
+    }
+
     /// The screen's pixels, three bytes each: the server keeps them in a file in xwd's format.
     pub(crate) fn pixels(&self) -> Vec<u8> {
         let xwd = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
