@@ -10,7 +10,7 @@ use rcs_tests::programs::repository;
 use rcs_tests::sources::{missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 25] = [
+const LAYERS: [(&str, &[&str]); 26] = [
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("camera", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -21,6 +21,7 @@ const LAYERS: [(&str, &[&str]); 25] = [
     ("resources", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("displays", &["rosrust", "rosbag", "wgpu", "winit"]),
     ("render", &["rosrust", "rosrust_msg", "rosbag", "winit"]),
+    ("confirm", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("files", &["rosrust", "rosbag", "wgpu", "winit"]),
     ("bag", &["rosrust", "wgpu", "winit"]),
     ("ros", &["rosbag", "wgpu", "winit"]),
@@ -47,12 +48,13 @@ const UNSAFE: [&str; 2] = ["capi", "memory"];
 
 /// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and
 /// so on. What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
-const APART: [(&str, &[&str]); 12] = [
+const APART: [(&str, &[&str]); 13] = [
     ("robot", &["scene", "transforms"]),
     ("rviz_config", &["transforms", "messages"]),
     ("resources", &["transforms", "messages", "rviz_config"]),
     ("displays", &["bag", "files", "render", "ros", "window"]),
     ("render", &["transforms", "messages", "rviz_config", "resources", "displays"]),
+    ("confirm", &["transforms", "messages", "rviz_config", "resources", "displays"]),
     ("files", &["transforms", "rviz_config", "resources", "displays", "render"]),
     ("bag", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files"]),
     ("ros", &["transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),

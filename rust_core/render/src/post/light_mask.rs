@@ -20,6 +20,16 @@ impl LightMask {
         (count > 0 && levels.len() == count).then_some(Self { size_px, levels })
     }
 
+    /// Width and height.
+    pub fn size_px(&self) -> [u32; 2] {
+        self.size_px
+    }
+
+    /// Levels, row by row.
+    pub fn levels(&self) -> &[u8] {
+        &self.levels
+    }
+
     /// Lowers the factors of a row of the picture.
     pub(super) fn write(&self, picture_px: [u32; 2], row: usize, factors: &mut [u16]) {
         let width = self.size_px[0] as usize;
