@@ -27,7 +27,7 @@ use clap::Parser;
 use rcs_node_support::lifecycle::{self, own_arguments};
 use rcs_node_support::{old_spellings, user_file};
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_rviz_config::{Config, DisplaySettings, Finding};
+use rcs_rviz_config::{Config, DisplaySettings, Finding, PlacedDisplay};
 use rcs_setup::SetupError;
 
 use crate::cli::{CheckArgs, Cli, Command, DoctorArgs, RenderArgs};
@@ -36,7 +36,7 @@ use crate::doctor::Verdict;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::options::config_file::find_config;
 use crate::options::Options;
-use crate::safety::names::ForCamera;
+use crate::safety::names::{ConfigNames, ForCamera};
 use crate::scene::SceneState;
 
 pub use outputs::window_permit;
@@ -101,7 +101,7 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     let file = cli.config_mut().cloned().context("no config: name one with -d FILE.rviz (see --help)")?;
     user_file::check(&file)?;
     let config = rcs_rviz_config::load(&file)?;
-    let options = Options::of_command_line(cli, &camera_names(&config))?;
+    let options = Options::of_command_line(cli, &config_names(&config))?;
     let result = match &cli.command {
         Some(Command::Check(args)) if args.live => return check_live(words, args, &config),
         Some(Command::Doctor(args)) => return examine(words, args, &config, &options),
@@ -115,11 +115,13 @@ fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     Ok(finished(result))
 }
 
-/// Names of a config's cameras, enabled or not.
-fn camera_names(config: &Config) -> Vec<String> {
+/// Names of a config's cameras and displays, enabled or not.
+fn config_names(config: &Config) -> ConfigNames {
     let placed = config.placed_displays();
-    let cameras = placed.iter().filter(|placed| matches!(placed.display.settings, DisplaySettings::CameraPub(_)));
-    cameras.map(|placed| placed.display.name.clone()).collect()
+    let is_camera = |placed: &&PlacedDisplay<'_>| matches!(placed.display.settings, DisplaySettings::CameraPub(_));
+    let (cameras, displays): (Vec<_>, Vec<_>) = placed.iter().partition(is_camera);
+    let names = |placed: Vec<&PlacedDisplay<'_>>| placed.iter().map(|placed| placed.display.name.clone()).collect();
+    ConfigNames { cameras: names(cameras), displays: names(displays) }
 }
 
 /// The exit status of a result. An error is printed.
@@ -199,7 +201,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         section: BagSection { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
         model: cli.model.model(),
-        orientations: ForCamera::read_all("--orientation", &args.orientation, &camera_names(config))?,
+        orientations: ForCamera::read_all("--orientation", &args.orientation, &config_names(config).cameras)?,
     };
     let mut renderer = rcs_render::create(cli.renderer)?;
     offline::render(&mut scene, &job, renderer.as_mut())

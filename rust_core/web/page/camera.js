@@ -143,7 +143,7 @@ export function makeCamera({ name }) {
     for (const [key, plot] of Object.entries(plots)) {
       plot.add(camera[key] ?? null);
     }
-    statuses.show(camera.statuses.filter((status) => status.level !== 'ok'));
+    statuses.show(camera.statuses.filter((status) => status.level !== 'ok' || status.name === 'Surface'));
     nudge.update(camera.nudge);
   };
   return { node, update, clear: screen.clear, image: screen.image, mask: screen.mask };

@@ -14,11 +14,13 @@ use rcs_render::{Finished, LastStep, RenderError, Renderer, View};
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
+use super::light_check::{confirmed, CheckedLight};
 use crate::control::LightTicket;
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
 use crate::safety;
 use crate::safety::causes::DarkReason;
 use crate::safety::permit::Permit;
+use crate::safety::surface::SurfaceCheck;
 use crate::scene::renderer_view;
 use rcs_window::test_pictures::TestPicture;
 
@@ -38,7 +40,7 @@ pub(crate) enum FrameContent {
 pub(crate) struct FrameSpec {
     pub(crate) content: FrameContent,
     pub(crate) post: Arc<LastStep>,
-    /// `true` if the camera has masks on a topic, or keep-out frames.
+    /// `true` if the camera has masks on a topic, keep-out frames, or light that must be confirmed.
     pub(crate) protects_eyes: bool,
     /// A paused frame stays only among those of its number: they leave out the same data, of the same config.
     pub(crate) epoch: u64,
@@ -61,6 +63,8 @@ pub(crate) struct DueFrame {
     pub(crate) camera: Arc<Camera>,
     /// The encoding of its depths, if somebody subscribes to them.
     pub(crate) depth: Option<DepthEncoding>,
+    /// What its light is checked against, and memory for the depths of what it lights.
+    pub(crate) check: Option<(SurfaceCheck, DepthPicture)>,
     /// `true` if the image before post-processing is needed, too: a pause may keep it below newer masks.
     pub(crate) keeps_drawn: bool,
     /// Time of the decision to draw it.
@@ -71,6 +75,7 @@ pub(crate) struct DueFrame {
 pub(crate) struct FrameInFlight {
     spec: FrameSpec,
     depth: Option<Arc<DepthImage>>,
+    check: Option<(SurfaceCheck, DepthPicture)>,
     keeps_drawn: bool,
     begun: Instant,
 }
@@ -82,6 +87,8 @@ pub(crate) struct FinishedFrame {
     pub(crate) depth: Option<Arc<DepthImage>>,
     /// The image before post-processing, where it is needed.
     pub(crate) drawn: Option<Arc<Picture>>,
+    /// Its light, where that must be confirmed.
+    pub(crate) checked: Option<CheckedLight>,
     /// Time of the decision to draw it; `None` for a black frame.
     pub(crate) begun: Option<Instant>,
     /// `false` until it is published for the first time.
@@ -171,17 +178,22 @@ impl DueFrame {
         buffers: &mut SharedBuffers,
     ) -> Result<FrameInFlight, RenderError> {
         let view = View { visible: &self.visible, ..renderer_view(&self.view, scene, &self.camera) };
-        let depth = match self.depth {
-            Some(encoding) => {
+        let mut check = self.check;
+        let depth = match (self.depth, &mut check) {
+            (Some(encoding), _) => {
                 renderer.submit_with_depth(&view, &mut buffers.depth)?;
                 Some(Arc::new(DepthImage::new(&buffers.depth, encoding, self.spec.post.orientation)))
             }
-            None => {
+            (None, Some((_, objects))) => {
+                renderer.submit_with_depth(&view, objects)?;
+                None
+            }
+            (None, None) => {
                 renderer.submit(&view)?;
                 None
             }
         };
-        Ok(FrameInFlight { spec: self.spec, depth, keeps_drawn: self.keeps_drawn, begun: self.begun })
+        Ok(FrameInFlight { spec: self.spec, depth, check, keeps_drawn: self.keeps_drawn, begun: self.begun })
     }
 }
 
@@ -192,16 +204,20 @@ impl FrameInFlight {
     /// # Errors
     /// The renderer's; the frame is lost.
     pub(crate) fn finish(
-        self,
+        mut self,
         renderer: &mut dyn Renderer,
         mut picture: Picture,
         buffers: &mut SharedBuffers,
     ) -> Result<Option<FinishedFrame>, RenderError> {
         let Finished::Drawn = renderer.finish(&mut picture)? else { return Ok(None) };
         let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
+        let checked = self.check.map(|(surface, objects)| CheckedLight::new(objects, &surface));
+        if let Some(checked) = &checked {
+            self.spec.post = confirmed(&self.spec.post, checked.mask());
+        }
         self.spec.post.apply(&mut picture, &mut buffers.turned);
-        let (picture, begun) = (Arc::new(picture), Some(self.begun));
-        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, begun, is_published: false }))
+        let (spec, depth, picture, begun) = (self.spec, self.depth, Arc::new(picture), Some(self.begun));
+        Ok(Some(FinishedFrame { spec, picture, depth, drawn, checked, begun, is_published: false }))
     }
 }
 

@@ -4,6 +4,7 @@ pub(crate) mod connections;
 pub(crate) mod frame;
 mod health;
 pub(crate) mod latency;
+pub(crate) mod light_check;
 pub(crate) mod oriented_frames;
 pub(crate) mod oriented_info;
 pub(crate) mod output;

@@ -31,6 +31,7 @@ use super::connections::CameraConnections;
 use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
 use super::health::CameraHealth;
 use super::latency::Update;
+use super::light_check::{CheckedLight, LastCheck};
 use super::oriented_info::TurnedInfo;
 use super::plan::CameraPlan;
 use super::reconfigurable::Switch;
@@ -64,6 +65,7 @@ pub(crate) struct CameraOutput {
     /// The policy of the last assessment.
     pub(super) policy: FramePolicy,
     epoch: Epoch,
+    last_check: LastCheck,
     pub(super) buffers: FrameBuffers,
     turned_info: TurnedInfo,
     pub(super) health: CameraHealth,
@@ -96,6 +98,8 @@ pub(super) struct FrameBuffers {
     is_outdated: bool,
     /// The image before it, which is drawn into again unless an output still holds it.
     back: Option<Arc<Picture>>,
+    /// The depths that it was checked by, which are drawn into again.
+    back_objects: DepthPicture,
     /// The size for which the renderer keeps memory.
     drawn_px: Option<[u32; 2]>,
 }
@@ -108,7 +112,9 @@ impl FrameBuffers {
     /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
     fn retire_front(&mut self, next_bytes: usize) {
         let is_similar = |back: &Arc<Picture>| back.data.len() <= 4 * next_bytes;
-        self.back = self.front.take().map(|last| last.picture).filter(is_similar);
+        let Some(last) = self.front.take() else { return };
+        self.back = Some(last.picture).filter(is_similar);
+        self.back_objects = last.checked.map(CheckedLight::into_memory).unwrap_or_default();
     }
 }
 
@@ -131,6 +137,7 @@ impl CameraOutput {
             timing: FrameTiming::default(),
             policy: FramePolicy::default(),
             epoch: Epoch::default(),
+            last_check: LastCheck::default(),
             buffers: FrameBuffers::default(),
             turned_info: TurnedInfo::default(),
             health: CameraHealth::default(),
@@ -203,6 +210,8 @@ impl CameraOutput {
 
     pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
         let mut entry = self.health.status_entry(scene, self.view(), self.context.model, &self.connections);
+        let checked = self.buffers.front.as_ref().and_then(|last| last.checked.as_ref());
+        checked.into_iter().for_each(|checked| safety::status::add_shares(&mut entry, &checked.shares));
         let operator = self.operator();
         safety::status::add_dark(&mut entry, operator.blackout.as_ref().or(self.policy.dark_reason.as_ref()));
         safety::status::add_substitute(&mut entry, &operator);
@@ -335,6 +344,8 @@ impl CameraOutput {
         let Some(info) = scene.camera_info(&view) else { return Ok(None) };
         let mut visible = view.visible.clone();
         policy.hidden.iter().for_each(|display| visible.set(*display, false));
+        let shown = self.buffers.front.as_mut().and_then(|last| last.checked.as_mut());
+        self.last_check.update(shown, policy.surface.as_ref());
         self.epoch.follow(&policy.hidden, size_px(&camera));
         let substitute = substitute::content(size_px(&camera), policy.dark_reason.as_ref(), &policy, &operator);
         let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
@@ -356,23 +367,36 @@ impl CameraOutput {
         let Some(spec) = self.due(spec)? else { return Ok(None) };
         if !is_scene {
             self.health.latency.forget();
+        }
+        if !is_scene || self.is_drawn(&spec) {
             return self.publish_unrendered(spec).map(|()| None);
         }
         self.health.projection.check(scene, &view, self.context.model);
         let depth = self.wants_depth().then_some(self.context.depth_encoding);
         let begun = Instant::now();
         let keeps_drawn = spec.protects_eyes;
-        Ok(Some(DueFrame { spec, view, visible, camera, depth, keeps_drawn, begun }))
+        let check = policy.surface.map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
+        Ok(Some(DueFrame { spec, view, visible, camera, depth, check, keeps_drawn, begun }))
+    }
+
+    /// `true` if the last image shows the same before post-processing, so that it need not be drawn again.
+    fn is_drawn(&self, spec: &FrameSpec) -> bool {
+        self.buffers.front.as_ref().is_some_and(|last| {
+            let has_depths = last.depth.is_some() || !self.wants_depth();
+            let has_check = last.checked.is_some() || self.policy.surface.is_none();
+            last.spec.content == spec.content && last.drawn.is_some() && has_depths && has_check
+        })
     }
 
     /// The last frame as a pause keeps it, with the present policy; `None` if it may not stay.
     fn held(&self, policy: &FramePolicy) -> Option<FrameSpec> {
         let last = self.buffers.front.as_ref()?;
         let is_scene = matches!(last.spec.content, FrameContent::Scene { .. });
-        let can_be_masked = last.drawn.is_some() || last.spec.post == policy.post;
+        let post = self.last_check.post(policy, last.spec.content.size_px());
+        let can_be_masked = last.drawn.is_some() || last.spec.post == post;
         let stays = is_scene && can_be_masked && last.spec.epoch == self.epoch.number;
         stays.then(|| FrameSpec {
-            post: Arc::clone(&policy.post),
+            post,
             protects_eyes: policy.protects_eyes,
             valid_until: policy.valid_until,
             ..last.spec.clone()
@@ -388,9 +412,13 @@ impl CameraOutput {
     ) -> FrameSpec {
         // A test picture shows no data that could be stale.
         let is_timeless = matches!(content, FrameContent::Test { .. }) && !policy.protects_eyes;
+        let post = match content {
+            FrameContent::Black { .. } => Arc::clone(&policy.post),
+            _ => self.last_check.post(policy, content.size_px()),
+        };
         FrameSpec {
             content,
-            post: Arc::clone(&policy.post),
+            post,
             protects_eyes: policy.protects_eyes,
             epoch: self.epoch.number,
             info: Arc::clone(info),
@@ -485,7 +513,7 @@ impl CameraOutput {
         }
         let picture = Arc::new(picture);
         self.buffers.front =
-            Some(FinishedFrame { spec, picture, depth, drawn: None, begun: None, is_published: false });
+            Some(FinishedFrame { spec, picture, depth, drawn: None, checked: None, begun: None, is_published: false });
         self.publish_last(None)
     }
 

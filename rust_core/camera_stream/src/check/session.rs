@@ -17,7 +17,7 @@ use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera};
 use crate::scene::SceneState;
-use crate::{camera_names, NODE_NAME};
+use crate::{config_names, NODE_NAME};
 
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
@@ -63,7 +63,7 @@ impl Session {
         let mut parameters = defaults;
         parameters.extend(self.ros.parameters_of(&self.checked_name)?);
         parameters.extend(self.ros.parameters().clone());
-        Ok(Options::of(&node_options::merge(words, &parameters)?, &camera_names(config))?)
+        Ok(Options::of(&node_options::merge(words, &parameters)?, &config_names(config))?)
     }
 
     /// The scene of a config, without messages.

@@ -144,6 +144,40 @@ pub struct LightArgs {
     /// mirrored-180, mirrored-270; with CAMERA= for one [default: 0]
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
     pub orientation: Vec<String>,
+    /// Light that a depth camera confirms.
+    #[command(flatten)]
+    pub confirm: ConfirmArgs,
+}
+
+/// Light that a depth camera confirms.
+#[derive(Args, Clone, Debug)]
+pub struct ConfirmArgs {
+    /// Topic of a depth camera, a depth image or an organised PointCloud2: light only what it confirms; with CAMERA=
+    /// for one
+    #[arg(long, value_name = "[CAMERA=]TOPIC")]
+    pub surface: Vec<String>,
+    /// Display or group whose light the surface must confirm, all, or none; repeatable [default: all]
+    #[arg(long, value_name = "DISPLAY")]
+    pub confirm: Vec<String>,
+    /// Largest difference between an object's depth and the surface's in metres, 0.001 to 1; 1 % of the distance is
+    /// added
+    #[arg(long, value_name = "METRES", default_value_t = 0.03, value_parser = within(0.001, 1.0))]
+    pub confirm_tolerance: f64,
+    /// Pixels around what is in the way that stay dark, 0 to 100
+    #[arg(long, value_name = "PIXELS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub confirm_margin: u32,
+    /// Light where the depth camera measures no surface
+    #[arg(long, value_enum, value_name = "dark|light", default_value = "dark")]
+    pub unseen: UnseenLight,
+}
+
+/// Light where the depth camera measures no surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum UnseenLight {
+    /// None
+    Dark,
+    /// As drawn
+    Light,
 }
 
 /// The operator's page.

@@ -11,6 +11,7 @@ mod web;
 use std::path::{Path, PathBuf};
 
 use rcs_camera::CameraModel;
+use rcs_confirm::{ConfirmSettings, Unseen};
 use rcs_render::{Orientation, RendererChoice};
 use rcs_resources::ResourceOptions;
 use rcs_window::MonitorChoice;
@@ -18,9 +19,10 @@ use rcs_window::MonitorChoice;
 use crate::cli::{Cli, Command};
 use crate::outputs::depth_image::DepthEncoding;
 use crate::safety::ages::limits::StaleTimeout;
-use crate::safety::names::{ForCamera, NONE};
+use crate::safety::confirmed_displays::ConfirmedDisplays;
+use crate::safety::names::{ConfigNames, ForCamera, NONE};
 use crate::safety::rules::KeepOutFrame;
-use arguments::{LightArgs, ModelArgs, NodeArgs, ResourceArgs};
+use arguments::{ConfirmArgs, LightArgs, ModelArgs, NodeArgs, ResourceArgs, UnseenLight};
 use prediction::PredictionSettings;
 use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 pub(crate) use web::WebOptions;
@@ -77,26 +79,39 @@ pub(crate) struct LightOptions {
     pub(crate) blend_gamma: f32,
     /// Orientations of images.
     pub(crate) orientations: Vec<ForCamera<Orientation>>,
+    /// Light that a depth camera confirms.
+    pub(crate) confirm: ConfirmOptions,
+}
+
+/// Light that a depth camera confirms. Topics are not resolved yet.
+#[derive(Clone, Debug)]
+pub(crate) struct ConfirmOptions {
+    /// Topics of depth cameras; none where nothing is to be confirmed.
+    pub(crate) surfaces: Vec<ForCamera<String>>,
+    /// Displays whose light must be confirmed.
+    pub(crate) displays: ConfirmedDisplays,
+    /// What counts as agreement.
+    pub(crate) settings: ConfirmSettings,
 }
 
 impl Options {
-    /// The options of a command line and the parameters behind it, for a config with these cameras.
+    /// The options of a command line and the parameters behind it, for a config with these names.
     ///
     /// # Errors
     /// [`InvalidOption`], such as a camera that the config does not have.
-    pub(crate) fn of(given: &NodeOptions<Cli>, cameras: &[String]) -> Result<Self, InvalidOption> {
-        Self::new(&given.arguments, cameras, &|option| given.name_of(option))
+    pub(crate) fn of(given: &NodeOptions<Cli>, names: &ConfigNames) -> Result<Self, InvalidOption> {
+        Self::new(&given.arguments, names, &|option| given.name_of(option))
     }
 
     /// The options of a command line alone.
     ///
     /// # Errors
     /// [`InvalidOption`].
-    pub(crate) fn of_command_line(cli: &Cli, cameras: &[String]) -> Result<Self, InvalidOption> {
-        Self::new(cli, cameras, &|option| format!("--{option}"))
+    pub(crate) fn of_command_line(cli: &Cli, names: &ConfigNames) -> Result<Self, InvalidOption> {
+        Self::new(cli, names, &|option| format!("--{option}"))
     }
 
-    fn new(cli: &Cli, cameras: &[String], name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+    fn new(cli: &Cli, names: &ConfigNames, name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
         let node = cli.node_args();
         Ok(Self {
             fixed_frame: node.fixed_frame.clone().filter(|frame| frame != NONE),
@@ -107,16 +122,17 @@ impl Options {
             prediction: node.prediction,
             is_lazy: !node.no_lazy,
             depth_encoding: node.depth_encoding,
-            windows: ForCamera::read_all(&name_of("window"), &node.windows.window, cameras)?,
+            windows: ForCamera::read_all(&name_of("window"), &node.windows.window, &names.cameras)?,
             set_mode: node.windows.set_mode,
-            light: LightOptions::new(&node.light, cameras, name_of)?,
+            light: LightOptions::new(&node.light, names, name_of)?,
             web: WebOptions::new(&node.web, name_of)?,
         })
     }
 }
 
 impl LightOptions {
-    fn new(args: &LightArgs, cameras: &[String], name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+    fn new(args: &LightArgs, names: &ConfigNames, name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+        let cameras = &names.cameras;
         let general = StaleTimeout { topic: None, limit: args.stale_timeout };
         let of_topic = |text: &str| match text.parse::<StaleTimeout>()? {
             StaleTimeout { topic: None, .. } => Err("not TOPIC=LIMIT".to_owned()),
@@ -134,7 +150,27 @@ impl LightOptions {
             blends: ForCamera::read_all(&name_of("blend"), &args.blend, cameras)?,
             blend_gamma: args.blend_gamma,
             orientations: ForCamera::read_all(&name_of("orientation"), &args.orientation, cameras)?,
+            confirm: ConfirmOptions::new(&args.confirm, names, name_of)?,
         })
+    }
+}
+
+impl ConfirmOptions {
+    fn new(args: &ConfirmArgs, names: &ConfigNames, name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
+        let surfaces = ForCamera::read_all(&name_of("surface"), &args.surface, &names.cameras)?;
+        let displays = ConfirmedDisplays::read(&args.confirm, names)
+            .map_err(|(value, reason)| InvalidOption::new(&name_of("confirm"), &value, reason))?;
+        if let (ConfirmedDisplays::Named(listed), true) = (&displays, surfaces.is_empty()) {
+            let reason = format!("it needs {} as well, the topic of a depth camera", name_of("surface"));
+            return Err(InvalidOption::new(&name_of("confirm"), &listed.join(", "), reason));
+        }
+        let unseen = match args.unseen {
+            UnseenLight::Dark => Unseen::Dark,
+            UnseenLight::Light => Unseen::Light,
+        };
+        let surfaces = if displays == ConfirmedDisplays::None { Vec::new() } else { surfaces };
+        let (tolerance_m, margin_px) = (args.confirm_tolerance, args.confirm_margin);
+        Ok(Self { surfaces, displays, settings: ConfirmSettings { tolerance_m, margin_px, unseen } })
     }
 }
 
@@ -196,13 +232,14 @@ mod tests {
     fn options(args: &[&str]) -> Result<Options, String> {
         let words = [&["camera_stream", "-d", "x.rviz"], args].concat();
         let cli = Cli::try_parse_from(words).map_err(|error| error.to_string())?;
-        let cameras = ["Left", "Right"].map(str::to_owned);
-        Options::of_command_line(&cli, &cameras).map_err(|error| error.to_string())
+        let cameras = ["Left", "Right"].map(str::to_owned).to_vec();
+        let displays = ["markers", "path", "robot"].map(str::to_owned).to_vec();
+        Options::of_command_line(&cli, &ConfigNames { cameras, displays }).map_err(|error| error.to_string())
     }
 
     #[test]
     fn a_value_that_names_no_camera_is_refused_with_the_cameras() {
-        for option in ["--window", "--mask-topic", "--mask", "--blend", "--orientation"] {
+        for option in ["--window", "--mask-topic", "--mask", "--blend", "--orientation", "--surface"] {
             let error = options(&[option, "Lef=90"]).unwrap_err();
             let expected =
                 format!("invalid value 'Lef=90' for {option}: the config has no camera 'Lef'; cameras: Left, Right");
@@ -212,9 +249,34 @@ mod tests {
     }
 
     #[test]
+    fn a_display_to_confirm_is_one_of_the_config_and_needs_a_surface() {
+        let error = options(&["--surface", "/depth", "--confirm", "markrs"]).unwrap_err();
+        let expected =
+            "invalid value 'markrs' for --confirm: the config has no display 'markrs'; did you mean 'markers'? \
+                        displays: markers, path, robot";
+        assert_eq!(error, expected);
+        let error = options(&["--confirm", "markers"]).unwrap_err();
+        assert!(error.contains("it needs --surface as well"), "{error}");
+        let mixed = options(&["--surface", "/depth", "--confirm", "all", "--confirm", "path"]).unwrap_err();
+        assert!(mixed.contains("all and none stand alone"), "{mixed}");
+        let confirm = |args: &[&str]| options(&[&["--surface", "Left=/depth"], args].concat()).unwrap().light.confirm;
+        assert_eq!(confirm(&[]).displays, ConfirmedDisplays::All);
+        assert_eq!(confirm(&["--confirm", "path"]).displays, ConfirmedDisplays::Named(vec!["path".to_owned()]));
+        assert!(confirm(&["--confirm", "none"]).surfaces.is_empty() && confirm(&[]).surfaces.len() == 1);
+    }
+
+    #[test]
     fn none_is_no_value() {
-        let lists =
-            ["--window", "--mask-topic", "--mask", "--blend", "--orientation", "--keep-out", "--stale-timeouts"];
+        let lists = [
+            "--window",
+            "--mask-topic",
+            "--mask",
+            "--blend",
+            "--orientation",
+            "--keep-out",
+            "--stale-timeouts",
+            "--surface",
+        ];
         let single = ["--fixed-frame", "--stale-timeout", "--predict", "--mesh-folder", "--web", "--web-hosts"];
         let args: Vec<&str> = lists.iter().chain(&single).flat_map(|option| [*option, "none"]).collect();
         let (all, default) = (options(&args).unwrap(), options(&[]).unwrap());

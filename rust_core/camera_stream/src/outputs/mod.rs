@@ -6,6 +6,7 @@
 
 mod compressed;
 mod compressed_settings;
+mod confirmed_image;
 pub(crate) mod depth_image;
 pub(crate) mod page;
 mod page_image;

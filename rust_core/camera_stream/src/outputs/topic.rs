@@ -1,5 +1,5 @@
-//! A camera's image topic, with the CameraInfo beside it, compressed images below it, and beside it the topics `depth`
-//! and `shown`.
+//! A camera's image topic, with the CameraInfo beside it, compressed images below it, and beside it the topics `depth`,
+//! `shown` and `confirmed`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
 use rcs_ros::{Change, NodeError, Publisher, ReconfigureServer, RosNode};
 
 use super::compressed::CompressedOutput;
+use super::confirmed_image::confirmed_image;
 use super::shown::{self, ShownPublisher};
 use super::{Output, OutputFrame};
 
@@ -26,6 +27,8 @@ pub(crate) struct TopicOutput {
     depth: Option<Publisher<Image>>,
     /// `None` where the image topic has that name.
     shown: Option<ShownPublisher>,
+    /// `None` where the image topic has that name.
+    confirmed: Option<Publisher<Image>>,
     /// `true` if somebody subscribed and has not received an image yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -55,7 +58,9 @@ impl TopicOutput {
         }
         let shown: ShownPublisher = Arc::new(ros.publisher(&sibling_topic(topic, "shown"), shown::QUEUE_SIZE)?);
         let shown = Some(shown).filter(|shown| shown.topic() != publisher.topic());
-        Ok(Self { publisher, compressed, depth: is_free.then_some(depth), shown, new_subscriber })
+        let confirmed: Publisher<Image> = ros.observed_publisher(&sibling_topic(topic, "confirmed"), 1, on_change())?;
+        let confirmed = Some(confirmed).filter(|confirmed| confirmed.topic() != publisher.topic());
+        Ok(Self { publisher, compressed, depth: is_free.then_some(depth), shown, confirmed, new_subscriber })
     }
 
     pub(crate) fn topic(&self) -> &str {
@@ -110,11 +115,17 @@ impl Output for TopicOutput {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
             publisher.send_image(&depth.message(header))?;
         }
+        if let Some(publisher) = self.confirmed.as_ref().filter(|publisher| publisher.is_watched()) {
+            let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
+            let size_px = [frame.picture.width_px, frame.picture.height_px];
+            confirmed_image(&frame.permit, size_px, header).map(|mask| publisher.send_image(&mask)).transpose()?;
+        }
         Ok(())
     }
 
     fn is_watched(&self) -> bool {
-        self.subscriber_count() > 0 || self.wants_depth()
+        let confirmed = self.confirmed.as_ref().is_some_and(Publisher::is_watched);
+        self.subscriber_count() > 0 || self.wants_depth() || confirmed
     }
 
     fn take_new_watcher(&mut self) -> bool {

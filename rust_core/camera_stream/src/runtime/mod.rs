@@ -30,7 +30,7 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::options::Options;
-use crate::{camera_names, log_findings, page, NODE_NAME};
+use crate::{config_names, log_findings, page, NODE_NAME};
 use control_thread::ControlThread;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options;
@@ -50,7 +50,7 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     let Some(ros) = lifecycle::connect(NODE_NAME, &end)? else { return Ok(()) };
     let given = node_options::merge(words, ros.parameters())?;
     log::info!("options: {}", given.command_line);
-    let options = Options::of(&given, &camera_names(config))?;
+    let options = Options::of(&given, &config_names(config))?;
     // First, while little is in use.
     let _memory = rcs_memory::MemoryTrimmer::start(rcs_messages::free_unused_bytes)
         .context("cannot start the thread that gives memory back")?;

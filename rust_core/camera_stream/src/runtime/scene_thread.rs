@@ -24,10 +24,10 @@ use crate::camera::oriented_frames::OrientedFrames;
 use crate::camera::output::{self, CameraContext, CameraOutput};
 use crate::camera::plan;
 use crate::camera::rearrange::rearrange;
-use crate::camera_names;
+use crate::config_names;
 use crate::options::Options;
 use crate::safety::ages::{Assessment, Now};
-use crate::safety::read_rules::{self, MaskTopics};
+use crate::safety::read_rules::{self, LightTopics};
 use crate::safety::{status, LitView, Safety};
 use crate::scene::live::LiveScene;
 use crate::scene::visibility::{self, PlacedCamera};
@@ -47,7 +47,7 @@ pub(super) struct SceneThread {
     /// `true`: streams that nobody watches are not received.
     is_lazy: bool,
     safety: Safety,
-    masks: MaskTopics,
+    light_topics: LightTopics,
     oriented_frames: OrientedFrames,
     windows: Windows,
 }
@@ -62,7 +62,7 @@ impl SceneThread {
     /// One line that names what failed: a topic, the renderer.
     pub(super) fn start(options: &Options, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
-        let (rules, masks) = read_rules::read(ros, &options.light)?;
+        let (rules, light_topics) = read_rules::read(ros, &options.light)?;
         let safety = Safety::new(rules);
         let renderer = FrameRenderer::new(options.renderer)?;
         let resources = options.resources.clone();
@@ -86,7 +86,7 @@ impl SceneThread {
         *shared.cameras() = cameras;
         scene.update(time_from_stamp(ros.now()));
         let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.is_lazy, OrientedFrames::default());
-        Ok(Self { shared, context, scene, renderer, is_lazy, safety, masks, oriented_frames, windows })
+        Ok(Self { shared, context, scene, renderer, is_lazy, safety, light_topics, oriented_frames, windows })
     }
 
     fn now(&self) -> Time {
@@ -122,6 +122,7 @@ impl SceneThread {
     /// Pauses streams that nobody watches, and resumes them. Returns `true` if the scene changed.
     fn pause_streams(&mut self) -> bool {
         let is_watched = !self.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        self.light_topics.surfaces.update(&self.shared.ros, is_watched);
         let has_changed = self.scene.pause_streams(is_watched);
         if has_changed {
             self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
@@ -167,7 +168,7 @@ impl SceneThread {
         self.renderer.forget_sizes();
         let Reconfigured { kept, added, removed } = changed;
         let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);
-        let changed = match self.safety.set_cameras(&camera_names(&config)) {
+        let changed = match self.safety.set_names(&config_names(&config)) {
             Some(why) => format!("{changed}; all cameras are dark: {why}"),
             None => changed,
         };
@@ -242,8 +243,13 @@ impl SceneThread {
         };
         self.shared.activity.begin(step);
         match &event {
-            NodeEvent::Message { topic, message: AnyMessage::Image(image), received, .. } => {
-                self.safety.take_image(topic, image, *received);
+            NodeEvent::Message { topic, message, received, .. } => {
+                if self.safety.take_surface(topic, message, *received) {
+                    return;
+                }
+                if let AnyMessage::Image(image) = message {
+                    self.safety.take_image(topic, image, *received);
+                }
             }
             NodeEvent::Transforms { received, is_static: false, .. } => self.safety.note_transforms(*received),
             NodeEvent::TimeJumpedBack { from, to } => {
@@ -292,18 +298,20 @@ impl SceneThread {
         let state = &self.scene.state;
         // Where the projector's light goes, however the image is drawn.
         let model = CameraModel { projection: Projection::Exact, undistort: true };
-        let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
+        let view_of = |camera: &CameraOutput| (Arc::clone(camera.view()), camera.is_watched());
+        let (views, watched): (Vec<_>, Vec<_>) = self.shared.cameras().iter().map(view_of).unzip();
         let needs_camera = self.safety.needs_cameras();
         let cameras: Vec<_> =
             views.iter().map(|view| needs_camera.then(|| state.camera(view, model).ok()).flatten()).collect();
-        let lit = views.iter().zip(&cameras).map(|(view, camera)| LitView {
+        let lit = views.iter().zip(&cameras).zip(&watched).map(|((view, camera), is_watched)| LitView {
             view,
+            is_watched: *is_watched,
             camera: camera.as_ref(),
             unknown_lens: camera.as_ref().and_then(|camera| state.unknown_lens(view, camera)),
         });
         let lit: Vec<_> = lit.collect();
         let subscriptions = &self.scene.subscriptions;
-        let source = |name: &str, kind| self.masks.source(name).or_else(|| subscriptions.source(name, kind));
+        let source = |name: &str, kind| self.light_topics.source(name).or_else(|| subscriptions.source(name, kind));
         let policies = self.safety.assess(state, &lit, source, now);
         for (view, policy) in views.iter().zip(&policies) {
             if let Some(info) = state.camera_info(view) {

@@ -3,10 +3,11 @@
 //! | cause | beats a pause | beats test pictures | says why in the image (`~stale_note`) |
 //! |---|---|---|---|
 //! | the operator has blacked it out (`~blackout`, the camera's switch, key b of its window) | yes | yes | no |
-//! | a rule names a camera that the config does not have | yes | yes | no |
+//! | a rule names a camera or display that the config does not have | yes | yes | no |
 //! | a mask is missing, invalid or stale | yes | yes | no |
 //! | the place of a keep-out frame is missing or stale | yes | yes | no |
 //! | the lens around keep-out frames is unknown | yes | yes | no |
+//! | the surface that confirms the light is missing, invalid or stale | yes | yes | no |
 //! | the camera has no CameraInfo or pose | yes | where eyes are protected | where no eyes are protected |
 //! | the CameraInfo or the camera's frame is stale | yes | where eyes are protected | yes |
 //! | all displays are stale | yes | no | yes |
@@ -14,19 +15,20 @@
 //! | an image that is black came on a topic (`projector_window`) | yes | no | it has what it has |
 //!
 //! Beside these, a window is black before its first image, and without its camera or its monitor; an image whose blend
-//! weights have another size is black; and what a mask or a keep-out frame covers stays dark in pauses and test
-//! pictures.
+//! weights have another size is black; and what a mask or a keep-out frame covers, or the last surface did not confirm,
+//! stays dark in pauses and test pictures.
 
 use std::fmt;
 
 /// A row of the table, in its order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum DarkCause {
     Blackout,
-    UnknownCamera,
+    UnknownName,
     Mask,
     KeepOut,
     Lens,
+    Surface,
     NoCamera,
     CameraData,
     Displays,
@@ -38,7 +40,7 @@ impl DarkCause {
     /// `true` if test pictures, which are for focusing before the robot runs, are dark, too.
     pub(crate) fn beats_test_pictures(self, protects_eyes: bool) -> bool {
         match self {
-            Self::Blackout | Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => true,
+            Self::Blackout | Self::UnknownName | Self::Mask | Self::KeepOut | Self::Lens | Self::Surface => true,
             Self::NoCamera | Self::CameraData | Self::Silence => protects_eyes,
             Self::Displays | Self::BlackImage => false,
         }
@@ -49,14 +51,14 @@ impl DarkCause {
         match self {
             Self::CameraData | Self::Displays => true,
             Self::NoCamera => !protects_eyes,
-            Self::Blackout | Self::UnknownCamera | Self::Mask | Self::KeepOut | Self::Lens => false,
+            Self::Blackout | Self::UnknownName | Self::Mask | Self::KeepOut | Self::Lens | Self::Surface => false,
             Self::Silence | Self::BlackImage => false,
         }
     }
 
     /// `true` if it does not end when data come again: somebody has to correct it.
     pub(crate) fn is_error(self) -> bool {
-        self == Self::UnknownCamera
+        self == Self::UnknownName
     }
 
     pub(crate) fn status(self) -> &'static str {

@@ -23,6 +23,15 @@ pub struct ForCamera<T> {
     pub value: T,
 }
 
+/// Names in a config that options may have.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ConfigNames {
+    /// Cameras, enabled or not.
+    pub(crate) cameras: Vec<String>,
+    /// Other displays and their groups, enabled or not.
+    pub(crate) displays: Vec<String>,
+}
+
 /// A list of cameras, for errors.
 pub(super) fn cameras_text(cameras: &[String]) -> String {
     match cameras {

@@ -73,14 +73,14 @@ mod tests {
     #[test]
     fn each_cause_beats_a_pause_and_those_about_eyes_beat_test_pictures() {
         use DarkCause::{
-            BlackImage, Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera,
+            BlackImage, Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, Surface, UnknownName,
         };
         let test = |cause, protects_eyes| {
             let permit = Permit::new(Some(&DarkReason::new(cause, "")), protects_eyes, &Arc::default());
             assert!(!permit.is_lit, "{cause:?}");
             permit.test
         };
-        for cause in [Blackout, UnknownCamera, Mask, KeepOut, Lens] {
+        for cause in [Blackout, UnknownName, Mask, KeepOut, Lens, Surface] {
             assert_eq!([test(cause, false), test(cause, true)], [Allowance::Nothing; 2], "{cause:?}");
         }
         for cause in [NoCamera, CameraData, Silence] {
@@ -96,8 +96,8 @@ mod tests {
 
     #[test]
     fn only_what_is_too_old_is_said_in_the_image() {
-        use DarkCause::{Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
-        for cause in [Blackout, UnknownCamera, Mask, KeepOut, Lens, Silence] {
+        use DarkCause::{Blackout, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, Surface, UnknownName};
+        for cause in [Blackout, UnknownName, Mask, KeepOut, Lens, Surface, Silence] {
             assert!(!cause.allows_note(false) && !cause.allows_note(true), "{cause:?}");
         }
         for cause in [CameraData, Displays] {

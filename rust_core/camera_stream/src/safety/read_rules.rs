@@ -1,4 +1,4 @@
-//! Reads the files of the light's rules, and subscribes to masks.
+//! Reads the files of the light's rules, and subscribes to masks and surfaces.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,35 +10,46 @@ use rcs_node_support::user_file;
 use rcs_render::Blend;
 use rcs_ros::{RosNode, TopicSubscription};
 
-use crate::options::LightOptions;
+use crate::options::{ConfirmOptions, LightOptions};
 use crate::safety::ages::limits::AgeLimits;
 use crate::safety::ages::TopicSource;
 use crate::safety::names::ForCamera;
 use crate::safety::painted_mask;
 use crate::safety::rules::Rules;
+use crate::safety::surface::{ConfirmRules, SurfaceTopics};
 
-/// The subscriptions to masks.
-pub(crate) struct MaskTopics(Vec<TopicSubscription>);
+/// The subscriptions to masks and surfaces.
+pub(crate) struct LightTopics {
+    masks: Vec<TopicSubscription>,
+    pub(crate) surfaces: SurfaceTopics,
+}
 
-impl MaskTopics {
-    /// The publishers of a mask's topic, by its whole name.
+impl LightTopics {
+    /// The publishers of a mask's or surface's topic, by its whole name.
     pub(crate) fn source(&self, topic: &str) -> Option<TopicSource> {
-        let found = self.0.iter().find(|subscription| &**subscription.topic() == topic)?;
+        let Some(found) = self.masks.iter().find(|subscription| &**subscription.topic() == topic) else {
+            return self.surfaces.source(topic);
+        };
         Some(TopicSource { topic: topic.to_owned(), publishing: found.publishing() })
     }
 }
 
-/// Reads the files of the rules, and subscribes to masks.
+/// Reads the files of the rules, and subscribes to masks. Surfaces are subscribed to when they have publishers.
 ///
 /// # Errors
 /// A file that cannot be read, a topic that cannot be subscribed to.
-pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, MaskTopics)> {
+pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, LightTopics)> {
     let mut mask_topics = options.mask_topics.clone();
-    let mut subscriptions = Vec::new();
+    let mut masks = Vec::new();
     for ForCamera { value: topic, .. } in &mut mask_topics {
         let subscription = ros.subscribe(topic, MessageKind::Image, 1)?;
         *topic = subscription.topic().to_string();
-        subscriptions.push(subscription);
+        masks.push(subscription);
+    }
+    let mut surfaces = SurfaceTopics::default();
+    let ConfirmOptions { surfaces: mut surface_topics, displays, settings } = options.confirm.clone();
+    for ForCamera { value: topic, .. } in &mut surface_topics {
+        *topic = surfaces.add(ros, topic)?;
     }
     let read_mask = |ForCamera { camera, value: path }: &ForCamera<PathBuf>| -> Result<_> {
         Ok(ForCamera { camera: camera.clone(), value: Arc::new(painted_mask(path)?) })
@@ -52,8 +63,9 @@ pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, Mask
         mask_topics,
         keep_out: options.keep_out.clone(),
         is_required: options.mask_required,
+        confirm: ConfirmRules { surfaces: surface_topics, displays, settings },
     };
-    Ok((rules, MaskTopics(subscriptions)))
+    Ok((rules, LightTopics { masks, surfaces }))
 }
 
 /// The limits of the age of data, with the topics' whole names.

@@ -7,6 +7,7 @@ use rcs_render::{Blend, LightMask, Orientation};
 
 use super::ages::limits::AgeLimits;
 use super::names::{cameras_text, unmatched, ForCamera};
+use super::surface::ConfirmRules;
 use rcs_node_support::key_value;
 
 /// The rules of all cameras.
@@ -25,6 +26,8 @@ pub(crate) struct Rules {
     pub(crate) keep_out: Vec<KeepOutFrame>,
     /// `true` if all is dark while a mask or the place of a keep-out frame is missing or stale.
     pub(crate) is_required: bool,
+    /// Light that a depth camera confirms.
+    pub(crate) confirm: ConfirmRules,
 }
 
 impl Rules {
@@ -39,11 +42,12 @@ impl Rules {
     /// The rules that name other cameras than these; `None` if there are none.
     pub(super) fn unmatched(&self, cameras: &[String]) -> Option<String> {
         let of = |option: &str, names: Vec<&str>| names.into_iter().map(|name| format!("{option} {name}")).collect();
-        let wrong: [Vec<String>; 4] = [
+        let wrong: [Vec<String>; 5] = [
             of("mask_topic", unmatched(&self.mask_topics, cameras).collect()),
             of("mask", unmatched(&self.painted_masks, cameras).collect()),
             of("blend", unmatched(&self.blends, cameras).collect()),
             of("orientation", unmatched(&self.orientations, cameras).collect()),
+            of("surface", unmatched(&self.confirm.surfaces, cameras).collect()),
         ];
         let wrong = wrong.concat();
         let text = || format!("the config has no camera for {}; {}", wrong.join(", "), cameras_text(cameras));

@@ -1,11 +1,15 @@
 //! Statuses of stale displays and dark cameras.
 
+use rcs_confirm::Shares;
 use rcs_displays::Level;
 
 use crate::control::{ControlState, OperatorSettings};
 use crate::safety::causes::DarkReason;
 use crate::safety::{Safety, STALE};
 use crate::scene::status_tree::{EntryKind, StatusEntry};
+
+/// Name of the status of confirmed light; the operator's page shows it by this name.
+const SURFACE: &str = "Surface";
 
 /// Adds a warning to stale displays, and an error to the scene if rules name cameras that do not exist.
 pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
@@ -35,6 +39,27 @@ pub(crate) fn add_substitute(entry: &mut StatusEntry<'_>, operator: &OperatorSet
     let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
     operator.paused.iter().for_each(|caller| set("Pause", format!("paused by {caller}")));
     operator.test_picture.iter().for_each(|test| set("Test picture", test.name().to_owned()));
+}
+
+/// Adds which of a camera's light the measured surface confirms.
+pub(crate) fn add_shares(entry: &mut StatusEntry<'_>, shares: &Shares) {
+    let Shares { confirmed, blocked, gone, unseen } = *shares;
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    entry.values.extend([
+        ("light confirmed %", percent(confirmed)),
+        ("light blocked %", percent(blocked)),
+        ("light of objects gone %", percent(gone)),
+        ("light unseen %", percent(unseen)),
+    ]);
+    let whole = |share: f64| format!("{:.0} %", 100.0 * share);
+    let text = match confirmed + blocked + gone + unseen > 0.0 {
+        true => {
+            let [confirmed, blocked, gone, unseen] = [confirmed, blocked, gone, unseen].map(whole);
+            format!("{confirmed} of the light confirmed; blocked {blocked}, object gone {gone}, not seen {unseen}")
+        }
+        false => "no light to confirm".to_owned(),
+    };
+    entry.statuses.to_mut().set(Level::Ok, SURFACE, text);
 }
 
 /// Adds a camera's reason for a blackout.

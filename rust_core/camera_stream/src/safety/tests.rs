@@ -5,10 +5,13 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::Time;
 
 use super::ages::limits::{AgeLimits, StaleTimeout};
+use super::confirmed_displays::ConfirmedDisplays;
 use super::names::ForCamera;
 use super::permit::Allowance;
 use super::rules::KeepOutFrame;
+use super::surface::ConfirmRules;
 use super::*;
+use rcs_confirm::{ConfirmSettings, Unseen};
 
 const CONFIG: &str = "
 Visualization Manager:
@@ -27,6 +30,11 @@ fn rules() -> Rules {
         mask_topics: Vec::new(),
         keep_out: Vec::new(),
         is_required: true,
+        confirm: ConfirmRules {
+            surfaces: Vec::new(),
+            displays: ConfirmedDisplays::All,
+            settings: ConfirmSettings::default(),
+        },
     }
 }
 
@@ -39,14 +47,15 @@ fn scene() -> SceneState {
     SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])))
 }
 
-fn cameras(names: &[&str]) -> Vec<String> {
-    names.iter().map(|name| (*name).to_owned()).collect()
+fn cameras(names: &[&str]) -> ConfigNames {
+    let cameras = names.iter().map(|name| (*name).to_owned()).collect();
+    ConfigNames { cameras, ..ConfigNames::default() }
 }
 
 /// Why each camera is dark, a while after the start.
 fn causes(safety: &mut Safety, start: Instant, after_secs: f64) -> Vec<Option<DarkCause>> {
     let scene = scene();
-    let view = |view| LitView { view, camera: None, unknown_lens: None };
+    let view = |view| LitView { view, camera: None, unknown_lens: None, is_watched: true };
     let lit: Vec<_> = scene.cameras().iter().map(view).collect();
     let now = Now { ros: Time::ZERO, steady: start + Duration::from_secs_f64(after_secs) };
     let policies = safety.assess(&scene, &lit, |_, _| None, now);
@@ -81,15 +90,15 @@ fn a_rule_for_a_camera_that_is_gone_makes_all_cameras_dark_until_the_names_fit()
     let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), is_required: false, ..rules() });
     let start = Instant::now();
     let expected = "the config has no camera for mask_topic cam; cameras: camm, other";
-    assert_eq!(safety.set_cameras(&cameras(&["camm", "other"])), Some(expected));
-    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownCamera); 2]);
-    assert_eq!(safety.set_cameras(&[]), Some("the config has no camera for mask_topic cam; it has none"));
-    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownCamera); 2]);
-    assert_eq!(safety.set_cameras(&cameras(&["cam", "other"])), None);
+    assert_eq!(safety.set_names(&cameras(&["camm", "other"])), Some(expected));
+    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownName); 2]);
+    assert_eq!(safety.set_names(&cameras(&[])), Some("the config has no camera for mask_topic cam; it has none"));
+    assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::UnknownName); 2]);
+    assert_eq!(safety.set_names(&cameras(&["cam", "other"])), None);
     assert_eq!(causes(&mut safety, start, 0.0), [None, None]);
     let turned = vec![ForCamera { camera: Some("cam".to_owned()), value: "90".parse().unwrap() }];
     let mut safety = Safety::new(Rules { orientations: turned, ..rules() });
-    assert!(safety.set_cameras(&cameras(&["other"])).is_some());
+    assert!(safety.set_names(&cameras(&["other"])).is_some());
 }
 
 #[test]
@@ -97,8 +106,11 @@ fn without_a_camera_an_image_is_black_only_where_that_matters() {
     let policy = |rules| {
         let mut safety = Safety::new(rules);
         let scene = scene();
-        let lit: Vec<_> =
-            scene.cameras().iter().map(|view| LitView { view, camera: None, unknown_lens: None }).collect();
+        let lit: Vec<_> = scene
+            .cameras()
+            .iter()
+            .map(|view| LitView { view, camera: None, unknown_lens: None, is_watched: true })
+            .collect();
         safety.assess(&scene, &lit, |_, _| None, Now { ros: Time::ZERO, steady: Instant::now() }).remove(0)
     };
     assert_eq!(policy(rules()).without_camera("no pose"), None);
@@ -122,4 +134,34 @@ fn a_window_that_hears_nothing_knows_whether_eyes_are_protected() {
     let painted_masks = vec![ForCamera { camera: None, value: Arc::new(painted) }];
     let silent = Safety::new(Rules { painted_masks, ..rules() }).silent_window("cam");
     assert_eq!(silent.permit.test, Allowance::Masked);
+}
+
+fn surface_of_cam(displays: ConfirmedDisplays) -> ConfirmRules {
+    let surfaces = vec![ForCamera { camera: Some("cam".to_owned()), value: "/depth".to_owned() }];
+    ConfirmRules { surfaces, displays, settings: ConfirmSettings::default() }
+}
+
+#[test]
+fn a_missing_surface_makes_its_own_camera_dark_whatever_is_lit_where_nothing_is_seen() {
+    let mut confirm = surface_of_cam(ConfirmedDisplays::All);
+    confirm.settings.unseen = Unseen::Light;
+    let mut safety = Safety::new(Rules { confirm: confirm.clone(), ..rules() });
+    assert!(safety.needs_cameras());
+    assert_eq!(causes(&mut safety, Instant::now(), 0.0), [Some(DarkCause::Surface), None]);
+    // What is before it in the table is the reason, as for a mask.
+    let mut masked = Safety::new(Rules { confirm, mask_topics: mask_of_cam(), ..rules() });
+    assert_eq!(causes(&mut masked, Instant::now(), 0.0), [Some(DarkCause::Mask), None]);
+}
+
+#[test]
+fn a_listed_display_that_is_gone_makes_all_cameras_dark_until_the_names_fit() {
+    let confirm = surface_of_cam(ConfirmedDisplays::Named(vec!["cups".to_owned()]));
+    let mut safety = Safety::new(Rules { confirm, ..rules() });
+    let mut names = cameras(&["cam", "other"]);
+    names.displays = vec!["cup".to_owned()];
+    let expected = "the config has no display 'cups'; did you mean 'cup'? displays: cup";
+    assert_eq!(safety.set_names(&names), Some(expected));
+    assert_eq!(causes(&mut safety, Instant::now(), 0.0), [Some(DarkCause::UnknownName); 2]);
+    names.displays = vec!["cups".to_owned()];
+    assert_eq!(safety.set_names(&names), None);
 }

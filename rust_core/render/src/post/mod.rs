@@ -49,6 +49,8 @@ pub struct LastStep {
     pub mask: Option<Arc<LightMask>>,
     /// Directions that must not be lit because of something in space.
     pub keep_out: Option<KeepOut>,
+    /// Pixels whose light a measured surface confirms at present.
+    pub confirmed: Option<Arc<LightMask>>,
     /// How the picture is turned.
     pub orientation: Orientation,
 }
@@ -72,7 +74,8 @@ impl LastStep {
     fn dim(&self, picture: &mut Picture) {
         let size_px = [picture.width_px, picture.height_px];
         let (width, step, encoding) = (picture.width_px as usize, picture.step(), picture.encoding);
-        let masks: Vec<&LightMask> = [&self.painted_mask, &self.mask].into_iter().flatten().map(Arc::as_ref).collect();
+        let masks = [&self.painted_mask, &self.mask, &self.confirmed];
+        let masks: Vec<&LightMask> = masks.into_iter().flatten().map(Arc::as_ref).collect();
         let forbids_light = !masks.is_empty() || self.keep_out.is_some();
         if step == 0 || (self.blend.is_none() && !forbids_light) {
             return;

@@ -131,6 +131,11 @@ impl AgeLimits {
         Self { general, ..self }
     }
 
+    /// Replaces the limit of all topics that have none of their own.
+    pub(crate) fn with_general(self, limit: Duration) -> Self {
+        Self { general: AgeLimit::After(limit), ..self }
+    }
+
     /// One limit for all topics; the notes are on.
     #[cfg(test)]
     pub(super) fn general(limit: Duration) -> Self {

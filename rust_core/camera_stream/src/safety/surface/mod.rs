@@ -1,0 +1,277 @@
+//! Confirmed light: whether the surface that a depth camera measures is where the scene's light is meant to fall.
+//!
+//! Each camera (projector) with a `~surface` has a [`Confirmer`]. A depth image waits for the transforms of its own
+//! stamp, becomes points, and is given to the confirmer as the projector sees it. The frame that is shown is compared
+//! with it ([`SurfaceCheck`]), when it is drawn and when the next depth image arrives.
+//!
+//! A missing, invalid or stale surface makes the camera dark. Without a limit of its own, a depth image is stale after
+//! [`SURFACE_LIMIT`]. Latching does not keep it current: it is a measurement.
+
+mod grid;
+mod topics;
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use rcs_camera::NoLens;
+use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer, ObjectDepths};
+use rcs_displays::{time_from_stamp, DisplaySet, ShownMessage};
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::{header, AnyMessage, MessageKind};
+use rcs_ros::Publishing;
+use rcs_scene::{lock, Camera, DepthPicture, DisplayMask};
+use rcs_transforms::WaitingQueue;
+
+use self::grid::GridDecoder;
+use self::topics::info_topic;
+pub(crate) use self::topics::SurfaceTopics;
+use super::ages::limits::AgeLimits;
+use super::ages::{AgeState, Freshness, Now, TopicSource};
+use super::confirmed_displays::ConfirmedDisplays;
+use super::names::{of_camera, ConfigNames, ForCamera};
+use super::LitView;
+use crate::scene::SceneState;
+
+/// Age at which a depth image is stale, where its topic has no limit of its own.
+const SURFACE_LIMIT: Duration = Duration::from_millis(500);
+/// Depth images that may wait for transforms.
+const QUEUE_SIZE: usize = 5;
+
+/// The rules of confirmed light.
+#[derive(Clone, Debug)]
+pub(crate) struct ConfirmRules {
+    /// The topics of depth cameras, by whole names.
+    pub(crate) surfaces: Vec<ForCamera<String>>,
+    pub(crate) displays: ConfirmedDisplays,
+    pub(crate) settings: ConfirmSettings,
+}
+
+/// The measured surface that a camera's light is checked against.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceCheck {
+    confirmer: Arc<Mutex<Confirmer>>,
+    /// Counts the depth images.
+    pub(crate) version: u64,
+    /// Displays whose light must be confirmed.
+    pub(crate) displays: DisplayMask,
+    /// `true` if light without a depth to compare is dark.
+    is_strict: bool,
+    /// Beginning of the confirmer's time.
+    started: Instant,
+}
+
+impl SurfaceCheck {
+    /// Compares an image with the surface. The image is given by the depths of what the listed displays light.
+    pub(crate) fn confirm(&self, objects: &DepthPicture) -> Confirmation {
+        let size_px = [objects.width_px, objects.height_px];
+        let objects = ObjectDepths { size_px, depths_m: &objects.depths_m, is_strict: self.is_strict };
+        lock(&self.confirmer).confirm(&objects, self.started.elapsed())
+    }
+}
+
+/// The surfaces of all cameras.
+#[derive(Debug)]
+pub(super) struct Surfaces {
+    rules: ConfirmRules,
+    /// By the topic's whole name.
+    inputs: BTreeMap<String, SurfaceInput>,
+    /// By the camera's name.
+    cameras: BTreeMap<String, CameraSurface>,
+    ages: Option<Freshness>,
+    started: Instant,
+}
+
+/// The last messages of a depth camera.
+#[derive(Debug, Default)]
+struct SurfaceInput {
+    last: Option<AnyMessage>,
+    info: Option<Arc<CameraInfo>>,
+}
+
+/// A depth image and its arrival.
+type Received = (AnyMessage, Instant);
+
+/// The surface as a camera sees it.
+#[derive(Debug)]
+struct CameraSurface {
+    topic: String,
+    waiting: WaitingQueue<Received>,
+    decoder: GridDecoder,
+    confirmer: Arc<Mutex<Confirmer>>,
+    version: u64,
+    /// The depth image that the confirmer has.
+    placed: Option<ShownMessage>,
+    /// Why there is none.
+    problem: Option<String>,
+}
+
+impl Surfaces {
+    pub(super) fn new(rules: ConfirmRules, limits: AgeLimits) -> Self {
+        let inputs = rules.surfaces.iter().map(|surface| (surface.value.clone(), SurfaceInput::default())).collect();
+        let ages = Freshness::new(limits.with_general(SURFACE_LIMIT));
+        Self { rules, inputs, cameras: BTreeMap::new(), ages, started: Instant::now() }
+    }
+
+    pub(super) fn is_some(&self) -> bool {
+        !self.inputs.is_empty()
+    }
+
+    /// `true` if the light of a camera must be confirmed.
+    pub(super) fn has(&self, camera: &str) -> bool {
+        of_camera(&self.rules.surfaces, camera).is_some()
+    }
+
+    /// The listed displays that a config does not have.
+    pub(super) fn unmatched(&self, names: &ConfigNames) -> Option<String> {
+        self.rules.displays.unmatched(names).filter(|_| self.is_some())
+    }
+
+    /// Forgets all depth images: the time jumped back.
+    pub(super) fn reset(&mut self) {
+        self.ages.iter_mut().for_each(Freshness::reset);
+        self.cameras.clear();
+    }
+
+    /// Takes a message, if its topic is a depth camera's. Returns `true` for one that was taken before: a topic that a
+    /// display shows as well comes to both.
+    pub(super) fn take(&mut self, topic: &str, message: &AnyMessage, received: Instant) -> bool {
+        if let AnyMessage::CameraInfo(info) = message {
+            for (_, input) in self.inputs.iter_mut().filter(|(of, _)| info_topic(of) == topic) {
+                input.info = Some(Arc::clone(info));
+            }
+            return false;
+        }
+        let Some(input) = self.inputs.get_mut(topic) else { return false };
+        if input.last.as_ref().is_some_and(|last| is_same(last, message)) {
+            return true;
+        }
+        input.last = Some(message.clone());
+        if let Some(header) = header(message) {
+            for camera in self.cameras.values_mut().filter(|camera| camera.topic == topic) {
+                let (stamp, entry) = (time_from_stamp(header.stamp), (message.clone(), received));
+                camera.waiting.push(&header.frame_id, stamp, entry);
+            }
+        }
+        false
+    }
+
+    /// Gives a camera's confirmer the newest depth image whose place is known.
+    pub(super) fn observe(&mut self, lit: &LitView<'_>, scene: &SceneState) {
+        let Some(topic) = of_camera(&self.rules.surfaces, &lit.view.name) else { return };
+        let new = || CameraSurface::new(topic, self.rules.settings);
+        let surface = self.cameras.entry(lit.view.name.clone()).or_insert_with(new);
+        if !lit.is_watched {
+            surface.waiting.clear();
+            return;
+        }
+        let (Some(info), Some(camera)) = (scene.camera_info(lit.view), lit.camera) else { return };
+        let of_sensor = self.inputs.get(topic).and_then(|input| input.info.as_ref());
+        surface.observe(camera, scene, &info.header.frame_id, of_sensor);
+    }
+
+    /// The state of a camera's surface; undated if it has none.
+    pub(super) fn state(
+        &mut self,
+        camera: &str,
+        lens: Option<NoLens>,
+        source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
+        now: Now,
+    ) -> AgeState {
+        let Some(topic) = of_camera(&self.rules.surfaces, camera) else { return AgeState::Undated };
+        if let Some(why) = lens {
+            return AgeState::Stale(format!("where the lens sends light is not known: {why}"));
+        }
+        let Some(surface) = self.cameras.get_mut(camera) else {
+            return AgeState::Stale(format!("no surface on {topic} yet"));
+        };
+        let state = surface.state(&mut self.ages, source, now);
+        if matches!(state, AgeState::Stale(_)) && surface.placed.take().is_some() {
+            lock(&surface.confirmer).forget();
+        }
+        state
+    }
+
+    /// What a camera's frames are checked against; `None` if nothing has to be confirmed.
+    pub(super) fn check(&self, camera: &str, displays: &DisplaySet) -> Option<SurfaceCheck> {
+        let surface = self.cameras.get(camera).filter(|_| self.has(camera))?;
+        Some(SurfaceCheck {
+            confirmer: Arc::clone(&surface.confirmer),
+            version: surface.version,
+            displays: self.rules.displays.mask(displays),
+            is_strict: self.rules.displays == ConfirmedDisplays::All,
+            started: self.started,
+        })
+    }
+}
+
+impl CameraSurface {
+    fn new(topic: &str, settings: ConfirmSettings) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            waiting: WaitingQueue::new(QUEUE_SIZE),
+            decoder: GridDecoder::default(),
+            confirmer: Arc::new(Mutex::new(Confirmer::new(settings))),
+            version: 0,
+            placed: None,
+            problem: None,
+        }
+    }
+
+    /// Takes the newest depth image that can be placed in the projector's frame.
+    fn observe(&mut self, camera: &Camera, scene: &SceneState, optical_frame: &str, info: Option<&Arc<CameraInfo>>) {
+        let (transforms, _) = scene.frames();
+        let Some((message, received)) = self.waiting.take_ready(transforms, optical_frame).pop() else {
+            let is_waiting = self.waiting.waiting_reason(transforms, optical_frame).is_some();
+            let why = || format!("no transform to {optical_frame} at the stamp of its depth images");
+            self.problem = self.problem.take().or_else(|| is_waiting.then(why)).filter(|_| self.placed.is_none());
+            return;
+        };
+        let Some(header) = header(&message) else { return };
+        let stamp = time_from_stamp(header.stamp);
+        let Ok(projector_from_sensor) = transforms.lookup(optical_frame, &header.frame_id, stamp) else { return };
+        match self.decoder.decode(&self.topic, &message, info) {
+            Ok(grid) => {
+                lock(&self.confirmer).observe(camera, &projector_from_sensor, &grid);
+                self.version += 1;
+                self.placed = Some(ShownMessage { stamp, received: Some(received) });
+                self.problem = None;
+            }
+            Err(problem) => {
+                self.placed = None;
+                self.problem = Some(problem);
+            }
+        }
+    }
+
+    fn state(
+        &self,
+        ages: &mut Option<Freshness>,
+        source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
+        now: Now,
+    ) -> AgeState {
+        let Self { topic, placed, problem, .. } = self;
+        match (placed, problem, ages) {
+            (_, Some(problem), _) => AgeState::Stale(format!("surface on {topic}: {problem}")),
+            (None, None, _) => AgeState::Stale(format!("no current surface on {topic}")),
+            (Some(_), None, None) => AgeState::Current(None),
+            (Some(placed), None, Some(ages)) => {
+                let unlatched = |topic: &str, kind| {
+                    let TopicSource { topic, publishing } = source(topic, kind)?;
+                    Some(TopicSource { topic, publishing: Publishing { is_latched: false, ..publishing } })
+                };
+                ages.data("surface", [(topic.as_str(), MessageKind::PointCloud2)], *placed, &unlatched, now)
+            }
+        }
+    }
+}
+
+/// `true` if both are one message, not only equal ones.
+fn is_same(a: &AnyMessage, b: &AnyMessage) -> bool {
+    match (a, b) {
+        (AnyMessage::PointCloud2(a), AnyMessage::PointCloud2(b)) => Arc::ptr_eq(a, b),
+        (AnyMessage::Image(a), AnyMessage::Image(b)) => Arc::ptr_eq(a, b),
+        (AnyMessage::CompressedImage(a), AnyMessage::CompressedImage(b)) => Arc::ptr_eq(a, b),
+        _ => false,
+    }
+}
