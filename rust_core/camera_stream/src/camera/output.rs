@@ -27,11 +27,12 @@ use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
 
+use super::buffers::FrameBuffers;
 use super::connections::CameraConnections;
 use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
 use super::health::CameraHealth;
 use super::latency::Update;
-use super::light_check::{CheckedLight, LastCheck};
+use super::light_check::LastCheck;
 use super::oriented_info::TurnedInfo;
 use super::plan::CameraPlan;
 use super::reconfigurable::Switch;
@@ -86,35 +87,6 @@ impl Epoch {
             (self.hidden, self.size_px) = (hidden.to_vec(), size_px);
             self.number += 1;
         }
-    }
-}
-
-/// The last frame, and memory for the next.
-#[derive(Default)]
-pub(super) struct FrameBuffers {
-    /// The frame that was published last.
-    pub(super) front: Option<FinishedFrame>,
-    /// `true` if settings have changed since, during a pause.
-    is_outdated: bool,
-    /// The image before it, which is drawn into again unless an output still holds it.
-    back: Option<Arc<Picture>>,
-    /// The depths that it was checked by, which are drawn into again.
-    back_objects: DepthPicture,
-    /// The size for which the renderer keeps memory.
-    drawn_px: Option<[u32; 2]>,
-}
-
-impl FrameBuffers {
-    fn last(&self) -> Option<&FrameSpec> {
-        self.front.as_ref().map(|frame| &frame.spec)
-    }
-
-    /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
-    fn retire_front(&mut self, next_bytes: usize) {
-        let is_similar = |back: &Arc<Picture>| back.data.len() <= 4 * next_bytes;
-        let Some(last) = self.front.take() else { return };
-        self.back = Some(last.picture).filter(is_similar);
-        self.back_objects = last.checked.map(CheckedLight::into_memory).unwrap_or_default();
     }
 }
 
@@ -368,7 +340,7 @@ impl CameraOutput {
         if !is_scene {
             self.health.latency.forget();
         }
-        if !is_scene || self.is_drawn(&spec) {
+        if !is_scene || self.buffers.has_drawn(&spec, self.wants_depth(), self.policy.surface.is_some()) {
             return self.publish_unrendered(spec).map(|()| None);
         }
         self.health.projection.check(scene, &view, self.context.model);
@@ -377,15 +349,6 @@ impl CameraOutput {
         let keeps_drawn = spec.protects_eyes;
         let check = policy.surface.map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
         Ok(Some(DueFrame { spec, view, visible, camera, depth, check, keeps_drawn, begun }))
-    }
-
-    /// `true` if the last image shows the same before post-processing, so that it need not be drawn again.
-    fn is_drawn(&self, spec: &FrameSpec) -> bool {
-        self.buffers.front.as_ref().is_some_and(|last| {
-            let has_depths = last.depth.is_some() || !self.wants_depth();
-            let has_check = last.checked.is_some() || self.policy.surface.is_none();
-            last.spec.content == spec.content && last.drawn.is_some() && has_depths && has_check
-        })
     }
 
     /// The last frame as a pause keeps it, with the present policy; `None` if it may not stay.

@@ -1,0 +1,45 @@
+//! The last frame of a camera, and the memory that its next one is drawn into.
+
+use std::sync::Arc;
+
+use rcs_scene::{DepthPicture, Picture};
+
+use super::frame::{FinishedFrame, FrameSpec};
+use super::light_check::CheckedLight;
+
+/// The last frame, and memory for the next.
+#[derive(Default)]
+pub(super) struct FrameBuffers {
+    /// The frame that was published last.
+    pub(super) front: Option<FinishedFrame>,
+    /// `true` if settings have changed since, during a pause.
+    pub(super) is_outdated: bool,
+    /// The image before it, which is drawn into again unless an output still holds it.
+    pub(super) back: Option<Arc<Picture>>,
+    /// The depths that it was checked by, which are drawn into again.
+    pub(super) back_objects: DepthPicture,
+    /// The size for which the renderer keeps memory.
+    pub(super) drawn_px: Option<[u32; 2]>,
+}
+
+impl FrameBuffers {
+    pub(super) fn last(&self) -> Option<&FrameSpec> {
+        self.front.as_ref().map(|frame| &frame.spec)
+    }
+
+    /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
+    pub(super) fn retire_front(&mut self, next_bytes: usize) {
+        let is_similar = |back: &Arc<Picture>| back.data.len() <= 4 * next_bytes;
+        let Some(last) = self.front.take() else { return };
+        self.back = Some(last.picture).filter(is_similar);
+        self.back_objects = last.checked.map(CheckedLight::into_memory).unwrap_or_default();
+    }
+
+    /// `true` if the last image shows the same before post-processing, so that it need not be drawn again.
+    pub(super) fn has_drawn(&self, spec: &FrameSpec, needs_depth: bool, needs_check: bool) -> bool {
+        self.front.as_ref().is_some_and(|last| {
+            let has_all = (last.depth.is_some() || !needs_depth) && (last.checked.is_some() || !needs_check);
+            has_all && last.drawn.is_some() && last.spec.content == spec.content
+        })
+    }
+}
