@@ -272,12 +272,12 @@ fn words(text: &str) -> BTreeSet<String> {
 }
 
 const DEFAULTS: &str =
-    "--blend=none --blend-gamma=2.2 --depth-encoding=32FC1 --fixed-frame=none --keep-out=none --lazy \
+    "--blend=none --blend-gamma=2.2 --confirm=all --confirm-margin=4 --confirm-tolerance=0.03 --depth-encoding=32FC1 --fixed-frame=none --keep-out=none --lazy \
                         --mask=none --mask-required --mask-topic=none --max-mesh-mb=512 --mesh-folder=none \
                         --no-set-mode --orientation=0 --predict=none --predict-limit=0.1 --projection=exact \
                         --renderer=cpu --screen-delay=0.02 --stale-note --stale-timeout=1 \
                         --stale-timeouts=/move_base/NavfnROS/plan=held \
-                        --stale-timeouts=/visualization_marker_array=held --undistort --watch --web=none --web-hosts=none --window=none";
+                        --stale-timeouts=/visualization_marker_array=held --surface=none --undistort --unseen=dark --watch --web=none --web-hosts=none --window=none";
 
 /// Parameters outlive a launch: what one sets, the next must set as well.
 #[test]
@@ -303,7 +303,8 @@ fn arguments_of_a_launch_file_become_the_nodes_options() {
                  stale_timeouts:='[{topic: /map, limit: never}, {topic: /plan, limit: 2.5}]' stale_note:=false \
                  orientation:=mirrored-180 mask_topic:=/people predict:=auto set_mode:=true \
                  keep_out:='[{frame: head_1, radius: 0.25}, {frame: hand, radius: 1}]' mask:=/a=b.png \
-                 blend:='[{camera: Projector, file: /left.png}]'";
+                 blend:='[{camera: Projector, file: /left.png}]' \
+                 surface:='[{camera: Projector, topic: /depth}]' confirm:='[clusters]' unseen:=light";
     let expected = words(DEFAULTS);
     let replaced = [
         "--fixed-frame",
@@ -316,6 +317,9 @@ fn arguments_of_a_launch_file_become_the_nodes_options() {
         "--keep-out",
         "--mask=",
         "--blend=",
+        "--surface",
+        "--confirm=",
+        "--unseen",
         "--window",
     ];
     let mut expected: BTreeSet<String> =
@@ -323,7 +327,8 @@ fn arguments_of_a_launch_file_become_the_nodes_options() {
     expected.extend(words(
         "--window=1 --fixed-frame=odom --no-undistort --stale-timeout=none --stale-timeouts=/map=never \
          --stale-timeouts=/plan=2.5 --no-stale-note --orientation=mirrored-180 --mask-topic=/people --predict=auto \
-         --set-mode --keep-out=head_1=0.25 --keep-out=hand=1 --mask=/a=b.png --blend=Projector=/left.png",
+         --set-mode --keep-out=head_1=0.25 --keep-out=hand=1 --mask=/a=b.png --blend=Projector=/left.png \
+         --surface=Projector=/depth --confirm=clusters --unseen=light",
     ));
     assert_eq!(effective_options(given).0, expected);
 }

@@ -24,6 +24,7 @@ mod check;
 mod check_live;
 mod command_line;
 mod compressed;
+mod confirmed_light;
 mod depth;
 mod diagnostics;
 mod doctor;

@@ -61,15 +61,26 @@ const ADDRESS: &str = "the operator's page: ";
 fn fixture(args: &[&str]) -> RosFixture {
     let args = [args, &["--web", "0"]].concat();
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
-    fixture.wait_for_log("#token=").unwrap();
-    let log = fixture.log();
-    let url = log.lines().find_map(|line| line.split_once(ADDRESS)).unwrap().1;
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.python("latch('/cloud', cloud(0xff0000))");
+    prepare_page(&fixture);
+    fixture
+}
+
+/// Defines what opens the page of a node with `--web`.
+fn prepare_page(fixture: &RosFixture) {
+    fixture.wait_for_log("#token=").unwrap();
+    let log = fixture.log();
+    let url = log.lines().find_map(|line| line.split_once(ADDRESS)).unwrap().1;
     fixture.python(PAGE);
     fixture.python(format!("URL = '{}'", url.trim()));
-    fixture
+}
+
+/// Opens the page of a node with `--web`, as `page`.
+pub(crate) fn open_page(fixture: &RosFixture) {
+    prepare_page(fixture);
+    fixture.python("page = Page(URL)");
 }
 
 #[test]
