@@ -7,18 +7,12 @@ use nalgebra::Isometry3;
 use rcs_render::LightMask;
 use rcs_scene::Camera;
 
-use crate::{ConfirmSettings, PointGrid};
-
-/// Depths of what the listed displays light in an image that is about to be shown.
-#[derive(Clone, Copy, Debug)]
-pub struct ObjectDepths<'a> {
-    /// Width and height of the finished image: after lens and flip, before its orientation.
-    pub size_px: [u32; 2],
-    /// Metres along the optical axis for each pixel, row by row; NaN where no listed display lights.
-    pub depths_m: &'a [f32],
-    /// A pixel without depth stays dark.
-    pub is_strict: bool,
-}
+use crate::cells::CELL_PX;
+use crate::comparison::{mask_levels, Comparison};
+use crate::hold_times::HoldTimes;
+use crate::picture_cells::{is_as_drawn, picture_px, PictureCells};
+use crate::surface::{Bounds, SurfaceDrawing};
+use crate::{ConfirmSettings, ObjectDepths, PointGrid, Shares};
 
 /// Light that is confirmed.
 #[derive(Clone, Debug)]
@@ -29,51 +23,113 @@ pub struct Confirmation {
     pub shares: Shares,
 }
 
-/// Shares of the pixels that the listed displays light, 0 to 1; all 0 if they light none. A pixel counts by what the
-/// surface says, whether or not its light is still held back.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Shares {
-    /// The surface is at the object's depth.
-    pub confirmed: f64,
-    /// A surface is nearer than the object.
-    pub blocked: f64,
-    /// The surface is farther than the object.
-    pub gone: f64,
-    /// No surface was measured there.
-    pub unseen: f64,
-}
-
 /// Confirms a camera's light by measured surfaces. One for each camera.
+///
+/// ```
+/// use std::time::Duration;
+///
+/// use nalgebra::Isometry3;
+/// use rcs_confirm::{ConfirmSettings, Confirmer, ObjectDepths, PointGrid};
+/// use rcs_scene::{Camera, Intrinsics};
+///
+/// // A wall at 2 m, seen by a depth camera at the projector's place.
+/// let rays: Vec<_> = (0..60 * 40).map(|i| [(i % 60) as f32 / 60.0 - 0.5, (i / 60) as f32 / 60.0 - 0.35]).collect();
+/// let wall = PointGrid::from_depths([60, 40], &vec![2.0; rays.len()], &rays);
+/// let p = [100.0, 0.0, 20.0, 0.0, 0.0, 100.0, 15.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// let camera = Camera::new(Intrinsics::exactly(40, 30, &p)?.0, &Isometry3::identity(), 0.01);
+///
+/// let mut confirmer = Confirmer::new(ConfirmSettings::default());
+/// confirmer.observe(&camera, &Isometry3::identity(), &wall);
+/// for (object_m, is_confirmed) in [(2.01, true), (1.5, false), (2.5, false)] {
+///     let objects = ObjectDepths { size_px: [40, 30], depths_m: &[object_m; 1200], is_strict: false };
+///     let confirmation = confirmer.confirm(&objects, Duration::ZERO);
+///     assert_eq!(confirmation.shares.confirmed == 1.0, is_confirmed);
+/// }
+/// # Ok::<(), rcs_scene::CameraError>(())
+/// ```
 #[derive(Debug)]
 pub struct Confirmer {
     settings: ConfirmSettings,
+    drawing: SurfaceDrawing,
+    /// Bounds in the drawn image, before lens and flip.
+    drawn: Bounds,
+    picture_cells: Option<PictureCells>,
+    /// Bounds in the finished picture.
+    surface: Bounds,
+    /// Size of the finished picture that has a surface.
+    surface_px: Option<[u32; 2]>,
+    comparison: Comparison,
+    hold_times: HoldTimes,
 }
 
 impl Confirmer {
     /// A confirmer that knows no surface yet: all light of listed displays is dark.
     pub fn new(settings: ConfirmSettings) -> Self {
-        Self { settings }
+        Self {
+            settings,
+            drawing: SurfaceDrawing::default(),
+            drawn: Bounds::default(),
+            picture_cells: None,
+            surface: Bounds::default(),
+            surface_px: None,
+            comparison: Comparison::default(),
+            hold_times: HoldTimes::default(),
+        }
     }
 
     /// Takes a depth image: the closed surface as seen from the projector. `camera` is the projector's exact camera
     /// with lens and flip; its pose plays no part. `projector_from_sensor` maps the grid's points to the projector's
-    /// optical frame at the depth image's stamp.
+    /// optical frame at the depth image's stamp. A grid with fewer points than pixels is no surface.
     pub fn observe(&mut self, camera: &Camera, projector_from_sensor: &Isometry3<f64>, grid: &PointGrid) {
-        let _ = (camera, projector_from_sensor, grid, &self.settings);
+        let [columns, rows] = grid.size_px.map(|side| side as usize);
+        if columns.checked_mul(rows) != Some(grid.points.len()) {
+            self.forget();
+            return;
+        }
+        let Self { settings: ConfirmSettings { tolerance_m, .. }, drawing, drawn, surface, .. } = self;
+        let size_px = picture_px(camera);
+        if is_as_drawn(camera) {
+            self.picture_cells = None;
+            drawing.draw(camera.intrinsics(), projector_from_sensor, grid, *tolerance_m, surface);
+        } else {
+            drawing.draw(camera.intrinsics(), projector_from_sensor, grid, *tolerance_m, drawn);
+            let known = self.picture_cells.take().filter(|cells| cells.are_of(camera));
+            let cells = self.picture_cells.insert(known.unwrap_or_else(|| PictureCells::new(camera)));
+            cells.see(drawn, size_px, surface);
+        }
+        self.surface_px = Some(size_px);
     }
 
     /// Forgets the surface because it is stale: all light of listed displays is dark until the next one.
-    pub fn forget(&mut self) {}
+    pub fn forget(&mut self) {
+        self.surface_px = None;
+    }
 
-    /// Compares the depths of the image that is to be shown with the surface. `now` is monotonic.
+    /// Compares the depths of the image that is to be shown with the surface. `now` is monotonic. Light is dark while
+    /// there is no surface, or one of another size, whatever the settings say about what is unseen.
     pub fn confirm(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {
-        let _ = now;
-        let level = |depth: &f32| if depth.is_nan() && !objects.is_strict { 255 } else { 0 };
-        let levels: Vec<u8> = objects.depths_m.iter().map(level).collect();
-        let is_any = objects.depths_m.iter().any(|depth| !depth.is_nan());
-        Confirmation {
-            mask: LightMask::new(objects.size_px, levels).map(Arc::new),
-            shares: Shares { unseen: f64::from(u8::from(is_any)), ..Shares::default() },
+        let [columns, rows] = objects.size_px.map(|side| side as usize);
+        self.hold_times.fit(columns.div_ceil(CELL_PX) * rows.div_ceil(CELL_PX));
+        if self.surface_px != Some(objects.size_px) || objects.depths_m.len() != columns * rows {
+            return self.without_surface(objects, now);
         }
+        // Half of a cell more: what is in the way may end between the centres of two.
+        let margin = (self.settings.margin_px as usize + CELL_PX / 2).div_ceil(CELL_PX);
+        self.comparison.take(objects);
+        self.comparison.compare(&self.surface, margin);
+        self.hold_times.update(self.comparison.disagreements(self.settings.unseen), now);
+        let levels = mask_levels(objects, self.hold_times.waits());
+        Confirmation { mask: LightMask::new(objects.size_px, levels).map(Arc::new), shares: self.comparison.shares() }
+    }
+
+    fn without_surface(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {
+        self.hold_times.interrupt(now);
+        let count = objects.size_px[0] as usize * objects.size_px[1] as usize;
+        let level = |depth: &f32| if depth.is_nan() && !objects.is_strict { 255 } else { 0 };
+        let mut levels: Vec<u8> = objects.depths_m.iter().take(count).map(level).collect();
+        levels.resize(count, 0);
+        let is_any = objects.depths_m.iter().any(|depth| !depth.is_nan());
+        let shares = Shares { unseen: if is_any { 1.0 } else { 0.0 }, ..Shares::default() };
+        Confirmation { mask: LightMask::new(objects.size_px, levels).map(Arc::new), shares }
     }
 }

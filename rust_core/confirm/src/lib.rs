@@ -3,10 +3,21 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod cells;
+mod comparison;
 mod confirmer;
+mod grazing;
 mod grid;
+mod hold_times;
+mod objects;
+mod picture_cells;
+mod projected;
+mod quads;
 mod settings;
+mod surface;
 
-pub use confirmer::{Confirmation, Confirmer, ObjectDepths, Shares};
+pub use confirmer::{Confirmation, Confirmer};
 pub use grid::PointGrid;
+pub use objects::{ObjectDepths, Shares};
+pub use projected::HOLE_PX;
 pub use settings::{ConfirmSettings, Unseen};

@@ -1,7 +1,7 @@
 //! What counts as agreement between the scene and the measured surface.
 
 /// Part of the tolerance that grows with the distance, metres per metre.
-pub(crate) const TOLERANCE_PER_METRE: f64 = 0.01;
+pub(crate) const TOLERANCE_PER_METRE: f32 = 0.01;
 
 /// Light where no surface was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

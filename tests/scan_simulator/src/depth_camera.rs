@@ -76,11 +76,21 @@ impl DepthCamera {
     /// Depth image of a view, row by row: metres along the optical axis, rounded to 0.1 mm, 0 where missing in more
     /// than half of the frames.
     pub fn capture(&self, view: &View) -> Vec<f32> {
-        let [width, height] = view.size_px().map(|size| size as usize);
+        self.average(&self.reachable(view), view.size_px(), 0)
+    }
+
+    /// Depth images one after another, each like [`Self::capture`] with noise of its own, from a number on.
+    pub fn stream(&self, view: &View, first: u32, count: u32) -> Vec<Vec<f32>> {
         let reach = self.reachable(view);
+        (first..first + count).map(|image| self.average(&reach, view.size_px(), image * self.frames.max(1))).collect()
+    }
+
+    /// Mean of the frames from a number on.
+    fn average(&self, reach: &[Option<Reached>], size_px: [u32; 2], first: u32) -> Vec<f32> {
+        let [width, height] = size_px.map(|size| size as usize);
         let smooth = self.smooth_error.map(|error| error.waves());
         let mut sums = vec![(0.0_f64, 0_u32); width * height];
-        for frame in 0..self.frames.max(1) {
+        for frame in first..first + self.frames.max(1) {
             let noise = self.noise(frame, width, height);
             sums.par_chunks_mut(width).enumerate().for_each(|(v, sums)| {
                 let mut random = Random::new(&[self.seed, u64::from(frame), v as u64, 0x4a49_5454]);
@@ -141,7 +151,7 @@ impl DepthCamera {
                 return Some(Reached { depth_m, is_edge: false });
             }
             let ray: Vector3<f64> = sight.point.coords.normalize();
-            let is_seen = RANGE_M.contains(&depth_m) && -sight.normal.dot(&ray) > GRAZING;
+            let is_seen = RANGE_M.contains(&depth_m) && -sight.normal.dot(&ray) > GRAZING && !sight.is_infrared_black;
             if !is_seen || view.room().is_blocked(&infrared, &(room_from_camera * sight.point)) {
                 return None;
             }

@@ -18,6 +18,8 @@ pub struct Hit {
     pub normal: Vector3<f64>,
     /// Albedo, 0 to 1.
     pub albedo: f64,
+    /// `true` if the surface swallows infrared light: a depth camera does not see it.
+    pub is_infrared_black: bool,
 }
 
 /// Solids in the room's frame: x right, y down, z away from the rig, which is near the origin.
@@ -27,17 +29,19 @@ pub struct Room {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Shape {
+pub(crate) enum Shape {
     /// Infinite plane z = 0 of the solid's frame, lit from positive z.
     Plane,
     /// Box around the origin, by half its size, metres.
     Cuboid(Vector3<f64>),
     /// Ball around the origin, by its radius, metres.
     Ball(f64),
+    /// Cylinder around z with round ends, by its radius and half the length of its axis, metres.
+    Capsule(f64, f64),
 }
 
 #[derive(Debug, Clone)]
-struct Solid {
+pub(crate) struct Solid {
     shape: Shape,
     solid_from_room: Isometry3<f64>,
     /// Rotation of `solid_from_room`, faster as a matrix.
@@ -46,7 +50,11 @@ struct Solid {
     centre: Point3<f64>,
     squared_radius: f64,
     surface: Surface,
+    is_infrared_black: bool,
 }
+
+/// Walls of a cluttered room, its first solids.
+const WALLS: usize = 3;
 
 impl Room {
     /// Random room: a back wall, a floor and a side wall, and 8 to 20 boxes, balls and slanted panels before them, from
@@ -66,6 +74,38 @@ impl Room {
         Self { solids: vec![Solid::plane(Vector3::new(0.0, 0.0, distance_m), turned, Surface::plain(0.8))] }
     }
 
+    /// Number of the solids of a cluttered room that stand before its walls.
+    pub fn objects(&self) -> usize {
+        self.solids.len().saturating_sub(WALLS)
+    }
+
+    /// The room after an object was taken away, by its index below [`Self::objects`].
+    #[must_use]
+    pub fn without(&self, object: usize) -> Self {
+        let mut room = self.clone();
+        if WALLS + object < room.solids.len() {
+            room.solids.remove(WALLS + object);
+        }
+        room
+    }
+
+    /// The room with some of its objects of a material that a depth camera does not see.
+    #[must_use]
+    pub fn with_infrared_black(&self, seed: u64, share: f64) -> Self {
+        let random = &mut Random::new(&[seed, 0x4441_524b]);
+        let mut room = self.clone();
+        room.solids.iter_mut().skip(WALLS).for_each(|solid| solid.is_infrared_black = random.happens(share));
+        room
+    }
+
+    /// The room with more solids.
+    #[must_use]
+    pub(crate) fn with(&self, solids: impl IntoIterator<Item = Solid>) -> Self {
+        let mut room = self.clone();
+        room.solids.extend(solids);
+        room
+    }
+
     /// First intersection of a ray from a point of the room's frame.
     pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
         let mut nearest: Option<(f64, &Solid)> = None;
@@ -78,7 +118,7 @@ impl Room {
         let (distance, solid) = nearest?;
         let point = origin + direction * distance;
         let (normal, albedo) = solid.surface_at(&point);
-        Some(Hit { distance, point, normal, albedo })
+        Some(Hit { distance, point, normal, albedo, is_infrared_black: solid.is_infrared_black })
     }
 
     /// `true` if anything lies between two points, more than half a millimetre from both.
@@ -110,15 +150,22 @@ fn walls(random: &mut Random) -> Vec<Solid> {
 
 impl Solid {
     /// Creates a solid with its origin at a place of the room.
-    fn new(shape: Shape, place: Vector3<f64>, room_from_solid: UnitQuaternion<f64>, surface: Surface) -> Self {
+    pub(crate) fn new(
+        shape: Shape,
+        place: Vector3<f64>,
+        room_from_solid: UnitQuaternion<f64>,
+        surface: Surface,
+    ) -> Self {
         let solid_from_room = Isometry3::from_parts(Translation3::from(place), room_from_solid).inverse();
         let squared_radius = match shape {
             Shape::Plane => f64::INFINITY,
             Shape::Cuboid(half_size) => half_size.norm_squared(),
             Shape::Ball(radius) => radius * radius,
+            Shape::Capsule(radius, half_length) => (radius + half_length).powi(2),
         };
         let rotation = solid_from_room.rotation.to_rotation_matrix().into_inner();
-        Self { shape, solid_from_room, rotation, centre: place.into(), squared_radius, surface }
+        let centre = place.into();
+        Self { shape, solid_from_room, rotation, centre, squared_radius, surface, is_infrared_black: false }
     }
 
     /// Creates a plane through a point, rotated from facing the rig.
@@ -173,6 +220,7 @@ impl Solid {
                 let distance = -(b + discriminant.sqrt()) / a;
                 (distance > 0.0).then_some(distance)
             }
+            Shape::Capsule(radius, half_length) => capsule_entry(&from, &along, radius, half_length),
         }
     }
 
@@ -189,9 +237,30 @@ impl Solid {
                 normal
             }
             Shape::Ball(_) => local.coords.try_normalize(1e-12).unwrap_or_else(Vector3::z),
+            Shape::Capsule(_, half_length) => {
+                let on_axis = Vector3::z() * local.z.clamp(-half_length, half_length);
+                (local.coords - on_axis).try_normalize(1e-12).unwrap_or_else(Vector3::z)
+            }
         };
         (self.solid_from_room.inverse_transform_vector(&normal), self.surface.albedo(&local))
     }
+}
+
+/// Entry of a ray ahead into a capsule around z.
+fn capsule_entry(from: &Vector3<f64>, along: &Vector3<f64>, radius: f64, half_length: f64) -> Option<f64> {
+    let entry = |a: f64, b: f64, c: f64| {
+        let discriminant = b * b - a * c;
+        (a > 0.0 && discriminant > 0.0).then(|| -(b + discriminant.sqrt()) / a).filter(|distance| *distance > 0.0)
+    };
+    let (a, b) = (along.x * along.x + along.y * along.y, from.x * along.x + from.y * along.y);
+    let cylinder = entry(a, b, from.x * from.x + from.y * from.y - radius * radius);
+    let is_on_cylinder = |distance: &f64| (from.z + distance * along.z).abs() <= half_length;
+    let end = |z: f64| {
+        let from = from - Vector3::new(0.0, 0.0, z);
+        entry(along.norm_squared(), from.dot(along), from.norm_squared() - radius * radius)
+    };
+    let ends = [end(half_length), end(-half_length)];
+    cylinder.filter(is_on_cylinder).into_iter().chain(ends.into_iter().flatten()).min_by(f64::total_cmp)
 }
 
 #[cfg(test)]
@@ -228,5 +297,23 @@ mod tests {
             }
             assert_eq!(hits, 500, "seed {seed}");
         }
+    }
+
+    #[test]
+    fn a_capsule_is_a_cylinder_with_round_ends() {
+        let capsule = Solid::new(
+            Shape::Capsule(0.1, 0.3),
+            Vector3::new(0.0, 0.0, 1.0),
+            UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2),
+            Surface::plain(0.5),
+        );
+        // Its axis is along x.
+        let room = Room { solids: vec![capsule] };
+        let depth = |x: f64, y: f64| room.hit(&Point3::new(x, y, 0.0), &Vector3::z()).map(|hit| hit.distance);
+        let close = |found: Option<f64>, expected: f64| (found.unwrap() - expected).abs() < 1e-9;
+        assert!(close(depth(0.0, 0.0), 0.9) && close(depth(0.29, 0.06), 0.92) && close(depth(0.36, 0.0), 0.92));
+        assert!(close(depth(-0.36, 0.0), 0.92) && depth(0.0, 0.11).is_none() && depth(0.41, 0.0).is_none());
+        let hit = room.hit(&Point3::new(0.2, 0.06, 0.0), &Vector3::z()).unwrap();
+        assert!((hit.normal - Vector3::new(0.0, 0.6, -0.8)).norm() < 1e-9);
     }
 }

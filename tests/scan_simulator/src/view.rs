@@ -27,6 +27,8 @@ pub struct Sight {
     pub albedo: f64,
     /// Projector pixel that lights it; `None` in shadow and outside of the projector's image.
     pub lit_by: Option<Point2<f64>>,
+    /// `true` if a depth camera does not see the surface.
+    pub is_infrared_black: bool,
 }
 
 /// Ray of a pixel.
@@ -64,14 +66,7 @@ pub struct View {
 impl View {
     /// Casts the rays.
     pub fn new(room: &Room, rig: &Rig) -> Self {
-        let caster = Caster {
-            room,
-            projector: &rig.projector,
-            room_from_camera: rig.room_from_camera,
-            projector_from_room: rig.room_from_projector.inverse(),
-            eye: rig.room_from_camera.translation.vector.into(),
-            lamp: rig.room_from_projector.translation.vector.into(),
-        };
+        let caster = Caster::new(room, rig);
         let [width, height] = rig.camera.size_px;
         let (count, rows) = (width as usize * height as usize, lattice(&rig.camera));
         let mut sights = vec![None; count];
@@ -90,6 +85,16 @@ impl View {
             },
         );
         Self { room: room.clone(), rig: rig.clone(), sights, pixels }
+    }
+
+    /// Casts only the rays through the pixels' centres: for depth images, not for a [`Scan`](crate::Scan).
+    pub fn for_depth(room: &Room, rig: &Rig) -> Self {
+        let caster = Caster::new(room, rig);
+        let [width, height] = rig.camera.size_px;
+        let rows = (0..height).into_par_iter();
+        let pixels = rows.flat_map_iter(|v| (0..width).map(move |u| Point2::new(f64::from(u), f64::from(v))));
+        let sights = pixels.map(|pixel| caster.sight(rig.camera.plane(pixel)?.coords)).collect();
+        Self { room: room.clone(), rig: rig.clone(), sights, pixels: Vec::new() }
     }
 
     /// The room.
@@ -157,7 +162,18 @@ struct Caster<'a> {
     lamp: Point3<f64>,
 }
 
-impl Caster<'_> {
+impl<'a> Caster<'a> {
+    fn new(room: &'a Room, rig: &'a Rig) -> Self {
+        Self {
+            room,
+            projector: &rig.projector,
+            room_from_camera: rig.room_from_camera,
+            projector_from_room: rig.room_from_projector.inverse(),
+            eye: rig.room_from_camera.translation.vector.into(),
+            lamp: rig.room_from_projector.translation.vector.into(),
+        }
+    }
+
     fn hit(&self, place: Vector2<f64>) -> Option<Hit> {
         self.room.hit(&self.eye, &(self.room_from_camera * place.push(1.0)))
     }
@@ -182,6 +198,7 @@ impl Caster<'_> {
             normal: self.room_from_camera.inverse_transform_vector(&hit.normal),
             albedo: hit.albedo,
             lit_by,
+            is_infrared_black: hit.is_infrared_black,
         })
     }
 

@@ -1,0 +1,142 @@
+//! A depth image's points projected into the projector's drawn image, as a surface without holes.
+//!
+//! The drawn image is that of the pinhole, before the lens, so straight lines stay straight: between two points, place
+//! and inverse depth are interpolated linearly and stay on the line through both.
+
+use fearless_simd::{dispatch, Level};
+use nalgebra::{Isometry3, Matrix3x4};
+use rcs_scene::Intrinsics;
+
+use crate::cells::CELL_PX;
+use crate::PointGrid;
+
+/// Widest hole of the depth image that is closed where both of its sides are one surface, pixels along a row or column.
+pub const HOLE_PX: usize = 4;
+
+/// Depth from the projector at which surfaces begin, metres.
+const NEAREST_M: f32 = 0.01;
+
+/// [`Projected::z`] of a pixel on a side wall: nothing is measured there.
+const BRIDGE: f32 = -1.0;
+
+/// Difference of two neighbours' depths above which they are two surfaces, metres. It grows like the noise and the
+/// steps of a depth camera.
+#[inline(always)]
+pub(crate) fn jump_m(depth_m: f32) -> f32 {
+    0.02 + 0.005 * depth_m * depth_m
+}
+
+/// Points of a depth image in the drawn image, row by row. A pixel without a point has NaN everywhere.
+#[derive(Debug, Default)]
+pub(crate) struct Projected {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Places, in cells from the drawn image's left edge.
+    pub(crate) u: Vec<f32>,
+    /// Places, in cells from the drawn image's upper edge.
+    pub(crate) v: Vec<f32>,
+    /// Inverse depths from the projector, 1/m.
+    pub(crate) w: Vec<f32>,
+    /// Depths from the sensor, metres; [`BRIDGE`] on side walls.
+    pub(crate) z: Vec<f32>,
+}
+
+/// Projection of the sensor's points: places in cells times depth, and depth.
+pub(crate) fn cells_from_sensor(intrinsics: &Intrinsics, projector_from_sensor: &Isometry3<f64>) -> Matrix3x4<f64> {
+    let Intrinsics { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty, .. } = *intrinsics;
+    #[rustfmt::skip]
+    let pixels_from_projector = Matrix3x4::new(
+        fx_px, s, cx_px, tx,
+        t, fy_px, cy_px, ty,
+        0.0, 0.0, 1.0, 0.0,
+    );
+    let mut cells = pixels_from_projector * projector_from_sensor.to_homogeneous();
+    cells.fixed_view_mut::<2, 4>(0, 0).scale_mut(1.0 / CELL_PX as f64);
+    cells
+}
+
+impl Projected {
+    /// Projects the points and closes the surface.
+    pub(crate) fn take(&mut self, grid: &PointGrid, cells_from_sensor: &Matrix3x4<f64>) {
+        [self.width, self.height] = grid.size_px.map(|side| side as usize);
+        let count = self.width * self.height;
+        for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
+            plane.clear();
+            plane.resize(count, f32::NAN);
+        }
+        let rows = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| cells_from_sensor[(row, column)] as f32));
+        dispatch!(Level::new(), _simd => self.project(&rows, &grid.points));
+        for y in 0..self.height {
+            self.close_columns_from(y);
+            self.close_row(y);
+        }
+    }
+
+    #[inline(always)]
+    fn project(&mut self, matrix: &[[f32; 4]; 3], points: &[[f32; 3]]) {
+        let Self { u, v, w, z, .. } = self;
+        for ((((point, u), v), w), z) in points.iter().zip(u).zip(v).zip(w).zip(z) {
+            let [x, y, d] = *point;
+            let [along_u, along_v, depth] =
+                matrix.map(|[by_x, by_y, by_z, offset]| by_x * x + by_y * y + by_z * d + offset);
+            let is_ahead = d > 0.0 && depth > NEAREST_M;
+            let inverse = if is_ahead { 1.0 / depth } else { f32::NAN };
+            *u = along_u * inverse;
+            *v = along_v * inverse;
+            *w = inverse;
+            *z = if is_ahead { d } else { f32::NAN };
+        }
+    }
+
+    /// Closes the small holes that begin in this row below a point.
+    fn close_columns_from(&mut self, y: usize) {
+        let (width, begin) = (self.width, y * self.width);
+        for x in 0..if y == 0 { 0 } else { width } {
+            let above = begin + x - width;
+            if !(self.z[begin + x].is_nan() && self.z[above] > 0.0) {
+                continue;
+            }
+            let below = (1..=HOLE_PX)
+                .map(|rows| begin + x + rows * width)
+                .find(|index| self.z.get(*index).is_some_and(|z| *z > 0.0));
+            if let Some(below) = below.filter(|below| self.are_one_surface(above, *below)) {
+                self.connect(above, below, width, false);
+            }
+        }
+    }
+
+    /// Closes all holes between points of a row: small ones as surface, others as side walls.
+    fn close_row(&mut self, y: usize) {
+        let (begin, end) = (y * self.width, (y + 1) * self.width);
+        let mut last = None;
+        for index in begin..end {
+            if self.z[index].is_nan() {
+                continue;
+            }
+            if let Some(last) = last.filter(|last| last + 1 < index) {
+                let is_surface = index - last <= HOLE_PX + 1 && self.are_one_surface(last, index);
+                self.connect(last, index, 1, !is_surface);
+            }
+            last = Some(index);
+        }
+    }
+
+    fn are_one_surface(&self, one: usize, other: usize) -> bool {
+        let (one, other) = (self.z[one], self.z[other]);
+        one > 0.0 && other > 0.0 && (one - other).abs() <= jump_m(one.min(other))
+    }
+
+    /// Fills the pixels between two points, which are `step` apart in memory.
+    fn connect(&mut self, from: usize, to: usize, step: usize, is_bridge: bool) {
+        let share_of_one = step as f32 / (to - from) as f32;
+        for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
+            let (first, last) = (plane[from], plane[to]);
+            for (count, index) in (from + step..to).step_by(step).enumerate() {
+                plane[index] = first + (last - first) * share_of_one * (count + 1) as f32;
+            }
+        }
+        if is_bridge {
+            self.z[from + 1..to].fill(BRIDGE);
+        }
+    }
+}
