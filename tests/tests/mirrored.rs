@@ -9,7 +9,9 @@ use rcs_camera::{CameraModel, Projection};
 use rcs_camera_stream::scene::SceneState;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
-use rcs_render::{create, Finished, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View};
+use rcs_render::{
+    create, DepthRequest, Depths, Finished, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View,
+};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
     Blending, Camera, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
@@ -123,13 +125,13 @@ fn drawn(camera: &Camera, encoding: Encoding) -> Vec<(Picture, DepthPicture)> {
     let view = View { scene: &scene, camera, visible: &visible, background: [9, 20, 31], encoding };
     let draw = |choice| {
         let mut renderer = create(choice).unwrap();
-        let (mut picture, mut depth) = (Picture::default(), DepthPicture::default());
-        renderer.submit_with_depth(&view, &mut depth).unwrap();
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
+        let (mut picture, mut depths) = (Picture::default(), Depths::default());
+        renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: None }).unwrap();
+        assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
         let mut alone = Picture::default();
         renderer.render(&view, &mut alone).unwrap();
         assert_eq!(picture, alone);
-        (picture, depth)
+        (picture, depths.opaque)
     };
     [RendererChoice::Cpu, RendererChoice::Gpu].map(draw).into()
 }

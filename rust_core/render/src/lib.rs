@@ -51,6 +51,7 @@
 mod cache;
 mod choice;
 mod cpu;
+mod depths;
 mod gpu;
 mod post;
 mod renderer;
@@ -58,6 +59,7 @@ mod shading;
 
 pub use choice::{create, RendererChoice};
 pub use cpu::{CpuRenderer, Culling};
+pub use depths::{DepthRequest, Depths};
 pub use gpu::{GpuRenderer, GpuStats};
 pub use post::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
 pub use renderer::{Finished, RenderError, Renderer, View};

@@ -3,8 +3,10 @@
 use std::any::Any;
 use std::time::Duration;
 
-use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Encoding, Picture, Scene};
+use rcs_scene::{Camera, DisplayId, DisplayMask, Encoding, Picture, Scene};
 use thiserror::Error;
+
+use crate::{DepthRequest, Depths};
 
 /// A scene as a camera sees it: the input of a picture.
 #[derive(Clone, Copy, Debug)]
@@ -121,14 +123,15 @@ pub trait Renderer: Send {
     /// # Errors
     /// See [`RenderError`]. A picture that is too large leaves the others in flight; with [`RenderError::Gpu`] they are
     /// dropped, too.
-    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError>;
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        self.submit_with_depths(view, &DepthRequest::default())
+    }
 
-    /// As [`Renderer::submit`], and writes how far away is what the picture will show: along the optical axis, of what
-    /// hides things behind it. What is translucent does not. Depths are drawn on the CPU, whatever draws the picture.
+    /// Like [`Renderer::submit`], for a picture whose depths are wanted, too. The picture is the same.
     ///
     /// # Errors
     /// See [`Renderer::submit`].
-    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError>;
+    fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError>;
 
     /// Waits for the picture that is in flight longest and writes it to `picture`, which takes its view's size and
     /// encoding; its memory is used again. When none is in flight, `picture` stays as it was.
@@ -136,7 +139,15 @@ pub trait Renderer: Send {
     /// # Errors
     /// See [`RenderError`]; the picture's content is then undefined, and with [`RenderError::Gpu`] no other is in
     /// flight any more.
-    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError>;
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
+        self.finish_with_depths(picture, &mut Depths::default())
+    }
+
+    /// Like [`Renderer::finish`], and writes the depths that were requested with the picture.
+    ///
+    /// # Errors
+    /// See [`Renderer::finish`]; the depths are then undefined, too.
+    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError>;
 
     /// Gives memory back that is kept for the next pictures of the sizes that there were: they have others from now on.
     /// Pictures in flight are not affected.

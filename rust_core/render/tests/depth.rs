@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Point3};
-use rcs_render::{create, Finished, RendererChoice, View};
+use rcs_render::{create, DepthRequest, Depths, Finished, RendererChoice, View};
 use rcs_scene::{
     Camera, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, PixelMap,
     RenderGroup, Rgba, Scene, Vertex,
@@ -42,12 +42,12 @@ fn depths(choice: RendererChoice, camera: &Camera) -> DepthPicture {
     let (scene, visible) = (wall(), DisplayMask::all());
     let view = View { scene: &scene, camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
     let mut renderer = create(choice).unwrap();
-    let (mut depth, mut picture, mut alone) = (DepthPicture::default(), Picture::default(), Picture::default());
-    renderer.submit_with_depth(&view, &mut depth).unwrap();
-    assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
+    let (mut depths, mut picture, mut alone) = (Depths::default(), Picture::default(), Picture::default());
+    renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: None }).unwrap();
+    assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
     renderer.render(&view, &mut alone).unwrap();
     assert_eq!(picture, alone, "the picture is the same");
-    depth
+    depths.opaque
 }
 
 fn camera(size: [u32; 2], [left, top]: [f64; 2]) -> Camera {

@@ -148,23 +148,21 @@ fn pictures_of_both_renderers_are_returned_in_their_order_with_their_depths() {
     let alone = [&heavy, &light].map(|scene| draw(&mut renderer, scene, &camera));
     assert!(alone[0] != alone[1]);
     let before = by_cpu(&renderer);
-    let mut depths = Vec::new();
+    let request = DepthRequest { opaque: true, objects_of: None };
     for scene in scenes {
-        let mut depth = DepthPicture::default();
-        with_view(scene, &camera, |view| renderer.submit_with_depth(view, &mut depth)).unwrap();
-        depths.push(depth);
+        with_view(scene, &camera, |view| renderer.submit_with_depths(view, &request)).unwrap();
     }
     assert_eq!(by_cpu(&renderer), before + 3);
-    let mut picture = Picture::default();
-    for (scene, depth) in scenes.into_iter().zip(depths) {
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
+    let (mut picture, mut depths, mut expected) = (Picture::default(), Depths::default(), Depths::default());
+    for scene in scenes {
+        assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
         assert!(picture == alone[usize::from(std::ptr::eq(scene, &light))]);
-        let mut expected = DepthPicture::default();
         let mut cpu = CpuRenderer::new();
-        with_view(scene, &camera, |view| cpu.submit_with_depth(view, &mut expected)).unwrap();
+        with_view(scene, &camera, |view| cpu.submit_with_depths(view, &request)).unwrap();
+        assert_eq!(cpu.finish_with_depths(&mut Picture::default(), &mut expected).unwrap(), Finished::Drawn);
         // Where nothing is, depths are not numbers, which equal nothing.
         let bits = |depth: &DepthPicture| depth.depths_m.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
-        assert!(bits(&depth) == bits(&expected));
+        assert!(bits(&depths.opaque) == bits(&expected.opaque));
     }
     assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight);
 }

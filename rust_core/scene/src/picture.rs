@@ -192,6 +192,12 @@ impl DepthPicture {
         resize_block(&mut self.depths_m, width_px as usize * height_px as usize, f32::NAN);
         self.depths_m.fill(f32::NAN);
     }
+
+    /// Leaves it without pixels; keeps its memory.
+    pub fn clear(&mut self) {
+        (self.width_px, self.height_px) = (0, 0);
+        self.depths_m.clear();
+    }
 }
 
 #[cfg(test)]

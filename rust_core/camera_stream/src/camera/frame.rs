@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use rcs_displays::CameraView;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_render::{Finished, LastStep, RenderError, Renderer, View};
+use rcs_render::{DepthRequest, Depths, Finished, LastStep, RenderError, Renderer, View};
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
@@ -74,7 +74,7 @@ pub(crate) struct DueFrame {
 /// A frame that the renderer works on.
 pub(crate) struct FrameInFlight {
     spec: FrameSpec,
-    depth: Option<Arc<DepthImage>>,
+    depth: Option<DepthEncoding>,
     check: Option<(SurfaceCheck, DepthPicture)>,
     keeps_drawn: bool,
     begun: Instant,
@@ -98,7 +98,7 @@ pub(crate) struct FinishedFrame {
 /// The renderer's buffers that all frames share, one after the other.
 #[derive(Default)]
 pub(crate) struct SharedBuffers {
-    pub(crate) depth: DepthPicture,
+    pub(crate) depths: Depths,
     /// Scratch buffer of post-processing.
     turned: Picture,
 }
@@ -167,33 +167,16 @@ impl FrameSpec {
 }
 
 impl DueFrame {
-    /// Gives the frame to the renderer. Its depths are ready when this returns.
+    /// Gives the frame to the renderer.
     ///
     /// # Errors
     /// The renderer's; the frame is lost.
-    pub(crate) fn submit(
-        self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        buffers: &mut SharedBuffers,
-    ) -> Result<FrameInFlight, RenderError> {
+    pub(crate) fn submit(self, renderer: &mut dyn Renderer, scene: &Scene) -> Result<FrameInFlight, RenderError> {
         let view = View { visible: &self.visible, ..renderer_view(&self.view, scene, &self.camera) };
-        let mut check = self.check;
-        let depth = match (self.depth, &mut check) {
-            (Some(encoding), _) => {
-                renderer.submit_with_depth(&view, &mut buffers.depth)?;
-                Some(Arc::new(DepthImage::new(&buffers.depth, encoding, self.spec.post.orientation)))
-            }
-            (None, Some((_, objects))) => {
-                renderer.submit_with_depth(&view, objects)?;
-                None
-            }
-            (None, None) => {
-                renderer.submit(&view)?;
-                None
-            }
-        };
-        Ok(FrameInFlight { spec: self.spec, depth, check, keeps_drawn: self.keeps_drawn, begun: self.begun })
+        let objects_of = self.check.as_ref().map(|(surface, _)| &surface.displays);
+        renderer.submit_with_depths(&view, &DepthRequest { opaque: self.depth.is_some(), objects_of })?;
+        let Self { spec, depth, check, keeps_drawn, begun, .. } = self;
+        Ok(FrameInFlight { spec, depth, check, keeps_drawn, begun })
     }
 }
 
@@ -209,14 +192,19 @@ impl FrameInFlight {
         mut picture: Picture,
         buffers: &mut SharedBuffers,
     ) -> Result<Option<FinishedFrame>, RenderError> {
-        let Finished::Drawn = renderer.finish(&mut picture)? else { return Ok(None) };
+        let Finished::Drawn = renderer.finish_with_depths(&mut picture, &mut buffers.depths)? else { return Ok(None) };
         let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
-        let checked = self.check.map(|(surface, objects)| CheckedLight::new(objects, &surface));
+        let checked = self.check.map(|(surface, memory)| {
+            let objects = std::mem::replace(&mut buffers.depths.objects, memory);
+            CheckedLight::new(objects, &surface)
+        });
         if let Some(checked) = &checked {
             self.spec.post = confirmed(&self.spec.post, checked.mask());
         }
         self.spec.post.apply(&mut picture, &mut buffers.turned);
-        let (spec, depth, picture, begun) = (self.spec, self.depth, Arc::new(picture), Some(self.begun));
+        let orientation = self.spec.post.orientation;
+        let depth = self.depth.map(|encoding| DepthImage::new(&buffers.depths.opaque, encoding, orientation));
+        let (spec, picture, depth, begun) = (self.spec, Arc::new(picture), depth.map(Arc::new), Some(self.begun));
         Ok(Some(FinishedFrame { spec, picture, depth, drawn, checked, begun, is_published: false }))
     }
 }

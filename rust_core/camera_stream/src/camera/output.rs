@@ -175,6 +175,11 @@ impl CameraOutput {
         self.connections.outputs.wants_depth()
     }
 
+    /// `true` if its frames are drawn with depths: for a topic, or to confirm their light.
+    pub(crate) fn uses_depth(&self) -> bool {
+        self.wants_depth() || self.policy.surface.is_some()
+    }
+
     /// Forgets the last frame: what it shows is old.
     pub(crate) fn discard_last(&mut self) {
         (self.buffers.front, self.buffers.is_outdated) = (None, false);

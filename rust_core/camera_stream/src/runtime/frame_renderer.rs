@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use rcs_displays::DisplaySet;
-use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
-use rcs_scene::{DepthPicture, DisplayId, Picture, Scene};
+use rcs_render::{CpuRenderer, Depths, RenderError, Renderer, RendererChoice};
+use rcs_scene::{DisplayId, Picture, Scene};
 
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
 use crate::scene::status_tree::path_text;
@@ -47,7 +47,7 @@ impl FrameRenderer {
     }
 
     pub(super) fn submit(&mut self, frame: DueFrame, scene: &Arc<Scene>) -> Result<FrameInFlight> {
-        Ok(frame.submit(self.renderer.as_mut(), scene, &mut self.buffers)?)
+        Ok(frame.submit(self.renderer.as_mut(), scene)?)
     }
 
     /// Finishes the frame that was submitted first, in this memory. `None` if it is lost.
@@ -67,7 +67,7 @@ impl FrameRenderer {
 
     /// Gives back the memory of depths.
     pub(super) fn forget_depths(&mut self) {
-        self.buffers.depth = DepthPicture::default();
+        self.buffers.depths = Depths::default();
     }
 
     /// Replaces a GPU that fails, and that `auto` chose, by the CPU. Returns `true` if the GPU failed: then no frame is
@@ -141,6 +141,8 @@ impl Costs {
 
 #[cfg(test)]
 mod tests {
+    use rcs_render::{DepthRequest, Finished, View};
+
     use super::*;
 
     #[test]
@@ -180,16 +182,12 @@ mod tests {
             "other".to_owned()
         }
 
-        fn submit(&mut self, _: &rcs_render::View<'_>) -> Result<(), RenderError> {
+        fn submit_with_depths(&mut self, _: &View<'_>, _: &DepthRequest<'_>) -> Result<(), RenderError> {
             Ok(())
         }
 
-        fn submit_with_depth(&mut self, _: &rcs_render::View<'_>, _: &mut DepthPicture) -> Result<(), RenderError> {
-            Ok(())
-        }
-
-        fn finish(&mut self, _: &mut Picture) -> Result<rcs_render::Finished, RenderError> {
-            Ok(rcs_render::Finished::NoneInFlight)
+        fn finish_with_depths(&mut self, _: &mut Picture, _: &mut Depths) -> Result<Finished, RenderError> {
+            Ok(Finished::NoneInFlight)
         }
     }
 }

@@ -288,7 +288,7 @@ impl SceneThread {
         if is_size_gone {
             self.renderer.forget_sizes();
         }
-        if !self.shared.cameras().iter().any(CameraOutput::wants_depth) {
+        if !self.shared.cameras().iter().any(CameraOutput::uses_depth) {
             self.renderer.forget_depths();
         }
     }

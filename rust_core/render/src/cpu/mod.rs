@@ -40,4 +40,5 @@ mod texture;
 mod threads;
 mod tile;
 
+pub(crate) use self::renderer::Drawn;
 pub use self::renderer::{CpuRenderer, Culling};

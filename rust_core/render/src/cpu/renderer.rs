@@ -6,18 +6,18 @@ use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_camera::{see_depth_through, see_through};
+use rcs_camera::see_through;
 use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
 
 use super::costs::{self, WorkerCosts};
 use super::plan::{Caches, DrawContext, Outcome, Plan, PlanMemory, Scratch};
 use super::threads::in_parallel;
 use super::tile::band::{pack, Band, BandBuffers};
-use super::tile::depths::Depths;
 use super::tile::near_to_far::Load;
 use super::tile::screen::Screen;
+use crate::depths::ToMetres;
 use crate::renderer::panic_text;
-use crate::{Finished, RenderError, Renderer, View};
+use crate::{DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
 /// Draws on the CPU.
 #[derive(Debug, Default)]
@@ -43,12 +43,27 @@ pub struct CpuRenderer {
 #[derive(Debug, Default)]
 struct Pictures {
     /// Drawn and not yet returned, the oldest first.
-    finished: VecDeque<Picture>,
+    finished: VecDeque<Drawn>,
     /// Memory for the next one.
-    unused: Picture,
+    unused: Drawn,
     /// Drawn before a lens bends it.
-    before_lens: Picture,
-    depth_before_lens: DepthPicture,
+    before_lens: Drawn,
+}
+
+/// A picture with its depths.
+#[derive(Debug, Default)]
+pub(crate) struct Drawn {
+    picture: Picture,
+    depths: Depths,
+}
+
+impl Drawn {
+    /// Exchanges it for what is there, whose memory it takes unless that is several times too large.
+    pub(crate) fn swap(&mut self, picture: &mut Picture, depths: &mut Depths) {
+        std::mem::swap(&mut self.picture, picture);
+        std::mem::swap(&mut self.depths, depths);
+        self.picture.give_back_memory(picture.data.len());
+    }
 }
 
 /// When faces that others hide are looked for. The picture does not depend on it.
@@ -118,56 +133,43 @@ impl Renderer for CpuRenderer {
     }
 
     /// Draws at once: all cores are busy with one picture.
-    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
-        self.submit_both(view, None)
+    fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
+        let mut drawn = std::mem::take(&mut self.pictures.unused);
+        let result = self.draw(view, request, &mut drawn);
+        match result {
+            Ok(()) => self.pictures.finished.push_back(drawn),
+            Err(_) => self.pictures.unused = drawn,
+        }
+        result
     }
 
-    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
-        self.submit_both(view, Some(depth))
-    }
-
-    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
-        let Some(drawn) = self.pictures.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
-        self.pictures.unused = std::mem::replace(picture, drawn);
-        self.pictures.unused.give_back_memory(picture.data.len());
+    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+        let Some(mut drawn) = self.pictures.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
+        drawn.swap(picture, depths);
+        self.pictures.unused = drawn;
         Ok(Finished::Drawn)
     }
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
         self.pictures.finished.clear();
-        self.draw(view, picture, None)
+        let mut drawn = Drawn { picture: std::mem::take(picture), ..Drawn::default() };
+        let result = self.draw(view, &DepthRequest::default(), &mut drawn);
+        *picture = drawn.picture;
+        result
     }
 }
 
 impl CpuRenderer {
-    /// Draws how far away is what a picture of the view would show, and drops the picture.
-    pub(crate) fn draw_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
-        let mut picture = std::mem::take(&mut self.pictures.unused);
-        let drawn = self.draw(view, &mut picture, Some(depth));
-        self.pictures.unused = picture;
-        drawn
-    }
-
-    fn submit_both(&mut self, view: &View<'_>, depth: Option<&mut DepthPicture>) -> Result<(), RenderError> {
-        let mut picture = std::mem::take(&mut self.pictures.unused);
-        let drawn = self.draw(view, &mut picture, depth);
-        match drawn {
-            Ok(()) => self.pictures.finished.push_back(picture),
-            Err(_) => self.pictures.unused = picture,
-        }
-        drawn
-    }
-
-    /// Draws a picture, and how far away is what it shows. A panic is an error: what the renderer kept for the next
+    /// Draws a picture with the depths that are wanted. A panic is an error: what the renderer kept for the next
     /// pictures is dropped, and those go on.
     pub(crate) fn draw(
         &mut self,
         view: &View<'_>,
-        picture: &mut Picture,
-        depth: Option<&mut DepthPicture>,
+        request: &DepthRequest<'_>,
+        drawn: &mut Drawn,
     ) -> Result<(), RenderError> {
-        let drawn = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, picture, depth)));
-        drawn.unwrap_or_else(|panic| {
+        let result = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, request, drawn)));
+        result.unwrap_or_else(|panic| {
             let (simd_level, culling) = (self.simd_level, self.culling);
             let finished = std::mem::take(&mut self.pictures.finished);
             *self = Self { simd_level, culling, ..Self::with_threads(self.workers.len()) };
@@ -179,47 +181,42 @@ impl CpuRenderer {
     fn draw_unguarded(
         &mut self,
         view: &View<'_>,
-        picture: &mut Picture,
-        mut depth: Option<&mut DepthPicture>,
+        request: &DepthRequest<'_>,
+        drawn: &mut Drawn,
     ) -> Result<(), RenderError> {
-        let flip = view.camera.flip();
-        let Some(map) = view.camera.lens() else {
-            self.draw_straight(view, picture, depth.as_deref_mut())?;
-            flip.picture(picture);
-            depth.into_iter().for_each(|depth| flip.depth(depth));
-            return Ok(());
-        };
-        let mut drawn = std::mem::take(&mut self.pictures.before_lens);
-        let mut drawn_depth = std::mem::take(&mut self.pictures.depth_before_lens);
-        let straight = View { encoding: Encoding::Rgba8, ..*view };
-        let result = self.draw_straight(&straight, &mut drawn, depth.is_some().then_some(&mut drawn_depth));
-        if result.is_ok() {
-            see_through(map, &drawn, view.background, view.encoding, picture);
-            flip.picture(picture);
-            if let Some(depth) = depth {
-                see_depth_through(map, &drawn_depth, depth);
-                flip.depth(depth);
+        if let Some(map) = view.camera.lens() {
+            let mut straight = std::mem::take(&mut self.pictures.before_lens);
+            let result = self.draw_straight(&View { encoding: Encoding::Rgba8, ..*view }, request, &mut straight);
+            if result.is_ok() {
+                see_through(map, &straight.picture, view.background, view.encoding, &mut drawn.picture);
+                drawn.depths.see_through(map, &straight.depths);
             }
+            self.pictures.before_lens = straight;
+            result?;
+        } else {
+            self.draw_straight(view, request, drawn)?;
         }
-        (self.pictures.before_lens, self.pictures.depth_before_lens) = (drawn, drawn_depth);
-        result
+        let flip = view.camera.flip();
+        flip.picture(&mut drawn.picture);
+        drawn.depths.flip(flip);
+        Ok(())
     }
 
     /// Draws the view of a camera without its lens, before it is flipped.
     fn draw_straight(
         &mut self,
         view: &View<'_>,
-        picture: &mut Picture,
-        depth: Option<&mut DepthPicture>,
+        request: &DepthRequest<'_>,
+        drawn: &mut Drawn,
     ) -> Result<(), RenderError> {
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         if width_px.max(height_px) > MAX_SIDE_PX {
             let renderer = self.describe();
             return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
         }
-        picture.reset(width_px, height_px, view.encoding);
-        let depths = Depths::new(view.camera, depth);
-        if picture.data.is_empty() {
+        drawn.picture.reset(width_px, height_px, view.encoding);
+        drawn.depths.reset(request, [width_px, height_px]);
+        if drawn.picture.data.is_empty() {
             return Ok(());
         }
         if self.workers.is_empty() {
@@ -230,11 +227,11 @@ impl CpuRenderer {
         let mut screen = Screen::new(width_px, height_px, self.workers.len());
         screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.caches.forget_dead();
-        let mut plan = Plan::new(view, &mut self.caches, &mut self.memory);
+        let mut plan = Plan::new(view, request.objects_of, &mut self.caches, &mut self.memory);
         self.prepare(&plan, &screen);
         plan.cull_clouds(&self.outcomes);
         self.list_runs(&plan, &screen);
-        self.draw_bands(&DrawContext { plan: &plan, screen: &screen }, view, picture, depths);
+        self.draw_bands(&DrawContext { plan: &plan, screen: &screen }, view, drawn);
         std::mem::swap(&mut self.job_displays, &mut plan.job_displays);
         self.memory.keep(plan);
         Ok(())
@@ -268,7 +265,8 @@ impl CpuRenderer {
             let (mut end, mut load) = (begin, Load::default());
             for (job_there, outcome) in plan.jobs.iter().zip(&self.outcomes).skip(begin) {
                 let both = load.and(outcome.load(job_there, plan));
-                if both.in_order || !job.goes_with(job_there) {
+                let goes_with = job.goes_with(job_there) && plan.is_listed(begin) == plan.is_listed(end);
+                if both.in_order || !goes_with {
                     break;
                 }
                 (end, load) = (end + 1, both);
@@ -285,16 +283,18 @@ impl CpuRenderer {
     }
 
     /// The second step: all bands.
-    fn draw_bands(&mut self, context: &DrawContext<'_>, view: &View<'_>, picture: &mut Picture, depths: Depths<'_>) {
+    fn draw_bands(&mut self, context: &DrawContext<'_>, view: &View<'_>, drawn: &mut Drawn) {
+        let Drawn { picture, depths: Depths { opaque, objects } } = drawn;
         let [r, g, b] = view.background;
         let background = pack([r, g, b, 255]);
         let (step, width, rows) = (picture.step(), picture.width_px as usize, context.screen.band_rows());
-        let (outcomes, runs) = (self.outcomes.as_slice(), &self.runs);
-        let to_metres = depths.to_metres();
-        let bands = picture.data.chunks_mut(step * rows).zip(depths.into_bands(width * rows)).enumerate();
-        in_parallel(&mut self.workers, bands, |worker, (index, (rows, depths))| {
+        let (outcomes, runs, has_objects) = (self.outcomes.as_slice(), &self.runs, !objects.depths_m.is_empty());
+        let to_metres = ToMetres::new(view.camera);
+        let depths = depth_bands(opaque, width * rows).zip(depth_bands(objects, width * rows));
+        let bands = picture.data.chunks_mut(step * rows).zip(depths).enumerate();
+        in_parallel(&mut self.workers, bands, |worker, (index, (rows, (opaque, objects)))| {
             let Worker { band, scratch, costs } = worker;
-            let mut band = band.begin(context.screen, index, background);
+            let mut band = band.begin(context.screen, index, background, has_objects);
             costs.begin();
             for run in runs {
                 run.draw(context, (outcomes, index), scratch, costs, &mut band);
@@ -302,10 +302,23 @@ impl CpuRenderer {
             for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
                 view.encoding.write_row(pixels, row);
             }
-            if let Some(depths) = depths {
-                to_metres.write(band.depth_rows(), width, depths);
-            }
+            write_metres(to_metres, band.depth_rows(), opaque);
+            write_metres(to_metres, band.object_rows(), objects);
         });
+    }
+}
+
+/// The depths band by band, of this number of pixels each; without end.
+fn depth_bands(depth: &mut DepthPicture, pixels: usize) -> impl Iterator<Item = &mut [f32]> {
+    depth.depths_m.chunks_mut(pixels.max(1)).chain(std::iter::repeat_with(|| <&mut [f32]>::default()))
+}
+
+/// Writes rows of a depth buffer as metres, if these are wanted.
+fn write_metres<'d>(to_metres: ToMetres, rows: impl Iterator<Item = &'d [f32]>, mut metres: &mut [f32]) {
+    for row in rows {
+        let Some((to, below)) = std::mem::take(&mut metres).split_at_mut_checked(row.len()) else { return };
+        to.iter_mut().zip(row).for_each(|(metres, depth)| *metres = to_metres.metres(*depth));
+        metres = below;
     }
 }
 
@@ -324,6 +337,7 @@ impl Run {
             Self::InOrder(range) => {
                 for at in range.clone() {
                     if let (Some(job), Some(outcome)) = (jobs.get(at), outcomes.get(at)) {
+                        band.set_listed(context.plan.is_listed(at));
                         outcome.draw(job, context, index, scratch, band);
                         costs.add(at..at + 1);
                     }
@@ -331,6 +345,7 @@ impl Run {
             }
             Self::Ranked(range) => {
                 if let (Some(job), Some(outcomes)) = (jobs.get(range.start), outcomes.get(range.clone())) {
+                    band.set_listed(context.plan.is_listed(range.start));
                     Outcome::draw_ranked((job, outcomes), context, index, scratch, band);
                     costs.add(range.clone());
                 }

@@ -51,7 +51,7 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
 use rcs_camera::see_through;
-use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
+use rcs_scene::{Camera, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -64,9 +64,10 @@ use self::target::{Target, Targets};
 use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
+use crate::cpu::Drawn;
 use crate::renderer::panic_text;
 use crate::shading::to_light;
-use crate::{CpuRenderer, Finished, RenderError, Renderer, View};
+use crate::{CpuRenderer, DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -94,7 +95,7 @@ struct Gpu {
     /// A picture before a lens bends it.
     before_lens: Picture,
     /// Memory for the next picture that the CPU draws.
-    unused_picture: Picture,
+    unused: Drawn,
 }
 
 /// The pipelines of all kinds of primitives.
@@ -113,7 +114,7 @@ enum InFlight {
     /// The GPU draws it.
     Submitted(Box<Submitted>),
     /// The CPU has drawn it.
-    Drawn(Picture),
+    Drawn(Drawn),
 }
 
 /// A picture that the GPU draws.
@@ -124,6 +125,7 @@ struct Submitted {
     encoding: Encoding,
     lens: Option<LensView>,
     flip: Flip,
+    drawn: Drawn,
 }
 
 /// The lens of a picture.
@@ -206,30 +208,7 @@ impl Renderer for GpuRenderer {
         self.cpu.as_ref().filter(|_| self.last_by_cpu).map(|cpu| cpu.costs()).unwrap_or_default()
     }
 
-    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
-        self.submit_both(view, None)
-    }
-
-    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
-        self.submit_both(view, Some(depth))
-    }
-
-    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
-        let Some(gpu) = self.gpu.take() else { return Ok(Finished::NoneInFlight) };
-        self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
-        self.on(gpu, |gpu| gpu.finish(picture))
-    }
-
-    fn forget_sizes(&mut self) {
-        if let Some(gpu) = &mut self.gpu {
-            gpu.targets.clear();
-            gpu.before_lens = Picture::default();
-        }
-    }
-}
-
-impl GpuRenderer {
-    fn submit_both(&mut self, view: &View<'_>, depth: Option<&mut DepthPicture>) -> Result<(), RenderError> {
+    fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
         let gpu = match self.gpu.take() {
             Some(gpu) => gpu,
             None => Gpu::open(self.hardware_only)?,
@@ -245,19 +224,37 @@ impl GpuRenderer {
             }
         })?;
         if is_heavy {
-            let mut drawn = self.gpu.as_mut().map(|gpu| std::mem::take(&mut gpu.unused_picture)).unwrap_or_default();
-            self.cpu().draw(view, &mut drawn, depth)?;
+            let mut drawn = self.gpu.as_mut().map(|gpu| std::mem::take(&mut gpu.unused)).unwrap_or_default();
+            self.cpu().draw(view, request, &mut drawn)?;
             if let Some(gpu) = &mut self.gpu {
                 gpu.in_flight.push_back(InFlight::Drawn(drawn));
                 gpu.device.count(|stats| stats.pictures_by_cpu += 1);
             }
-        } else if let Some(depth) = depth {
-            // The GPU draws meanwhile.
-            self.cpu().draw_depth(view, depth)?;
+        } else if request.opaque || request.objects_of.is_some() {
+            let mut drawn = Drawn::default();
+            self.cpu().draw(view, request, &mut drawn)?;
+            if let Some(InFlight::Submitted(submitted)) = self.gpu.as_mut().and_then(|gpu| gpu.in_flight.back_mut()) {
+                submitted.drawn = drawn;
+            }
         }
         Ok(())
     }
 
+    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+        let Some(gpu) = self.gpu.take() else { return Ok(Finished::NoneInFlight) };
+        self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
+        self.on(gpu, |gpu| gpu.finish(picture, depths))
+    }
+
+    fn forget_sizes(&mut self) {
+        if let Some(gpu) = &mut self.gpu {
+            gpu.targets.clear();
+            gpu.before_lens = Picture::default();
+        }
+    }
+}
+
+impl GpuRenderer {
     fn cpu(&mut self) -> &mut CpuRenderer {
         self.cpu.get_or_insert_with(|| Box::new(CpuRenderer::new()))
     }
@@ -286,7 +283,7 @@ impl Gpu {
             targets,
             in_flight,
             before_lens,
-            unused_picture: Picture::default(),
+            unused: Drawn::default(),
         })
     }
 
@@ -329,7 +326,14 @@ impl Gpu {
         let arrival = target.readback().map(submission);
         self.device.check()?;
         let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
-        let submitted = Submitted { target, arrival, encoding: view.encoding, lens, flip: view.camera.flip() };
+        let submitted = Submitted {
+            target,
+            arrival,
+            encoding: view.encoding,
+            lens,
+            flip: view.camera.flip(),
+            drawn: Drawn::default(),
+        };
         self.in_flight.push_back(InFlight::Submitted(Box::new(submitted)));
         self.device.count(|stats| {
             stats.pictures += 1;
@@ -340,12 +344,12 @@ impl Gpu {
         Ok(())
     }
 
-    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
-        let Submitted { target, arrival, encoding, lens, flip } = match self.in_flight.pop_front() {
+    fn finish(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+        let Submitted { target, arrival, encoding, lens, flip, mut drawn } = match self.in_flight.pop_front() {
             Some(InFlight::Submitted(submitted)) => *submitted,
-            Some(InFlight::Drawn(drawn)) => {
-                self.unused_picture = std::mem::replace(picture, drawn);
-                self.unused_picture.give_back_memory(picture.data.len());
+            Some(InFlight::Drawn(mut drawn)) => {
+                drawn.swap(picture, depths);
+                self.unused = drawn;
                 return Ok(Finished::Drawn);
             }
             None => return Ok(Finished::NoneInFlight),
@@ -360,6 +364,7 @@ impl Gpu {
             target.readback().read(&self.device, arrival, picture)?;
         }
         flip.picture(picture);
+        drawn.swap(&mut Picture::default(), depths);
         self.targets.give_back(target);
         Ok(Finished::Drawn)
     }

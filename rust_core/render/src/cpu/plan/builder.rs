@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use rcs_scene::{Blending, CellSheet, CullMode, DisplayId, Drawable, Geometry, Material, Mesh, Ordered, Vertex};
+use rcs_scene::{
+    Blending, CellSheet, CullMode, DisplayId, DisplayMask, Drawable, Geometry, Material, Mesh, Ordered, Vertex,
+};
 
 use super::{Job, Piece, Plan, PlanMemory};
 use crate::cpu::geometry::instances::{Batch, BatchPiece, BatchView, Shapes};
@@ -86,11 +88,16 @@ pub(super) struct Builder<'a, 'c> {
 
 impl<'a, 'c> Builder<'a, 'c> {
     /// Begins a plan of nothing.
-    pub(super) fn new(view: &View<'a>, caches: &'c mut Caches, memory: &'c mut PlanMemory) -> Self {
+    pub(super) fn new(
+        view: &View<'a>,
+        objects_of: Option<&'a DisplayMask>,
+        caches: &'c mut Caches,
+        memory: &'c mut PlanMemory,
+    ) -> Self {
         Self {
             view: *view,
             caches,
-            plan: std::mem::take(&mut memory.plan),
+            plan: Plan { objects_of, ..std::mem::take(&mut memory.plan) },
             batch_of_solids: HashMap::new(),
             ribbon_meshes: &mut memory.ribbon_meshes,
             display: DisplayId::default(),
@@ -110,7 +117,11 @@ impl<'a, 'c> Builder<'a, 'c> {
 
     /// Adds a drawable.
     pub(super) fn add(&mut self, ordered: &Ordered<'a>) {
-        self.display = ordered.drawable.display;
+        let display = ordered.drawable.display;
+        if self.plan.objects_of.is_some_and(|objects_of| objects_of.shows(display) != objects_of.shows(self.display)) {
+            self.close();
+        }
+        self.display = display;
         if let Some(rest) = self.add_small(ordered) {
             self.add_large(rest);
         }

@@ -13,7 +13,7 @@ mod outcome;
 use std::borrow::Cow;
 use std::ops::Range;
 
-use rcs_scene::{DisplayId, DrawOrder, Mesh};
+use rcs_scene::{DisplayId, DisplayMask, DrawOrder, Mesh};
 
 use self::builder::Builder;
 pub(in crate::cpu) use self::builder::Caches;
@@ -61,6 +61,8 @@ pub(in crate::cpu) struct Plan<'a> {
     pub jobs: Vec<Job>,
     /// The display of each job; where several share one, the first one's.
     pub job_displays: Vec<DisplayId>,
+    /// The displays whose objects' depths are wanted. Either all of a job's displays are among them, or none is.
+    objects_of: Option<&'a DisplayMask>,
     clouds: Vec<Cloud<'a>>,
     /// The jobs of each cloud.
     cloud_jobs: Vec<Range<usize>>,
@@ -97,6 +99,7 @@ impl PlanMemory {
         self.plan = Plan {
             jobs: emptied(plan.jobs),
             job_displays: emptied(plan.job_displays),
+            objects_of: None,
             clouds: emptied(plan.clouds),
             cloud_jobs: emptied(plan.cloud_jobs),
             solids: emptied(plan.solids),
@@ -121,15 +124,26 @@ fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
 }
 
 impl<'a> Plan<'a> {
-    /// Plans a picture.
-    pub(in crate::cpu) fn new(view: &View<'a>, caches: &mut Caches, memory: &mut PlanMemory) -> Self {
+    /// Plans a picture, with the depths of these displays' objects if they are wanted.
+    pub(in crate::cpu) fn new(
+        view: &View<'a>,
+        objects_of: Option<&'a DisplayMask>,
+        caches: &mut Caches,
+        memory: &mut PlanMemory,
+    ) -> Self {
         let mut order = std::mem::take(&mut memory.order);
         order.sort(view.scene, view.visible, &view.camera.eye());
-        let mut builder = Builder::new(view, caches, memory);
+        let mut builder = Builder::new(view, objects_of, caches, memory);
         order.of(view.scene).for_each(|ordered| builder.add(&ordered));
         let plan = builder.finish();
         memory.order = order;
         plan
+    }
+
+    /// True if the depths of a job's objects are wanted.
+    pub(in crate::cpu) fn is_listed(&self, job: usize) -> bool {
+        let display = self.job_displays.get(job);
+        display.zip(self.objects_of).is_some_and(|(display, objects_of)| objects_of.shows(*display))
     }
 
     /// Marks the clouds that Ogre would not draw, given the outcomes of the jobs.

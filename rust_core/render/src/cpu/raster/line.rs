@@ -11,7 +11,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 
 use super::clip::{clip_line, ClipVertex};
-use crate::cpu::tile::band::{meet, pack, unorm8, Band, Mode};
+use crate::cpu::tile::band::{pack, unorm8, Band, Mode};
 use crate::cpu::tile::lanes::{lane_indices, F, LANES};
 use crate::cpu::tile::screen::{snap, Screen, FARTHEST, SUBPIXELS};
 
@@ -146,7 +146,7 @@ impl Line {
         let single = self.begin.color.iter().zip(&self.end.color).all(|(a, b)| a == b);
         let single = single.then(|| self.begin.color.map(unorm8));
         let steps = self.steps(band);
-        match single.filter(|_| self.mode == Mode::OPAQUE).map(pack) {
+        match single.filter(|_| self.mode == Mode::OPAQUE && !band.has_objects()).map(pack) {
             Some(color) if self.steep => self.draw_plain::<S, true>(simd, steps, color, band),
             Some(color) => self.draw_plain::<S, false>(simd, steps, color, band),
             None => self.draw_any(simd, steps, single, band),
@@ -199,12 +199,12 @@ impl Line {
             for (lane, along) in (begin..steps.end).take(LANES).enumerate() {
                 let across = across.step();
                 let (x, y) = if self.steep { (across, along) } else { (along, across) };
-                let Some((pixel, depth)) = band.pixel(x, y) else { continue };
-                if self.mode.depth_test && depths[lane] > *depth {
+                let Some(pixel) = band.pixel(x, y) else { continue };
+                if self.mode.depth_test && depths[lane] > *pixel.depth {
                     continue;
                 }
                 let color = single.unwrap_or_else(|| self.color(t[lane]));
-                meet(pixel, depth, depths[lane], color, self.mode);
+                pixel.meet(depths[lane], color, self.mode);
             }
         }
     }
@@ -331,7 +331,7 @@ mod tests {
         ) {
             let screen = Screen::new(70, 50, 1);
             let [mut plain, mut any] = [(); 2].map(|()| BandBuffers::default());
-            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, 0, 7));
+            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, 0, 7, false));
             for band in [&mut plain, &mut any] {
                 let depths = band.pixels().depth;
                 depths.iter_mut().zip(there.iter().cycle()).for_each(|(depth, there)| *depth = *there);
@@ -353,7 +353,7 @@ mod tests {
         ) {
             let screen = Screen::new(70, 150, 1);
             let [mut plain, mut any] = [(); 2].map(|()| BandBuffers::default());
-            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, index, 7));
+            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, index, 7, false));
             // Each twice: of equal depths the later one is seen.
             for (number, &([ax, ay, az], [bx, by, bz], w)) in (1..).zip(lines.iter().chain(&lines)) {
                 let color = [number as f32 / 24.0; 4];

@@ -12,6 +12,7 @@ use fearless_simd::{Level, Simd};
 use super::hiz::{Face, Hiz, VisibleTiles};
 use super::lanes::{inlined, lane_indices, F, LANES, M, U};
 use super::screen::{rounding, Area, DepthPlane, Screen, FARTHEST, TILE_PX};
+use crate::depths::least_object_alpha;
 
 /// How fragments are combined with the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +39,17 @@ impl Mode {
             Self::OPAQUE
         }
     }
+
+    /// The least alpha from which a fragment of a listed display is the pixel's object, or one of another display
+    /// replaces it.
+    #[inline(always)]
+    fn least_object_alpha(self, is_listed: bool) -> u8 {
+        if self.blend {
+            least_object_alpha(is_listed)
+        } else {
+            0
+        }
+    }
 }
 
 /// The buffers that a worker keeps.
@@ -45,14 +57,21 @@ impl Mode {
 pub(in crate::cpu) struct BandBuffers {
     color: Vec<u32>,
     depth: Vec<f32>,
+    object: Vec<f32>,
     rank: Vec<u32>,
     hiz: Hiz,
     visible: Vec<VisibleTiles>,
 }
 
 impl BandBuffers {
-    /// The band of this index, cleared.
-    pub(in crate::cpu) fn begin(&mut self, screen: &Screen, index: usize, background: u32) -> Band<'_> {
+    /// The band of this index, cleared; with the depths of objects, if these are wanted.
+    pub(in crate::cpu) fn begin(
+        &mut self,
+        screen: &Screen,
+        index: usize,
+        background: u32,
+        has_objects: bool,
+    ) -> Band<'_> {
         let first_row = index * screen.band_rows();
         let rows = screen.band_rows().min((screen.height_px as usize).saturating_sub(first_row));
         let width = screen.width_px as usize;
@@ -61,6 +80,8 @@ impl BandBuffers {
         self.color.resize(stride * rows, background);
         self.depth.clear();
         self.depth.resize(stride * rows, FARTHEST);
+        self.object.clear();
+        self.object.resize(if has_objects { stride * rows } else { 0 }, FARTHEST);
         Band {
             width: width as i32,
             first_row: first_row as i32,
@@ -69,6 +90,8 @@ impl BandBuffers {
             stride,
             color: &mut self.color,
             depth: &mut self.depth,
+            objects: has_objects.then_some(self.object.as_mut_slice()),
+            is_listed: false,
             ranks: &mut self.rank,
             hiz: &mut self.hiz,
             visible: &mut self.visible,
@@ -99,6 +122,10 @@ pub(in crate::cpu) struct Band<'a> {
     stride: usize,
     color: &'a mut [u32],
     depth: &'a mut [f32],
+    /// The depth of each pixel's object, where these are wanted.
+    objects: Option<&'a mut [f32]>,
+    /// What is drawn is an object.
+    is_listed: bool,
     /// The rank of the face that each pixel shows, from the first run of ranks on.
     ranks: &'a mut Vec<u32>,
     hiz: &'a mut Hiz,
@@ -138,16 +165,18 @@ impl Band<'_> {
         Area { left: 0, right: self.width, top: self.first_row, bottom: self.end_row }
     }
 
-    /// The colour and the depth of one pixel, if it is one of the band's.
+    /// One pixel, if it is one of the band's.
     #[inline(always)]
-    pub(in crate::cpu) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
+    pub(in crate::cpu) fn pixel(&mut self, x: i32, y: i32) -> Option<BandPixel<'_>> {
         // Negative values wrap to large ones and fail the same check.
         let (x, row) = (x as u32, (y - self.first_row) as u32);
         if x >= self.width as u32 || row >= (self.end_row - self.first_row) as u32 {
             return None;
         }
         let at = row as usize * self.stride + x as usize;
-        Some((self.color.get_mut(at)?, self.depth.get_mut(at)?))
+        let object = self.objects.as_deref_mut().and_then(|objects| objects.get_mut(at));
+        let (color, depth) = (self.color.get_mut(at)?, self.depth.get_mut(at)?);
+        Some(BandPixel { color, depth, object, is_listed: self.is_listed })
     }
 
     /// All of them.
@@ -167,15 +196,27 @@ impl Band<'_> {
         else {
             return;
         };
-        let rank = self.rank;
+        let (rank, is_listed) = (self.rank, self.is_listed);
+        let mut objects = self.objects.as_deref_mut().and_then(|objects| objects.get_mut(range.clone()));
         let mut ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
         let mut at = 0;
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
             let ranks = ranks.as_deref_mut().and_then(|ranks| ranks.get_mut(at..)?.first_chunk_mut());
-            work(Window { colors, depths, ranks, rank });
+            let objects = objects.as_deref_mut().and_then(|objects| objects.get_mut(at..)?.first_chunk_mut());
+            work(Window { colors, depths, objects, is_listed, ranks, rank });
             at += self.stride;
         }
+    }
+
+    /// Draws what is an object, or is none, from now on.
+    pub(in crate::cpu) fn set_listed(&mut self, is_listed: bool) {
+        self.is_listed = is_listed;
+    }
+
+    /// True if the depths of objects are wanted.
+    pub(in crate::cpu) fn has_objects(&self) -> bool {
+        self.objects.is_some()
     }
 
     /// Begins a run of faces that are drawn by ranks: of this number, from the returned one on. `None` where there are
@@ -289,6 +330,12 @@ impl Band<'_> {
         let width = self.width as usize;
         self.depth.chunks_exact(self.stride).map(move |row| &row[..width])
     }
+
+    /// The depths of each row's objects; no rows where these are not wanted.
+    pub(in crate::cpu) fn object_rows(&self) -> impl Iterator<Item = &[f32]> + '_ {
+        let width = self.width as usize;
+        self.objects.as_deref().unwrap_or_default().chunks_exact(self.stride).map(move |row| &row[..width])
+    }
 }
 
 /// [`LANES`] pixels side by side.
@@ -296,6 +343,9 @@ impl Band<'_> {
 pub(in crate::cpu) struct Window<'a> {
     colors: &'a mut [u32; LANES],
     depths: &'a mut [f32; LANES],
+    /// Present where the depths of objects are wanted.
+    objects: Option<&'a mut [f32; LANES]>,
+    is_listed: bool,
     /// Present while faces are drawn by their ranks.
     ranks: Option<&'a mut [u32; LANES]>,
     rank: u32,
@@ -331,6 +381,12 @@ impl Window<'_> {
         if mode.depth_write {
             wins.select(depths, behind).store_array(self.depths);
         }
+        if let Some(objects) = self.objects {
+            let least_alpha = u32::from(mode.least_object_alpha(self.is_listed));
+            let takes = wins & ((colors >> channel_shift(3)) & 255).simd_ge(least_alpha);
+            let object = if self.is_listed { depths } else { F::splat(simd, FARTHEST) };
+            takes.select(object, F::load_array_ref(simd, objects)).store_array(objects);
+        }
         let there = U::load_array_ref(simd, self.colors);
         let colors = if mode.blend { blend_lanes(there, colors) } else { colors };
         wins.select(colors, there).store_array(self.colors);
@@ -344,21 +400,37 @@ pub(in crate::cpu) fn pack(color: [u8; 4]) -> u32 {
     u32::from_ne_bytes(color)
 }
 
-/// Tests a fragment against a pixel and writes or blends it.
-#[inline]
-pub(in crate::cpu) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u8; 4], mode: Mode) {
-    // NaN is not drawn.
-    if mode.depth_test && (depth > *pixel_depth || depth.is_nan()) {
-        return;
+/// One pixel.
+#[derive(Debug)]
+pub(in crate::cpu) struct BandPixel<'a> {
+    color: &'a mut u32,
+    /// Its depth.
+    pub depth: &'a mut f32,
+    /// Present where the depths of objects are wanted.
+    object: Option<&'a mut f32>,
+    is_listed: bool,
+}
+
+impl BandPixel<'_> {
+    /// Tests a fragment against the pixel and writes or blends it.
+    #[inline]
+    pub(in crate::cpu) fn meet(self, depth: f32, color: [u8; 4], mode: Mode) {
+        // NaN is not drawn.
+        if mode.depth_test && (depth > *self.depth || depth.is_nan()) {
+            return;
+        }
+        // As most of a glyph's pixels, which stay as they are.
+        if mode == Mode::TRANSLUCENT && color[3] == 0 {
+            return;
+        }
+        if mode.depth_write {
+            *self.depth = depth;
+        }
+        if let Some(object) = self.object.filter(|_| color[3] >= mode.least_object_alpha(self.is_listed)) {
+            *object = if self.is_listed { depth } else { FARTHEST };
+        }
+        *self.color = if mode.blend { blend(*self.color, color) } else { pack(color) };
     }
-    // As most of a glyph's pixels, which stay as they are.
-    if mode == Mode::TRANSLUCENT && color[3] == 0 {
-        return;
-    }
-    if mode.depth_write {
-        *pixel_depth = depth;
-    }
-    *pixel = if mode.blend { blend(*pixel, color) } else { pack(color) };
 }
 
 /// `color` over `behind`, by the colour's alpha.
@@ -465,7 +537,8 @@ mod tests {
                 let expected = blended_by_channel(behind, color);
                 prop_assert_eq!(blend(behind, color.to_ne_bytes()), expected);
                 let (mut pixel, mut depth) = (behind, 1.0);
-                meet(&mut pixel, &mut depth, 0.5, color.to_ne_bytes(), Mode::TRANSLUCENT);
+                let there = BandPixel { color: &mut pixel, depth: &mut depth, object: None, is_listed: false };
+                there.meet(0.5, color.to_ne_bytes(), Mode::TRANSLUCENT);
                 prop_assert_eq!((pixel, depth), (expected, 1.0));
             }
         }
@@ -492,10 +565,10 @@ mod tests {
     fn of_equal_depths_the_later_wins_and_translucent_ones_leave_the_depth() {
         let mut buffers = BandBuffers::default();
         let screen = Screen::new(2, 1, 1);
-        let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
+        let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]), false);
         let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
-            if let Some((color, at)) = band.pixel(x, 0) {
-                meet(color, at, depth, [level, level, level, 255], mode);
+            if let Some(pixel) = band.pixel(x, 0) {
+                pixel.meet(depth, [level, level, level, 255], mode);
             }
         };
         put(0, 500.0, 1, Mode::OPAQUE);

@@ -2,7 +2,6 @@
 
 pub(super) mod band;
 pub(super) mod bins;
-pub(super) mod depths;
 pub(super) mod hiz;
 pub(super) mod lanes;
 pub(super) mod near_to_far;

@@ -17,11 +17,11 @@ use crate::shading::{normalizes_normals, to_light, view_from_normal};
 /// Snapped places to a pixel.
 pub(in crate::cpu) const SUBPIXELS: i32 = 256;
 
-/// The depth of the far plane, which the picture is cleared to: the largest of 24 bits.
+/// The depth of the far plane, which the picture is cleared to.
 ///
 /// Depths are kept as `f32`. From half of this depth on, which is 2 cm before a camera that sees from 1 cm to 100 m, an
 /// `f32` has no fraction, so that depths are rounded to whole steps just as in a depth buffer of 24 bits.
-pub(in crate::cpu) const FARTHEST: f32 = ((1 << 24) - 1) as f32;
+pub(in crate::cpu) const FARTHEST: f32 = crate::depths::FARTHEST;
 
 /// Side of a tile in pixels: a window's.
 pub(in crate::cpu) const TILE_PX: i32 = LANES as i32;

@@ -109,9 +109,9 @@ fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
             let (mut near, mut far) = (f32::MAX, f32::MIN);
             for index in 0..screen.bands() {
                 let background = pack([1, 2, 3, 255]);
-                let mut band = one_way.begin(&screen, index, background);
+                let mut band = one_way.begin(&screen, index, background, false);
                 draw(&cloud, &[0], &screen, &mut scratch, &mut band);
-                let mut other_band = other_way.begin(&screen, index, background);
+                let mut other_band = other_way.begin(&screen, index, background, false);
                 draw_triangles(&cloud, 0, &screen, &mut other_band);
                 let is_covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
                 for (row, other_row) in band.pixel_rows().zip(other_band.pixel_rows()) {
