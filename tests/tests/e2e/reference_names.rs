@@ -103,21 +103,26 @@ fn camera_stream_advertises_what_its_reference_lists() {
     let file = folder.path().join("scene.rviz").display().to_string();
     let camera = CameraPub { namespace: "view", ..CameraPub::default() };
     fs::write(&file, config(&[CLOUD], &[camera])).unwrap();
-    let arguments = ["-d", &file, "--renderer", "cpu", "--mask-topic", "/mask", "--orientation", "90"];
+    let masks = ["--mask-topic", "/mask", "--surface", "/surface/image"];
+    let arguments = [&["-d", &file, "--renderer", "cpu", "--orientation", "90"], &masks[..]].concat();
     let names = [
         ("IMAGE", "/view/image"),
         ("IMAGE/compressed", "/view/image/compressed"),
         ("camera_info beside IMAGE", "/view/camera_info"),
         ("depth beside IMAGE", "/view/depth"),
         ("shown beside IMAGE", "/view/shown"),
+        ("confirmed beside IMAGE", "/view/confirmed"),
         ("INFO", "/eye/camera_info"),
         ("MASK", "/mask"),
+        ("SURFACE", "/surface/image"),
+        ("camera_info beside SURFACE", "/surface/camera_info"),
         ("topics of the displays", "/cloud"),
         ("NAMESPACE/camera_trigger", "/view/camera_trigger"),
         ("~CAMERA", "/camera_stream/CameraPub"),
     ];
     // The frame of turned images is published with the first of them.
     let before =
-        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); viewer = Viewer('/view/image')";
+        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); viewer = Viewer('/view/image')
+latch('/surface/image', Image())";
     check("camera_stream", &[&arguments], &names, before);
 }

@@ -13,23 +13,19 @@ const KINDS: [MessageKind; 3] = [MessageKind::Image, MessageKind::CompressedImag
 
 /// The subscriptions to the topics of depth cameras.
 #[derive(Default)]
-pub(crate) struct SurfaceTopics {
-    topics: Vec<SurfaceTopic>,
-    is_paused: bool,
-}
+pub(crate) struct SurfaceTopics(Vec<SurfaceTopic>);
 
 struct SurfaceTopic {
     /// The topic as it was given: a subscription remaps it.
     given: String,
     whole: String,
-    points: Option<TopicSubscription>,
-    /// CameraInfo of a depth image.
-    info: Option<TopicSubscription>,
-    /// Type of the publisher, if it has no surface.
-    unsupported: Option<String>,
+    /// Its messages, and the CameraInfo of depth images; none while nobody publishes or watches.
+    subscriptions: Vec<TopicSubscription>,
+    /// Why it cannot be subscribed to.
+    error: Option<String>,
 }
 
-/// The topic of the CameraInfo of a depth image.
+/// The topic of the CameraInfo of a depth image, as image_transport has it: beside the whole name.
 pub(super) fn info_topic(topic: &str) -> String {
     camera_info_topic(raw_topic(topic))
 }
@@ -41,55 +37,56 @@ impl SurfaceTopics {
     /// A name that ROS does not allow.
     pub(in crate::safety) fn add(&mut self, ros: &RosNode, given: &str) -> Result<String, NodeError> {
         let whole = ros.resolve(given)?;
-        if !self.topics.iter().any(|topic| topic.whole == whole) {
-            let given = given.to_owned();
-            self.topics.push(SurfaceTopic { given, whole: whole.clone(), points: None, info: None, unsupported: None });
+        if !self.0.iter().any(|topic| topic.whole == whole) {
+            let (given, whole) = (given.to_owned(), whole.clone());
+            self.0.push(SurfaceTopic { given, whole, subscriptions: Vec::new(), error: None });
         }
         Ok(whole)
     }
 
-    /// Subscribes to the topics that have a publisher by now, and pauses all while nobody watches.
+    /// Subscribes to the topics that have a publisher by now, and to none while nobody watches. A paused subscription
+    /// would keep a topic that a display shares from being paused.
     pub(crate) fn update(&mut self, ros: &RosNode, is_watched: bool) {
-        for topic in self.topics.iter_mut().filter(|topic| topic.points.is_none() && is_watched) {
-            if let Err(error) = topic.subscribe(ros) {
-                if topic.unsupported.as_ref() != Some(&error) {
-                    log::error!("surface on {}: {error}", topic.whole);
-                }
-                topic.unsupported = Some(error);
+        for topic in &mut self.0 {
+            if !is_watched {
+                topic.subscriptions.clear();
+            } else if topic.subscriptions.is_empty() {
+                topic.subscribe_or_log(ros);
             }
-        }
-        if std::mem::replace(&mut self.is_paused, !is_watched) == self.is_paused {
-            return;
-        }
-        for subscription in self.topics.iter().flat_map(|topic| [&topic.points, &topic.info]).flatten() {
-            subscription.set_paused(!is_watched);
         }
     }
 
     /// The publishers of a topic, by its whole name.
     pub(in crate::safety) fn source(&self, topic: &str) -> Option<TopicSource> {
-        let found = self.topics.iter().find(|known| known.whole == topic)?;
-        Some(TopicSource { topic: topic.to_owned(), publishing: found.points.as_ref()?.publishing() })
+        let found = self.0.iter().find(|known| known.whole == topic)?;
+        Some(TopicSource { topic: topic.to_owned(), publishing: found.subscriptions.first()?.publishing() })
     }
 }
 
 impl SurfaceTopic {
-    /// Subscribes if somebody publishes the topic.
-    fn subscribe(&mut self, ros: &RosNode) -> Result<(), String> {
-        let publications = ros.publications();
-        let Some(published) = publications.as_ref().and_then(|all| all.get(&self.whole)) else { return Ok(()) };
-        if published.ros_type == "*" {
-            return Ok(());
+    fn subscribe_or_log(&mut self, ros: &RosNode) {
+        match self.subscribe(ros) {
+            Ok(subscriptions) => (self.subscriptions, self.error) = (subscriptions, None),
+            Err(error) => {
+                if self.error.as_ref() != Some(&error) {
+                    log::error!("surface on {}: {error}", self.whole);
+                }
+                self.error = Some(error);
+            }
         }
+    }
+
+    /// Subscribes if somebody publishes the topic. Its own messages are the first.
+    fn subscribe(&self, ros: &RosNode) -> Result<Vec<TopicSubscription>, String> {
+        let publications = ros.publications();
+        let published = publications.as_ref().and_then(|all| all.get(&self.whole));
+        let Some(published) = published.filter(|published| published.ros_type != "*") else { return Ok(Vec::new()) };
         let kind = MessageKind::from_ros_type(&published.ros_type).filter(|kind| KINDS.contains(kind));
         let kind = kind.ok_or_else(|| {
             format!("{} has no surface: use a depth image or an organised PointCloud2", published.ros_type)
         })?;
-        let subscribe = |topic: &str, kind| ros.subscribe(topic, kind, 1).map_err(|error| error.to_string());
-        if kind != MessageKind::PointCloud2 {
-            self.info = Some(subscribe(&info_topic(&self.given), MessageKind::CameraInfo)?);
-        }
-        self.points = Some(subscribe(&self.given, kind)?);
-        Ok(())
+        let info = (kind != MessageKind::PointCloud2).then(|| (info_topic(&self.whole), MessageKind::CameraInfo));
+        let wanted = std::iter::once((self.given.clone(), kind)).chain(info);
+        wanted.map(|(topic, kind)| ros.subscribe(&topic, kind, 1).map_err(|error| error.to_string())).collect()
     }
 }
