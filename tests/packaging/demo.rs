@@ -83,6 +83,25 @@ fn the_papers_turret_lights_the_object_to_grasp() {
 }
 
 #[test]
+fn a_hand_in_the_light_is_lit_only_without_a_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let (shown, printed) = show(folder.path(), "--confirm");
+    let (width, height, pixels) = pixels(&shown);
+    assert_eq!((width, height), (2560, 800), "{printed}");
+    // Skin in white light, in each half; white objects remain in both.
+    let count = |color: [u8; 3], columns: std::ops::Range<usize>| {
+        let rows = pixels.chunks_exact(2560 * 3);
+        rows.flat_map(|row| row[3 * columns.start..3 * columns.end].chunks_exact(3))
+            .filter(|pixel| *pixel == color)
+            .count()
+    };
+    let [left, right] = [0..1280, 1280..2560].map(|half| count([216, 158, 127], half));
+    assert!(left > 5000 && right * 100 < left, "{left} and {right} pixels; {printed}");
+    let [left, right] = [0..1280, 1280..2560].map(|half| count([216, 216, 216], half));
+    assert!(right * 4 > left && left > 50_000, "{left} and {right} pixels; {printed}");
+}
+
+#[test]
 fn the_latency_of_clouds_that_another_node_replaces_is_not_measured() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     fixture.python(
@@ -145,6 +164,7 @@ fn unusable_arguments_are_reported() {
         ("--output", "--output needs a value"),
         ("--fast", "unknown option '--fast'"),
         ("--paper --offline", "--paper excludes --offline and --calibrate"),
+        ("--paper --confirm", "--confirm excludes --offline, --calibrate and --paper"),
     ] {
         let (status, line) = failure(&format!("./demo {arguments}"));
         assert_eq!(status, Some(2), "{arguments}");
