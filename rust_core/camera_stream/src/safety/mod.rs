@@ -246,7 +246,7 @@ impl Safety {
         let mut policies = Vec::with_capacity(views.len());
         for (lit, mask) in views.iter().zip(masks) {
             self.surfaces.observe(lit, scene);
-            let surface = self.surfaces.state(&lit.view.name, lit.unknown_lens.clone(), &source, now);
+            let surface = self.surfaces.state(lit, &source, now);
             let check = self.surfaces.check(&lit.view.name, scene.displays());
             policies.push(self.policy(lit, mask, &spheres).checked(surface, check));
         }

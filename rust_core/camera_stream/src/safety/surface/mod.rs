@@ -14,7 +14,6 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use rcs_camera::NoLens;
 use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer, ObjectDepths};
 use rcs_displays::{time_from_stamp, DisplaySet, ShownMessage};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -170,23 +169,26 @@ impl Surfaces {
         surface.observe(camera, scene, &info.header.frame_id, of_sensor);
     }
 
-    /// The state of a camera's surface; undated if it has none.
+    /// The state of a camera's surface; undated if it has none, or nobody watches and so none is received.
     pub(super) fn state(
         &mut self,
-        camera: &str,
-        lens: Option<NoLens>,
+        lit: &LitView<'_>,
         source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
         now: Now,
     ) -> AgeState {
+        let camera = lit.view.name.as_str();
         let Some(topic) = of_camera(&self.rules.surfaces, camera) else { return AgeState::Undated };
-        if let Some(why) = lens {
+        if let Some(why) = &lit.unknown_lens {
             return AgeState::Stale(format!("where the lens sends light is not known: {why}"));
         }
         let Some(surface) = self.cameras.get_mut(camera) else {
             return AgeState::Stale(format!("no surface on {topic} yet"));
         };
-        let state = surface.state(&mut self.ages, source, now);
-        if matches!(state, AgeState::Stale(_)) && surface.placed.take().is_some() {
+        let state = match lit.is_watched {
+            true => surface.state(&mut self.ages, source, now),
+            false => AgeState::Undated,
+        };
+        if !matches!(state, AgeState::Current(_)) && surface.placed.take().is_some() {
             lock(&surface.confirmer).forget();
         }
         state
