@@ -1,0 +1,253 @@
+//! What is dark and what is lit in simulated rooms, while arms reach into them and objects are taken away.
+//!
+//! A few rooms; 100 with `MANY_SEEDS=1`. `-- --nocapture` prints the figures of each, and
+//! `-- --ignored` draws a room: `ROOM=17 cargo test --release -p rcs_confirm --test rooms -- --ignored`.
+
+mod world;
+
+use std::time::Duration;
+
+use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer};
+use rcs_scan_simulator::{has_many_seeds, seeds, Arm, Room};
+use world::{tolerance_m, World};
+
+/// Every so manieth pixel of a row and a column is looked at.
+const STEP_PX: usize = 3;
+/// Depth images before something happens.
+const STILL: u32 = 12;
+/// Time between two depth images.
+const FRAME: Duration = Duration::from_micros(33_333);
+
+/// Pixels, and how many of them are dark.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    all: usize,
+    dark: usize,
+}
+
+impl Tally {
+    fn add(&mut self, is_dark: bool) {
+        self.all += 1;
+        self.dark += usize::from(is_dark);
+    }
+
+    fn share(self) -> f64 {
+        self.dark as f64 / self.all.max(1) as f64
+    }
+}
+
+/// What light is by ray casting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Truth {
+    /// It meets its object, which the depth image measures there.
+    Observed,
+    /// It meets its object, which the depth image does not measure there.
+    Unobserved,
+    /// It would hit something nearer than its object.
+    OnObstacle,
+    /// Its object is not there any more.
+    Gone,
+    /// Within the tolerance.
+    Undecided,
+}
+
+fn truth(world: &World, room: &Room, depths_m: &[f32], pixel: usize) -> Truth {
+    let (object, now) = (f64::from(world.objects[pixel]), world.depth(room, pixel));
+    if (now - object).abs() < 1e-4 {
+        return if world.is_observed(depths_m, pixel, now) { Truth::Observed } else { Truth::Unobserved };
+    }
+    match now - object {
+        nearer if nearer < -tolerance_m(object) => Truth::OnObstacle,
+        farther if farther > tolerance_m(object) => Truth::Gone,
+        _ => Truth::Undecided,
+    }
+}
+
+fn sampled([width, height]: [u32; 2]) -> impl Iterator<Item = usize> {
+    let [width, height] = [width as usize, height as usize];
+    (0..height)
+        .step_by(STEP_PX)
+        .flat_map(move |row| (0..width).step_by(STEP_PX).map(move |column| row * width + column))
+}
+
+/// Figures of a room.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    on_obstacle: Tally,
+    observed: Tally,
+    unobserved: Tally,
+    gone: Tally,
+}
+
+impl Figures {
+    fn add(&mut self, world: &World, room: &Room, depths_m: &[f32], confirmation: &Confirmation) {
+        let mask = confirmation.mask.as_ref().unwrap();
+        for pixel in sampled(world.size_px()) {
+            let is_dark = mask.levels()[pixel] == 0;
+            match truth(world, room, depths_m, pixel) {
+                Truth::Observed => self.observed.add(is_dark),
+                Truth::Unobserved => self.unobserved.add(is_dark),
+                Truth::OnObstacle => self.on_obstacle.add(is_dark),
+                Truth::Gone => self.gone.add(is_dark),
+                Truth::Undecided => {}
+            }
+        }
+    }
+}
+
+/// A confirmer that has seen a room for a while, and the time.
+fn settled(world: &World) -> (Confirmer, Duration) {
+    let mut confirmer = Confirmer::new(ConfirmSettings::default());
+    let mut now = Duration::ZERO;
+    for depths_m in world.stream(&world.room, 0, STILL) {
+        world.confirm(&mut confirmer, &depths_m, now);
+        now += FRAME;
+    }
+    (confirmer, now)
+}
+
+/// An arm reaches into a room in three steps, each with the first depth image that shows it and two more.
+fn with_an_arm(seed: u64, mut picture: impl FnMut(&World, &Room, &[f32], &Confirmation)) -> Figures {
+    let world = World::new(seed);
+    let arm = Arm::reaching(&world.room, &world.rig, seed).expect("the projector lights something");
+    let mut figures = Figures::default();
+    let (mut confirmer, mut now) = settled(&world);
+    for step in 0..3 {
+        let room = arm.moved(f64::from(step) - 2.0).within(&world.room);
+        for (image, depths_m) in world.stream(&room, STILL + 3 * step, 3).iter().enumerate() {
+            let confirmation = world.confirm(&mut confirmer, depths_m, now);
+            now += FRAME;
+            if image != 1 {
+                figures.add(&world, &room, depths_m, &confirmation);
+            }
+            if step == 2 && image == 0 {
+                picture(&world, &room, depths_m, &confirmation);
+            }
+        }
+    }
+    figures
+}
+
+/// Light of the largest object after it was taken away, with the next depth image; its pixels only.
+fn without_an_object(seed: u64) -> Tally {
+    let world = World::new(seed);
+    let lit = |object: usize| {
+        let room = world.room.without(object);
+        let is_its = |pixel: &usize| world.depth(&room, *pixel) > f64::from(world.objects[*pixel]) + 0.1;
+        sampled(world.size_px()).step_by(17).filter(is_its).count()
+    };
+    let largest = (0..world.room.objects()).max_by_key(|object| lit(*object)).expect("there are objects");
+    let room = world.room.without(largest);
+    let (mut confirmer, now) = settled(&world);
+    let depths_m = &world.stream(&room, STILL, 1)[0];
+    let confirmation = world.confirm(&mut confirmer, depths_m, now);
+    let mut figures = Figures::default();
+    figures.add(&world, &room, depths_m, &confirmation);
+    figures.gone
+}
+
+/// Prints the mean and the worst of the rooms.
+fn print(what: &str, shares: &[(u64, f64)], is_worst_high: bool) -> f64 {
+    let mean = shares.iter().map(|(_, share)| share).sum::<f64>() / shares.len() as f64;
+    let sign = if is_worst_high { 1.0 } else { -1.0 };
+    let worst = shares.iter().max_by(|one, other| (sign * one.1).total_cmp(&(sign * other.1))).unwrap();
+    println!("{what}: mean {:.2} %, worst {:.2} % (room {})", 100.0 * mean, 100.0 * worst.1, worst.0);
+    mean
+}
+
+#[test]
+fn arms_stay_dark_and_what_is_observed_stays_lit() {
+    let rooms: Vec<(u64, Figures)> = seeds(0, 3, 100).map(|seed| (seed, with_an_arm(seed, |_, _, _, _| {}))).collect();
+    let shares = |tally: fn(&Figures) -> Tally| -> Vec<(u64, f64)> {
+        rooms.iter().map(|(seed, figures)| (*seed, tally(figures).share())).collect()
+    };
+    for (seed, Figures { on_obstacle, observed, unobserved, .. }) in &rooms {
+        println!(
+            "room {seed}: on the arm {} px, {:.2} % dark; observed {} px, {:.2} % dark; unobserved {} px, {:.1} % dark",
+            on_obstacle.all,
+            100.0 * on_obstacle.share(),
+            observed.all,
+            100.0 * observed.share(),
+            unobserved.all,
+            100.0 * unobserved.share(),
+        );
+    }
+    let total = |tally: fn(&Figures) -> Tally| {
+        let sum = |all: Tally, (_, figures): &(u64, Figures)| {
+            let own = tally(figures);
+            Tally { all: all.all + own.all, dark: all.dark + own.dark }
+        };
+        rooms.iter().fold(Tally::default(), sum).share()
+    };
+    print("light on arms that is dark", &shares(|room| room.on_obstacle), false);
+    print("right light, observed, that is dark", &shares(|room| room.observed), true);
+    print("right light, not observed, that is dark", &shares(|room| room.unobserved), true);
+    let (on_obstacle, observed) = (total(|room| room.on_obstacle), total(|room| room.observed));
+    println!("of all pixels: {:.2} % and {:.2} %", 100.0 * on_obstacle, 100.0 * observed);
+    assert!(on_obstacle >= 0.99, "{on_obstacle}");
+    assert!(observed <= 0.01, "{observed}");
+}
+
+#[test]
+fn an_object_that_is_taken_away_is_dark_with_the_next_depth_image() {
+    let rooms: Vec<(u64, f64)> = seeds(0, 3, 100).map(|seed| (seed, without_an_object(seed).share())).collect();
+    print("light of an object taken away that is dark", &rooms, false);
+    assert!(rooms.iter().all(|(_, share)| *share >= 0.99), "{rooms:?}");
+}
+
+/// Half of the rooms have a still arm.
+#[test]
+fn in_a_still_room_no_pixel_is_lit_again_twice_within_10_s() {
+    let (images, frame) = if has_many_seeds() { (330, FRAME) } else { (110, 3 * FRAME) };
+    for seed in seeds(0, 2, 20) {
+        let world = World::new(seed);
+        let arm = Arm::reaching(&world.room, &world.rig, seed).filter(|_| seed % 2 == 1);
+        let room = arm.map_or_else(|| world.room.clone(), |arm| arm.within(&world.room));
+        let mut confirmer = Confirmer::new(ConfirmSettings::default());
+        let mut before: Vec<u8> = Vec::new();
+        let mut last_relit = vec![None; world.objects.len()];
+        let (mut relit, mut again) = (0, 0);
+        for (index, depths_m) in world.stream(&room, 0, images).iter().enumerate() {
+            let now = frame * index as u32;
+            let mask = world.confirm(&mut confirmer, depths_m, now).mask.unwrap();
+            for ((last, level), before) in last_relit.iter_mut().zip(mask.levels()).zip(&before) {
+                if *before == 0 && *level == 255 {
+                    relit += 1;
+                    again += usize::from(last.is_some_and(|last| now - last < Duration::from_secs(10)));
+                    *last = Some(now);
+                }
+            }
+            before = mask.levels().to_vec();
+        }
+        println!("room {seed}: {relit} pixels lit again, {again} of them twice within 10 s");
+        assert!(relit > 0 && again == 0, "room {seed}: {again}");
+    }
+}
+
+/// Grey: right and lit. Blue: right, but not observed, and dark. Magenta: right, observed and dark. Green: dark where
+/// it would hit the arm. Red: lit on the arm. Black: within the tolerance.
+#[test]
+#[ignore = "draws a room, for people"]
+fn draw_a_room() {
+    let seed = std::env::var("ROOM").ok().and_then(|seed| seed.parse().ok()).unwrap_or(0);
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("room_{seed}.png"));
+    with_an_arm(seed, |world, room, depths_m, confirmation| {
+        let mask = confirmation.mask.as_ref().unwrap();
+        let [width, height] = world.size_px();
+        let picture = image::RgbImage::from_fn(width, height, |column, row| {
+            let pixel = (row * width + column) as usize;
+            let is_dark = mask.levels()[pixel] == 0;
+            let shade = (255.0 - 70.0 * world.objects[pixel]).clamp(40.0, 255.0) as u8;
+            image::Rgb(match (truth(world, room, depths_m, pixel), is_dark) {
+                (Truth::Observed | Truth::Unobserved, false) => [shade; 3],
+                (Truth::Observed, true) => [255, 0, 255],
+                (Truth::Unobserved, true) => [30, 60, 200],
+                (Truth::OnObstacle, true) => [0, 150, 0],
+                (Truth::OnObstacle, false) => [255, 0, 0],
+                (Truth::Gone | Truth::Undecided, _) => [0; 3],
+            })
+        });
+        picture.save(&path).unwrap();
+    });
+    println!("{}", path.display());
+}
