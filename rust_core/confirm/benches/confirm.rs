@@ -16,7 +16,7 @@ use world::World;
 fn confirm(criterion: &mut Criterion) {
     let world = World::new(0);
     let room = Arm::reaching(&world.room, &world.rig, 0).expect("it is lit").within(&world.room);
-    let grid = world.grid(&world.stream(&room, 0, 1)[0]);
+    let grid = world.grid(&world.stream(&world.view(&room), 0, 1)[0]);
     let from_sensor = world.rig.projector_from_camera();
     let p = [1400.0, 0.0, 640.0, 0.0, 0.0, 1400.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let intrinsics = Intrinsics::exactly(1280, 800, &p).expect("it is a camera").0;

@@ -7,6 +7,10 @@ use crate::hold_times::Disagreement;
 use crate::surface::Bounds;
 use crate::{ObjectDepths, Shares, Unseen};
 
+/// Cells by which the measured edge of an object may lie beside its own, more than the margin: noise moves it by some
+/// pixels of the depth image.
+const EDGE_CELLS: usize = 3;
+
 /// What the surface says about a cell.
 #[derive(Debug)]
 struct Verdict;
@@ -32,6 +36,8 @@ pub(crate) struct Comparison {
     verdicts: Vec<u8>,
     /// 1 where something is in the way, or next to that.
     in_the_way: Vec<u8>,
+    /// 1 where something is in the way, and not only with its edge.
+    insides: Vec<u8>,
     disagreements: Vec<u8>,
     depth_scratch: WindowScratch<f32>,
     flag_scratch: WindowScratch<u8>,
@@ -46,7 +52,8 @@ impl Comparison {
             plane.clear();
             plane.resize(count, empty);
         }
-        for plane in [&mut self.counts, &mut self.verdicts, &mut self.in_the_way, &mut self.disagreements] {
+        let flags = [&mut self.in_the_way, &mut self.insides, &mut self.disagreements];
+        for plane in [&mut self.counts, &mut self.verdicts].into_iter().chain(flags) {
             plane.clear();
             plane.resize(count, 0);
         }
@@ -102,10 +109,13 @@ impl Comparison {
         // At the edge of an object its own surface is before that of the objects behind it: nothing is in their way.
         // What is nearer than all objects around it is.
         let min = |one: f32, other: f32| if one < other { one } else { other };
-        window(&mut self.nearest, self.size[0], margin, f32::INFINITY, &mut self.depth_scratch, min);
+        window(&mut self.nearest, self.size[0], margin + EDGE_CELLS, f32::INFINITY, &mut self.depth_scratch, min);
         for ((flag, nearest), far) in self.in_the_way.iter_mut().zip(&self.nearest).zip(&surface.farthest) {
             *flag = u8::from(*far < *nearest) & u8::from(*nearest < f32::INFINITY);
         }
+        // Its edge moves with the noise, its inside does not.
+        self.insides.copy_from_slice(&self.in_the_way);
+        window(&mut self.insides, self.size[0], EDGE_CELLS, 1, &mut self.flag_scratch, u8::min);
         window(&mut self.in_the_way, self.size[0], margin, 0, &mut self.flag_scratch, u8::max);
     }
 
@@ -115,11 +125,11 @@ impl Comparison {
             Unseen::Dark => Verdict::CONFIRMED,
             Unseen::Light => Verdict::UNSEEN,
         };
-        let cells = self.verdicts.iter().zip(&self.in_the_way);
-        for (disagreement, (verdict, in_the_way)) in self.disagreements.iter_mut().zip(cells) {
-            let agrees = *verdict <= Verdict::CONFIRMED || *verdict == confirmed_unseen;
+        let cells = self.verdicts.iter().zip(&self.in_the_way).zip(&self.insides);
+        for (disagreement, ((verdict, in_the_way), inside)) in self.disagreements.iter_mut().zip(cells) {
+            let agrees = (*verdict <= Verdict::CONFIRMED || *verdict == confirmed_unseen) && *in_the_way == 0;
             let other = if agrees { Disagreement::NONE } else { Disagreement::SOME };
-            let lit = if *in_the_way != 0 { Disagreement::IN_THE_WAY } else { other };
+            let lit = if *inside != 0 { Disagreement::IN_THE_WAY } else { other };
             *disagreement = if *verdict == Verdict::UNLIT { Disagreement::NONE } else { lit };
         }
         &self.disagreements

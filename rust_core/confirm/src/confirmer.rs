@@ -113,8 +113,7 @@ impl Confirmer {
         if self.surface_px != Some(objects.size_px) || objects.depths_m.len() != columns * rows {
             return self.without_surface(objects, now);
         }
-        // Half of a cell more: what is in the way may end between the centres of two.
-        let margin = (self.settings.margin_px as usize + CELL_PX / 2).div_ceil(CELL_PX);
+        let margin = (self.settings.margin_px as usize).div_ceil(CELL_PX);
         self.comparison.take(objects);
         self.comparison.compare(&self.surface, margin);
         self.hold_times.update(self.comparison.disagreements(self.settings.unseen), now);

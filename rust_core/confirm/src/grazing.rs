@@ -18,6 +18,8 @@ const MOST: f32 = 10.0;
 const STEPS: f32 = 16.0;
 /// Pixels over which slopes are measured, to either side.
 const REACH: usize = 4;
+/// Jumps over half of that, above which it is an edge: less than the tolerance, so that nothing in the way is a slope.
+const EDGE: f32 = 1.5;
 
 /// Factor of the tolerance for a code.
 #[inline(always)]
@@ -69,8 +71,8 @@ pub(crate) fn write_codes(points: &Projected, directions: Directions, y: usize, 
 
 #[inline(always)]
 fn write_row(points: &Projected, directions: Directions, y: usize, codes: &mut [u32]) {
-    let rows = [y, y.saturating_sub(REACH), (y + REACH).min(points.height - 1)];
-    let [row, above, below] = rows.map(|y| y * points.width);
+    let row_at = |y: usize| y.min(points.height - 1) * points.width;
+    let row = row_at(y);
     let count = codes.len();
     let at = |begin: usize| {
         let range = begin..begin + count;
@@ -82,11 +84,19 @@ fn write_row(points: &Projected, directions: Directions, y: usize, codes: &mut [
         }
     };
     let own = at(row + REACH);
-    let (left, right) = (at(row), at(row + 2 * REACH));
-    let (above, below) = (at(above + REACH), at(below + REACH));
+    let (left, half_left, half_right, right) =
+        (at(row), at(row + REACH / 2), at(row + REACH + REACH / 2), at(row + 2 * REACH));
+    let [above, half_above] = [REACH, REACH / 2].map(|rows| at(row_at(y.saturating_sub(rows)) + REACH));
+    let [below, half_below] = [REACH, REACH / 2].map(|rows| at(row_at(y + rows) + REACH));
     for (i, code) in codes.iter_mut().enumerate() {
-        let across = flatter(slope(&left, &own, i, own.z[i]), slope(&own, &right, i, own.z[i]));
-        let down = flatter(slope(&above, &own, i, own.z[i]), slope(&own, &below, i, own.z[i]));
+        let limit_m = EDGE * jump_m(own.z[i]);
+        let between = |from: &Strip<'_>, half: &Strip<'_>, to: &Strip<'_>| {
+            let is_edge = (half.z[i] - from.z[i]).abs() > limit_m || (to.z[i] - half.z[i]).abs() > limit_m;
+            let w = if is_edge { f32::NAN } else { to.w[i] - from.w[i] };
+            Slope { x: to.u[i] - from.u[i], y: to.v[i] - from.v[i], w }
+        };
+        let across = flatter(between(&left, &half_left, &own), between(&own, &half_right, &right));
+        let down = flatter(between(&above, &half_above, &own), between(&own, &half_below, &below));
         *code = code_of(cosine(directions, [own.u[i], own.v[i], own.w[i]], [across, down]));
     }
 }
@@ -100,17 +110,9 @@ struct Strip<'a> {
     z: &'a [f32],
 }
 
-/// Slope from one point to another; NaN across an edge.
-#[inline(always)]
-fn slope(from: &Strip<'_>, to: &Strip<'_>, i: usize, z: f32) -> Slope {
-    let is_edge = (to.z[i] - from.z[i]).abs() > 2.0 * jump_m(z);
-    let w = if is_edge { f32::NAN } else { to.w[i] - from.w[i] };
-    Slope { x: to.u[i] - from.u[i], y: to.v[i] - from.v[i], w }
-}
-
 #[inline(always)]
 fn flatter(one: Slope, other: Slope) -> Slope {
-    // Also if one of them is NaN.
+    // A slope over an edge is NaN.
     let is_one = one.w.abs() <= other.w.abs() || other.w.is_nan();
     let pick = |one: f32, other: f32| if is_one { one } else { other };
     Slope { x: pick(one.x, other.x), y: pick(one.y, other.y), w: pick(one.w, other.w) }

@@ -2,7 +2,8 @@
 //!
 //! Dark comes at once. Light comes back after [`SHORT`] of agreement, or after [`LONG`] where the cell went dark again
 //! within [`WINDOW`] of coming back. Noise at an edge goes dark for a moment only: such a cell comes back once within
-//! [`WINDOW`]. What is in the way, or lasts for [`LASTING`], is no noise.
+//! [`WINDOW`]. What lasts for [`LASTING`], or was in the way with more than
+//! its edge, is no noise.
 
 use std::time::Duration;
 
@@ -16,8 +17,8 @@ const SHORT: u8 = 6 + 1;
 const LONG: u8 = 40 + 1;
 /// 10 s.
 const WINDOW: u8 = 200 + 1;
-/// 0.5 s.
-const LASTING: u8 = 10;
+/// 1 s.
+const LASTING: u8 = 20;
 
 /// What keeps a cell dark.
 #[derive(Debug)]
@@ -28,7 +29,7 @@ impl Disagreement {
     pub(crate) const NONE: u8 = 0;
     /// The surface is not at the object's depth.
     pub(crate) const SOME: u8 = 1;
-    /// Something is in the way, or next to the cell.
+    /// Something is in the way, and not only with its edge.
     pub(crate) const IN_THE_WAY: u8 = 2;
 }
 
@@ -39,7 +40,7 @@ pub(crate) struct HoldTimes {
     waits: Vec<u8>,
     /// What is left of [`WINDOW`] since it was lit again.
     recents: Vec<u8>,
-    /// Uninterrupted disagreement.
+    /// Uninterrupted disagreement; at least [`LASTING`] if something was in the way.
     runs: Vec<u8>,
     last_tick: Option<u128>,
 }
@@ -66,9 +67,9 @@ impl HoldTimes {
         for (((now, wait), recent), run) in disagreements.iter().zip(waits).zip(recents).zip(runs) {
             let is_dark = *now != Disagreement::NONE;
             let left = recent.saturating_sub(passed);
-            let lasted = if is_dark { run.saturating_add(passed) } else { 0 };
-            let is_noise = *now != Disagreement::IN_THE_WAY && lasted < LASTING;
-            let again = if is_noise { left.max(LONG) } else { LONG };
+            let least = if *now == Disagreement::IN_THE_WAY { LASTING } else { 0 };
+            let lasted = if is_dark { run.saturating_add(passed).max(least) } else { 0 };
+            let again = if lasted < LASTING { left.max(LONG) } else { LONG };
             let hold = if left == 0 { SHORT } else { again };
             let rest = if is_dark { hold } else { wait.saturating_sub(passed) };
             *recent = if *wait != 0 && rest == 0 { WINDOW } else { left };
@@ -130,8 +131,19 @@ mod tests {
     fn a_cell_that_was_covered_twice_is_lit_again_after_2_s() {
         let hand = relit(&lit(9000, during(Disagreement::IN_THE_WAY, &[1000..1100, 2000..2100])));
         assert!(hand.len() == 2 && (4080..=4160).contains(&hand[1]), "{hand:?}");
-        let gone = relit(&lit(9000, during(Disagreement::SOME, &[1000..1100, 2000..2700])));
-        assert!(gone.len() == 2 && (4680..=4760).contains(&gone[1]), "{gone:?}");
+        let gone = relit(&lit(9000, during(Disagreement::SOME, &[1000..1100, 2000..3200])));
+        assert!(gone.len() == 2 && (5180..=5260).contains(&gone[1]), "{gone:?}");
+    }
+
+    #[test]
+    fn a_hand_that_leaves_with_its_edge_is_still_a_hand() {
+        let twice = |ms: u64| match ms {
+            1000..1100 | 2000..2050 => Disagreement::IN_THE_WAY,
+            2050..2100 => Disagreement::SOME,
+            _ => Disagreement::NONE,
+        };
+        let relit = relit(&lit(9000, twice));
+        assert!(relit.len() == 2 && (4080..=4160).contains(&relit[1]), "{relit:?}");
     }
 
     #[test]

@@ -83,9 +83,14 @@ impl World {
         room.hit(&lamp, &self.rays[pixel]).map_or(f64::NAN, |hit| hit.distance)
     }
 
-    /// Depth images of a room, from a number on.
-    pub(crate) fn stream(&self, room: &Room, first: u32, count: u32) -> Vec<Vec<f32>> {
-        self.depth_camera.stream(&View::for_depth(room, &self.rig), first, count)
+    /// What the depth camera sees of a room, without its errors.
+    pub(crate) fn view(&self, room: &Room) -> View {
+        View::for_depth(room, &self.rig)
+    }
+
+    /// Depth images of a view, from a number on.
+    pub(crate) fn stream(&self, view: &View, first: u32, count: u32) -> Vec<Vec<f32>> {
+        self.depth_camera.stream(view, first, count)
     }
 
     pub(crate) fn grid(&self, depths_m: &[f32]) -> PointGrid {
@@ -99,8 +104,22 @@ impl World {
         confirmer.confirm(&objects, now)
     }
 
-    /// `true` if the four pixels of a depth image around a lit point all measure its surface.
-    pub(crate) fn is_observed(&self, depths_m: &[f32], pixel: usize, depth_m: f64) -> bool {
+    /// `true` if the depth camera sees all of the way of a pixel's light, as far as it is in its image: light that goes
+    /// behind something is unseen.
+    pub(crate) fn is_way_seen(&self, view: &View, pixel: usize, depth_m: f64) -> bool {
+        const SAMPLES: u32 = 64;
+        let lamp = Point3::from(self.rig.room_from_projector.translation.vector);
+        (1..SAMPLES).all(|sample| {
+            let at = lamp + self.rays[pixel] * (depth_m * f64::from(sample) / f64::from(SAMPLES));
+            let at = self.rig.room_from_camera.inverse_transform_point(&at);
+            let seen = self.rig.camera.project(&at).filter(|seen| self.rig.camera.contains(*seen));
+            let sight = seen.and_then(|seen| view.sight(seen.x.round() as u32, seen.y.round() as u32));
+            sight.is_none_or(|sight| sight.point.z > at.z - tolerance_m(at.z))
+        })
+    }
+
+    /// `true` if the four pixels around a lit point measure its surface in all of these depth images.
+    pub(crate) fn is_observed(&self, images: &[Vec<f32>], pixel: usize, depth_m: f64) -> bool {
         let lamp = Point3::from(self.rig.room_from_projector.translation.vector);
         let point = self.rig.room_from_camera.inverse_transform_point(&(lamp + self.rays[pixel] * depth_m));
         let [width, height] = self.rig.camera.size_px.map(f64::from);
@@ -110,7 +129,8 @@ impl World {
         }
         let first = seen.y as usize * width as usize + seen.x as usize;
         let around = [first, first + 1, first + width as usize, first + width as usize + 1];
-        around.iter().all(|index| (f64::from(depths_m[*index]) - point.z).abs() <= tolerance_m(point.z))
+        let is_near = |depth_m: f32| (f64::from(depth_m) - point.z).abs() <= tolerance_m(point.z);
+        images.iter().all(|depths_m| around.iter().all(|index| is_near(depths_m[*index])))
     }
 }
 
