@@ -1,7 +1,7 @@
 //! Depths of a picture: which are wanted, and the way from a depth buffer's steps to metres.
 
-use rcs_camera::see_depth_through;
-use rcs_scene::{Camera, DepthPicture, DisplayMask, Flip, PixelMap, FAR_CLIP_M};
+use rcs_camera::{see_depth_through, see_through};
+use rcs_scene::{Camera, DepthPicture, DisplayMask, Encoding, Flip, Picture, PixelMap, FAR_CLIP_M};
 
 /// The depth of the far plane, which a depth buffer is cleared to: the largest of 24 bits.
 pub(crate) const FARTHEST: f32 = ((1 << 24) - 1) as f32;
@@ -36,36 +36,68 @@ pub(crate) const fn least_object_alpha(is_listed: bool) -> u8 {
     }
 }
 
+impl DepthRequest<'_> {
+    /// Which are wanted, in the order of [`Depths::each_mut`].
+    pub(crate) fn wanted(&self) -> [bool; 2] {
+        [self.opaque, self.objects_of.is_some()]
+    }
+}
+
 impl Depths {
     /// Gives those that are wanted a size, empty.
-    pub(crate) fn reset(&mut self, request: &DepthRequest<'_>, [width_px, height_px]: [u32; 2]) {
-        let is_wanted = [request.opaque, request.objects_of.is_some()];
-        for (is_wanted, depth) in is_wanted.into_iter().zip(self.each_mut()) {
-            match is_wanted {
-                true => depth.reset(width_px, height_px),
-                false => depth.clear(),
+    pub(crate) fn reset(&mut self, wanted: [bool; 2], [width_px, height_px]: [u32; 2]) {
+        for (is_wanted, depth) in wanted.into_iter().zip(self.each_mut()) {
+            if is_wanted {
+                depth.reset(width_px, height_px);
+            } else {
+                depth.clear();
             }
         }
-    }
-
-    /// The depths of a picture that were drawn without its lens, as the lens shows them.
-    pub(crate) fn see_through(&mut self, map: &PixelMap, drawn: &Self) {
-        for (depth, drawn) in self.each_mut().into_iter().zip([&drawn.opaque, &drawn.objects]) {
-            match drawn.depths_m.is_empty() {
-                true => depth.clear(),
-                false => see_depth_through(map, drawn, depth),
-            }
-        }
-    }
-
-    /// Flips them like their picture.
-    pub(crate) fn flip(&mut self, flip: Flip) {
-        self.each_mut().into_iter().for_each(|depth| flip.depth(depth));
     }
 
     /// Both kinds.
     pub(crate) fn each_mut(&mut self) -> [&mut DepthPicture; 2] {
         [&mut self.opaque, &mut self.objects]
+    }
+}
+
+/// A picture with its depths.
+#[derive(Debug, Default)]
+pub(crate) struct Drawn {
+    pub(crate) picture: Picture,
+    pub(crate) depths: Depths,
+}
+
+impl Drawn {
+    /// Takes the memory of a picture and of depths.
+    pub(crate) fn in_memory_of(picture: &mut Picture, depths: &mut Depths) -> Self {
+        Self { picture: std::mem::take(picture), depths: std::mem::take(depths) }
+    }
+
+    /// Exchanges it for what is there, whose memory it takes unless that is several times too large.
+    pub(crate) fn swap(&mut self, picture: &mut Picture, depths: &mut Depths) {
+        std::mem::swap(&mut self.picture, picture);
+        std::mem::swap(&mut self.depths, depths);
+        self.picture.give_back_memory(picture.data.len());
+    }
+
+    /// Becomes what was drawn without a lens, an [`Encoding::Rgba8`] picture, as the lens shows it.
+    pub(crate) fn see_through(&mut self, map: &PixelMap, straight: &Self, background: [u8; 3], encoding: Encoding) {
+        see_through(map, &straight.picture, background, encoding, &mut self.picture);
+        let drawn = [&straight.depths.opaque, &straight.depths.objects];
+        for (depth, drawn) in self.depths.each_mut().into_iter().zip(drawn) {
+            if drawn.depths_m.is_empty() {
+                depth.clear();
+            } else {
+                see_depth_through(map, drawn, depth);
+            }
+        }
+    }
+
+    /// Flips the picture with its depths.
+    pub(crate) fn flip(&mut self, flip: Flip) {
+        flip.picture(&mut self.picture);
+        self.depths.each_mut().into_iter().for_each(|depth| flip.depth(depth));
     }
 }
 

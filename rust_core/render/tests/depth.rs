@@ -43,10 +43,13 @@ fn depths(choice: RendererChoice, camera: &Camera) -> DepthPicture {
     let view = View { scene: &scene, camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
     let mut renderer = create(choice).unwrap();
     let (mut depths, mut picture, mut alone) = (Depths::default(), Picture::default(), Picture::default());
-    renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: None }).unwrap();
+    renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: Some(&visible) }).unwrap();
     assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
     renderer.render(&view, &mut alone).unwrap();
     assert_eq!(picture, alone, "the picture is the same");
+    let [opaque, objects] = [&depths.opaque, &depths.objects]
+        .map(|depth| depth.depths_m.iter().map(|depth_m| depth_m.to_bits()).collect::<Vec<_>>());
+    assert_eq!(opaque, objects, "there is nothing else");
     depths.opaque
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away,
 //! or be what the CPU draws for a camera that is a fraction of a pixel beside; a few may differ altogether. Each run
-//! draws other scenes; a failure prints the smallest scene that shows it.
+//! draws other scenes; a failure prints the smallest scene that shows it. Depths are compared in the same way.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -15,11 +15,12 @@ use nalgebra::{Isometry3, Matrix4, Point3, UnitQuaternion, Vector3};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
-use rcs_render::{CpuRenderer, GpuRenderer};
+use rcs_render::{CpuRenderer, DepthRequest, Depths, Finished, GpuRenderer, Renderer, View};
 use rcs_scene::{
-    Blending, Camera, CellSheet, Cells, CullMode, DirectionalLight, Drawable, Filtering, Geometry, HorizontalAlignment,
-    Intrinsics, Lighting, LineTopology, Lines, Material, Mesh, Picture, PointBuffer, PointColors, PointStyle, Points,
-    RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
+    Blending, Camera, CellSheet, Cells, CullMode, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding,
+    Filtering, Geometry, HorizontalAlignment, Intrinsics, Lighting, LineTopology, Lines, Material, Mesh, Picture,
+    PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture,
+    Vertex, VerticalAlignment, Wrapping,
 };
 
 const BACKGROUND: [u8; 3] = [30, 60, 90];
@@ -27,6 +28,9 @@ const BACKGROUND: [u8; 3] = [30, 60, 90];
 /// Levels of 255 that a channel may differ by, and how far a pixel may be from where it is looked for.
 const LEVELS: u8 = 16;
 const REACH_PX: i64 = 1;
+
+/// How far a depth may be from those of the pixels around: some steps of a depth buffer of 24 bits, 0.1 mm each at 4 m.
+const DEPTH_TOLERANCE_M: f32 = 1e-3;
 
 /// How far beside the camera may be with which the CPU draws a pixel's colour: a few of the 256ths of a pixel to which
 /// vertices are rounded.
@@ -290,8 +294,9 @@ fn both_color_a_line_of_one_color_the_same() {
     }
 }
 
-fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32; 3]) -> Result<(), TestCaseError> {
+fn both_agree(mut drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32; 3]) -> Result<(), TestCaseError> {
     let direction = Vector3::new(0.3, 0.4, 1.0).normalize();
+    (0..).zip(&mut drawables).for_each(|(index, drawable)| drawable.display = index % DISPLAYS);
     let scene = Scene { drawables, light: lit.then_some(DirectionalLight { direction }) };
     let straight = *camera(size.0, size.1, 120.0).intrinsics();
     let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn).cast::<f64>() * 0.3);
@@ -316,5 +321,51 @@ fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32;
     }
     let allowed = MAX_DIFFERING_PX.max((f64::from(content) * MAX_DIFFERING) as usize);
     prop_assert!(differing.len() <= allowed, "{differing:?} of {content} pixels differ, at most {allowed} may");
+    depths_agree(&scene, &camera)
+}
+
+/// Displays that the drawables belong to in turn; the first one's objects are compared.
+const DISPLAYS: u32 = 2;
+
+fn depths_agree(scene: &Scene, camera: &Camera) -> Result<(), TestCaseError> {
+    let (visible, mut listed) = (DisplayMask::all(), DisplayMask::all());
+    (1..DISPLAYS).for_each(|display| listed.set(display, false));
+    let view = View { scene, camera, visible: &visible, background: BACKGROUND, encoding: Encoding::Mono8 };
+    let depths = |renderer: &mut dyn Renderer| {
+        let (mut picture, mut depths) = (Picture::default(), Depths::default());
+        let request = DepthRequest { opaque: true, objects_of: Some(&listed) };
+        renderer.submit_with_depths(&view, &request).unwrap();
+        assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
+        depths
+    };
+    let from_gpu = depths(&mut *gpu().lock().unwrap_or_else(PoisonError::into_inner));
+    let from_cpu = depths(&mut CpuRenderer::new());
+    let kinds = [("opaque", &from_gpu.opaque, &from_cpu.opaque), ("objects", &from_gpu.objects, &from_cpu.objects)];
+    for (kind, from_gpu, from_cpu) in kinds {
+        let content = from_cpu.depths_m.iter().filter(|depth_m| !depth_m.is_nan()).count();
+        let differing = [unlike(from_gpu, from_cpu), unlike(from_cpu, from_gpu)].concat();
+        let allowed = MAX_DIFFERING_PX.max((content as f64 * MAX_DIFFERING) as usize);
+        prop_assert!(differing.len() <= allowed, "{kind}: {differing:?} of {content} differ, at most {allowed} may");
+    }
     Ok(())
+}
+
+/// The pixels of `a` whose depths are not among those of `b` around them, with these depths.
+fn unlike(a: &DepthPicture, b: &DepthPicture) -> Vec<([i64; 2], f32)> {
+    let [width, height] = [a.width_px, a.height_px].map(i64::from);
+    assert_eq!([width, height], [b.width_px, b.height_px].map(i64::from));
+    let is_like = |x: i64, y: i64, depth_m: f32| {
+        let rows = (y - REACH_PX).max(0)..(y + REACH_PX + 1).min(height);
+        let columns = (x - REACH_PX).max(0)..(x + REACH_PX + 1).min(width);
+        let around = rows.flat_map(|y| columns.clone().map(move |x| b.depths_m[(y * width + x) as usize]));
+        let (nowhere, there): (Vec<f32>, Vec<f32>) = around.partition(|depth_m| depth_m.is_nan());
+        if depth_m.is_nan() {
+            return !nowhere.is_empty();
+        }
+        let nearest = there.iter().copied().fold(f32::INFINITY, f32::min);
+        let farthest = there.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        (nearest - DEPTH_TOLERANCE_M..=farthest + DEPTH_TOLERANCE_M).contains(&depth_m)
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).zip(a.depths_m.iter().copied());
+    pixels.filter(|&([x, y], depth_m)| !is_like(x, y, depth_m)).collect()
 }

@@ -40,5 +40,4 @@ mod texture;
 mod threads;
 mod tile;
 
-pub(crate) use self::renderer::Drawn;
 pub use self::renderer::{CpuRenderer, Culling};

@@ -6,7 +6,6 @@ use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_camera::see_through;
 use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
 
 use super::costs::{self, WorkerCosts};
@@ -15,7 +14,7 @@ use super::threads::in_parallel;
 use super::tile::band::{pack, Band, BandBuffers};
 use super::tile::near_to_far::Load;
 use super::tile::screen::Screen;
-use crate::depths::ToMetres;
+use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
 use crate::{DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
@@ -48,22 +47,6 @@ struct Pictures {
     unused: Drawn,
     /// Drawn before a lens bends it.
     before_lens: Drawn,
-}
-
-/// A picture with its depths.
-#[derive(Debug, Default)]
-pub(crate) struct Drawn {
-    picture: Picture,
-    depths: Depths,
-}
-
-impl Drawn {
-    /// Exchanges it for what is there, whose memory it takes unless that is several times too large.
-    pub(crate) fn swap(&mut self, picture: &mut Picture, depths: &mut Depths) {
-        std::mem::swap(&mut self.picture, picture);
-        std::mem::swap(&mut self.depths, depths);
-        self.picture.give_back_memory(picture.data.len());
-    }
 }
 
 /// When faces that others hide are looked for. The picture does not depend on it.
@@ -188,17 +171,14 @@ impl CpuRenderer {
             let mut straight = std::mem::take(&mut self.pictures.before_lens);
             let result = self.draw_straight(&View { encoding: Encoding::Rgba8, ..*view }, request, &mut straight);
             if result.is_ok() {
-                see_through(map, &straight.picture, view.background, view.encoding, &mut drawn.picture);
-                drawn.depths.see_through(map, &straight.depths);
+                drawn.see_through(map, &straight, view.background, view.encoding);
             }
             self.pictures.before_lens = straight;
             result?;
         } else {
             self.draw_straight(view, request, drawn)?;
         }
-        let flip = view.camera.flip();
-        flip.picture(&mut drawn.picture);
-        drawn.depths.flip(flip);
+        drawn.flip(view.camera.flip());
         Ok(())
     }
 
@@ -215,7 +195,7 @@ impl CpuRenderer {
             return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
         }
         drawn.picture.reset(width_px, height_px, view.encoding);
-        drawn.depths.reset(request, [width_px, height_px]);
+        drawn.depths.reset(request.wanted(), [width_px, height_px]);
         if drawn.picture.data.is_empty() {
             return Ok(());
         }

@@ -11,7 +11,7 @@ use nalgebra::Matrix4;
 use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
 
 use super::device::Device;
-use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 use crate::cache::Derived;
@@ -28,7 +28,7 @@ pub(super) struct CellPipelines {
 
 /// Cells in one picture.
 pub(super) struct CellsDraw {
-    pipeline: wgpu::RenderPipeline,
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     content: wgpu::BindGroup,
     corners: wgpu::Buffer,
     slot: Slot,
@@ -212,8 +212,8 @@ impl CellPipelines {
             padding: [0.0; 3],
         })?;
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
-        let pipeline = self.pipelines.get(device, state);
-        Some(CellsDraw { pipeline, content, corners: self.corners.clone(), slot })
+        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        Some(CellsDraw { pipelines, content, corners: self.corners.clone(), slot })
     }
 
     /// The texture with the values of cells.
@@ -243,7 +243,6 @@ impl CellPipelines {
 
 impl CellsDraw {
     pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
         pass.set_bind_group(1, &self.content, &[]);
         pass.set_vertex_buffer(0, self.corners.slice(..));

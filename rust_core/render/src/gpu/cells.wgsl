@@ -30,5 +30,5 @@ fn fragment_cells(corner: Corner) -> @location(0) vec4f {
     let layer = cell / sheet.layer_side;
     let value = textureLoad(values, cell % sheet.layer_side, layer.y * sheet.layer_columns + layer.x, 0).r;
     let color = textureLoad(palette, vec2u(value, 0u), 0);
-    return vec4f(color.rgb, color.a * sheet.alpha);
+    return written(vec4f(color.rgb, color.a * sheet.alpha), corner.clip.z);
 }

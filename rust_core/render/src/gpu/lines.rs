@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::device::Device;
 use super::geometry::{is_finite, Instances, MAX_CHUNK_BYTES};
-use super::pipeline::{FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 use crate::cache::Derived;
@@ -25,7 +25,7 @@ pub(super) struct LinePipelines {
 
 /// Some lines in one picture.
 pub(super) struct LinesDraw {
-    pipeline: wgpu::RenderPipeline,
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     chunks: Vec<Instances>,
     slot: Slot,
 }
@@ -90,14 +90,14 @@ impl LinePipelines {
             size_px: viewpoint.size_px(),
             padding: [0.0; 2],
         })?;
-        let pipeline = self.pipelines.get(device, FixedState::plain(lines.blending == Blending::Alpha));
-        Some(LinesDraw { pipeline, chunks, slot })
+        let state = FixedState::plain(lines.blending == Blending::Alpha);
+        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        Some(LinesDraw { pipelines, chunks, slot })
     }
 }
 
 impl LinesDraw {
     pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
         for chunk in &self.chunks {
             pass.set_vertex_buffer(0, chunk.buffer.slice(..));

@@ -115,5 +115,5 @@ fn vertex_line(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
 
 @fragment
 fn fragment_line(corner: Corner) -> @location(0) vec4f {
-    return corner.color;
+    return written(corner.color, corner.place.z);
 }

@@ -50,13 +50,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
-use rcs_camera::see_through;
 use rcs_scene::{Camera, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
 use self::load::LoadRule;
+use self::pipeline::{ByPass, Output, Pass};
 use self::points::{PointPipelines, PointsDraw};
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
@@ -64,7 +64,7 @@ use self::target::{Target, Targets};
 use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
-use crate::cpu::Drawn;
+use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
 use crate::shading::to_light;
 use crate::{CpuRenderer, DepthRequest, Depths, Finished, RenderError, Renderer, View};
@@ -75,7 +75,7 @@ pub struct GpuRenderer {
     hardware_only: bool,
     name: String,
     gpu: Option<Gpu>,
-    /// Draws depths, which WebGL 2 cannot read back, and pictures of a high [`load`]. Made when it is needed.
+    /// Draws pictures of a high [`load`]. Made when it is needed.
     cpu: Option<Box<CpuRenderer>>,
     /// True if the picture that was finished last was one of those.
     last_by_cpu: bool,
@@ -92,8 +92,8 @@ struct Gpu {
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<InFlight>,
-    /// A picture before a lens bends it.
-    before_lens: Picture,
+    /// A picture with its depths before a lens bends it.
+    before_lens: Drawn,
     /// Memory for the next picture that the CPU draws.
     unused: Drawn,
 }
@@ -121,11 +121,12 @@ enum InFlight {
 #[derive(Debug)]
 struct Submitted {
     target: Target,
-    arrival: Arrival,
+    /// Of each of its layers.
+    arrivals: Vec<Arrival>,
     encoding: Encoding,
     lens: Option<LensView>,
     flip: Flip,
-    drawn: Drawn,
+    to_metres: ToMetres,
 }
 
 /// The lens of a picture.
@@ -158,6 +159,8 @@ struct Viewpoint<'a> {
     clip_from_fixed_gl: Matrix4<f64>,
     /// Unit vector towards the light, in the view frame.
     to_light: Option<[f32; 3]>,
+    /// What the drawable at hand writes in each pass.
+    outputs: ByPass<Output>,
 }
 
 impl GpuRenderer {
@@ -220,7 +223,7 @@ impl Renderer for GpuRenderer {
             if is_heavy {
                 Ok(())
             } else {
-                gpu.submit(view)
+                gpu.submit(view, request)
             }
         })?;
         if is_heavy {
@@ -229,12 +232,6 @@ impl Renderer for GpuRenderer {
             if let Some(gpu) = &mut self.gpu {
                 gpu.in_flight.push_back(InFlight::Drawn(drawn));
                 gpu.device.count(|stats| stats.pictures_by_cpu += 1);
-            }
-        } else if request.opaque || request.objects_of.is_some() {
-            let mut drawn = Drawn::default();
-            self.cpu().draw(view, request, &mut drawn)?;
-            if let Some(InFlight::Submitted(submitted)) = self.gpu.as_mut().and_then(|gpu| gpu.in_flight.back_mut()) {
-                submitted.drawn = drawn;
             }
         }
         Ok(())
@@ -249,7 +246,7 @@ impl Renderer for GpuRenderer {
     fn forget_sizes(&mut self) {
         if let Some(gpu) = &mut self.gpu {
             gpu.targets.clear();
-            gpu.before_lens = Picture::default();
+            gpu.before_lens = Drawn::default();
         }
     }
 }
@@ -273,7 +270,7 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind()), Picture::default());
+        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind()), Drawn::default());
         Ok(Self {
             device,
             uniforms,
@@ -287,7 +284,7 @@ impl Gpu {
         })
     }
 
-    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+    fn submit(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         let limit_px = self.device.limits().max_texture_dimension_2d;
@@ -295,45 +292,26 @@ impl Gpu {
             let renderer = format!("gpu ({})", self.device.name());
             return Err(RenderError::TooLarge { width_px, height_px, limit_px, renderer });
         }
-        let target = self.targets.take(&self.device, [width_px, height_px]);
+        let target = self.targets.take(&self.device, [width_px, height_px], request.wanted());
         let scene = view.scene.seen_from(view.camera);
-        let draws = self.prepare(&View { scene: &scene, ..*view });
+        let draws = self.prepare(&View { scene: &scene, ..*view }, request);
         let prepared = Instant::now();
 
         let bind_group = self.uniforms.upload(&self.device);
+        let instances = self.pipelines.triangles.upload_instances(&self.device);
         let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = target.begin(&mut encoder, view.background);
-            let instances = self.pipelines.triangles.upload_instances(&self.device);
-            let mut previous = None;
-            for draw in &draws {
-                match draw {
-                    Draw::Points(draw) => draw.record(&mut pass, bind_group),
-                    Draw::Lines(draw) => draw.record(&mut pass, bind_group),
-                    Draw::Triangles(draw) => draw.record(&mut pass, bind_group, instances, previous),
-                    Draw::Text(draw) => draw.record(&mut pass, bind_group),
-                    Draw::Cells(draw) => draw.record(&mut pass, bind_group),
-                }
-                previous = match draw {
-                    Draw::Triangles(draw) => Some(draw),
-                    _ => None,
-                };
-            }
+        for layer in target.layers() {
+            let mut pass = target.begin(layer, &mut encoder, view.background);
+            record(&draws, layer.pass, &mut pass, (bind_group, instances));
         }
-        target.record_copy(&mut encoder);
+        target.record_copies(&mut encoder);
         let submission = self.device.queue().submit([encoder.finish()]);
         self.device.check()?;
-        let arrival = target.readback().map(submission);
+        let arrivals = target.layers().iter().map(|layer| layer.readback.map(submission.clone())).collect();
         self.device.check()?;
         let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
-        let submitted = Submitted {
-            target,
-            arrival,
-            encoding: view.encoding,
-            lens,
-            flip: view.camera.flip(),
-            drawn: Drawn::default(),
-        };
+        let (flip, to_metres) = (view.camera.flip(), ToMetres::new(view.camera));
+        let submitted = Submitted { target, arrivals, encoding: view.encoding, lens, flip, to_metres };
         self.in_flight.push_back(InFlight::Submitted(Box::new(submitted)));
         self.device.count(|stats| {
             stats.pictures += 1;
@@ -345,8 +323,8 @@ impl Gpu {
     }
 
     fn finish(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
-        let Submitted { target, arrival, encoding, lens, flip, mut drawn } = match self.in_flight.pop_front() {
-            Some(InFlight::Submitted(submitted)) => *submitted,
+        let mut submitted = match self.in_flight.pop_front() {
+            Some(InFlight::Submitted(submitted)) => submitted,
             Some(InFlight::Drawn(mut drawn)) => {
                 drawn.swap(picture, depths);
                 self.unused = drawn;
@@ -354,23 +332,21 @@ impl Gpu {
             }
             None => return Ok(Finished::NoneInFlight),
         };
-        let [width_px, height_px] = target.size_px();
-        if let Some(LensView { map, background }) = lens {
-            self.before_lens.reset(width_px, height_px, Encoding::Rgba8);
-            target.readback().read(&self.device, arrival, &mut self.before_lens)?;
-            see_through(&map, &self.before_lens, background, encoding, picture);
+        let mut drawn = Drawn::in_memory_of(picture, depths);
+        if let Some(LensView { map, background }) = submitted.lens.take() {
+            submitted.read(&self.device, Encoding::Rgba8, &mut self.before_lens)?;
+            drawn.see_through(&map, &self.before_lens, background, submitted.encoding);
         } else {
-            picture.reset(width_px, height_px, encoding);
-            target.readback().read(&self.device, arrival, picture)?;
+            submitted.read(&self.device, submitted.encoding, &mut drawn)?;
         }
-        flip.picture(picture);
-        drawn.swap(&mut Picture::default(), depths);
-        self.targets.give_back(target);
+        drawn.flip(submitted.flip);
+        drawn.swap(picture, depths);
+        self.targets.give_back(submitted.target);
         Ok(Finished::Drawn)
     }
 
     /// Uploads new geometries, drops dead ones, and lists the draws.
-    fn prepare(&mut self, view: &View<'_>) -> Vec<Draw> {
+    fn prepare(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Vec<Draw> {
         let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
         points.forget_dead();
         lines.forget_dead();
@@ -381,13 +357,14 @@ impl Gpu {
         let camera = view.camera;
         let clip_from_view = depth_from_zero() * camera.clip_from_view();
         let view_from_fixed = camera.fixed_from_view().inverse().to_homogeneous();
-        let viewpoint = Viewpoint {
+        let mut viewpoint = Viewpoint {
             camera,
             clip_from_view,
             view_from_fixed,
             clip_from_fixed: clip_from_view * view_from_fixed,
             clip_from_fixed_gl: camera.clip_from_view() * view_from_fixed,
             to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
+            outputs: [None; 3],
         };
         self.pipelines.triangles.begin(&mut self.uniforms, &viewpoint);
         let mut order = std::mem::take(&mut self.order);
@@ -395,6 +372,7 @@ impl Gpu {
         let mut draws = Vec::new();
         for ordered in order.of(view.scene) {
             let first = draws.len();
+            viewpoint.outputs = outputs(request, ordered.drawable.display);
             if let Some(draw) = self.prepare_one(&viewpoint, &ordered, &mut draws) {
                 draws.push(draw);
             }
@@ -440,6 +418,79 @@ impl Gpu {
             }
             Geometry::Facing(_) => None,
         }
+    }
+}
+
+impl Submitted {
+    /// Waits for the picture and its depths, and writes them as they were drawn.
+    fn read(&mut self, device: &Device, encoding: Encoding, drawn: &mut Drawn) -> Result<(), RenderError> {
+        let (size_px, to_metres) = (self.target.size_px(), self.to_metres);
+        let Drawn { picture, depths } = drawn;
+        picture.reset(size_px[0], size_px[1], encoding);
+        depths.reset(self.target.wanted_depths(), size_px);
+        let write_metres = |pixels: &[[u8; 4]], row: &mut [f32]| {
+            for (metres, steps) in row.iter_mut().zip(pixels) {
+                *metres = to_metres.metres((u32::from_le_bytes(*steps) & 0x00ff_ffff) as f32);
+            }
+        };
+        for (layer, arrival) in self.target.layers().iter().zip(self.arrivals.drain(..)) {
+            let depth = match layer.pass {
+                Pass::Opaque => &mut depths.opaque,
+                Pass::Objects => &mut depths.objects,
+                Pass::Picture => {
+                    let write_row = |pixels: &[[u8; 4]], row: &mut [u8]| encoding.write_row(pixels, row);
+                    layer.readback.read(device, arrival, &mut picture.data, write_row)?;
+                    continue;
+                }
+            };
+            layer.readback.read(device, arrival, &mut depth.depths_m, write_metres)?;
+        }
+        Ok(())
+    }
+}
+
+impl Draw {
+    fn pipelines(&self) -> &ByPass<wgpu::RenderPipeline> {
+        match self {
+            Self::Points(draw) => &draw.pipelines,
+            Self::Lines(draw) => &draw.pipelines,
+            Self::Triangles(draw) => &draw.pipelines,
+            Self::Text(draw) => &draw.pipelines,
+            Self::Cells(draw) => &draw.pipelines,
+        }
+    }
+}
+
+/// What a display's drawables write in each pass.
+fn outputs(request: &DepthRequest<'_>, display: DisplayId) -> ByPass<Output> {
+    let object = request.objects_of.map(|displays| Output::ObjectDepth { is_listed: displays.shows(display) });
+    [Some(Output::Color), request.opaque.then_some(Output::OpaqueDepth), object]
+}
+
+/// Records those of the draws that have a part in a pass.
+fn record(
+    draws: &[Draw],
+    kind: Pass,
+    pass: &mut wgpu::RenderPass<'_>,
+    (uniforms, instances): (&wgpu::BindGroup, &wgpu::Buffer),
+) {
+    let (mut last_pipeline, mut previous) = (None, None);
+    for draw in draws {
+        let Some(pipeline) = &draw.pipelines()[kind as usize] else { continue };
+        if last_pipeline.replace(pipeline) != Some(pipeline) {
+            pass.set_pipeline(pipeline);
+        }
+        match draw {
+            Draw::Points(draw) => draw.record(pass, uniforms),
+            Draw::Lines(draw) => draw.record(pass, uniforms),
+            Draw::Triangles(draw) => draw.record(pass, uniforms, instances, previous),
+            Draw::Text(draw) => draw.record(pass, uniforms),
+            Draw::Cells(draw) => draw.record(pass, uniforms),
+        }
+        previous = match draw {
+            Draw::Triangles(draw) => Some(draw),
+            _ => None,
+        };
     }
 }
 

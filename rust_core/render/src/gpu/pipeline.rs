@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::device::Device;
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use crate::depths::least_object_alpha;
 use crate::shading::with_shading;
 
 /// A shader and what it is bound to.
@@ -36,6 +37,31 @@ pub(super) struct FixedState {
     pub(super) bias: DepthBias,
 }
 
+/// What the drawables of a picture are drawn on, in passes one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pass {
+    Picture,
+    /// The depths of opaque surfaces.
+    Opaque,
+    /// The depths of listed displays.
+    Objects,
+}
+
+/// Something for each [`Pass`] that a drawable has a part in, in their order.
+pub(super) type ByPass<T> = [Option<T>; 3];
+
+/// What fragments write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Output {
+    Color,
+    /// The depth, where the depth buffer takes it, too.
+    OpaqueDepth,
+    /// The depth if their display is listed, else that of the far plane; where they are not too faint.
+    ObjectDepth {
+        is_listed: bool,
+    },
+}
+
 /// How the depth buffer is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum DepthUse {
@@ -60,7 +86,7 @@ pub(super) struct DepthBias {
 pub(super) struct PipelineSet {
     program: Program,
     stages: Stages,
-    built: HashMap<FixedState, wgpu::RenderPipeline>,
+    built: HashMap<(FixedState, Output), wgpu::RenderPipeline>,
 }
 
 impl Program {
@@ -73,7 +99,7 @@ impl Program {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let source = wgpu::ShaderSource::Wgsl(with_shading(wgsl).into());
+        let source = wgpu::ShaderSource::Wgsl((with_shading(wgsl) + include_str!("output.wgsl")).into());
         let shader = device.wgpu().create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
         Self { label, shader, layout }
     }
@@ -97,18 +123,54 @@ impl PipelineSet {
     ) -> Self {
         let mut set = Self { program: program.clone(), stages, built: HashMap::new() };
         for state in usual {
-            set.get(device, state);
+            set.get(device, state, &[Some(Output::Color), None, None]);
         }
         set
     }
 
-    /// The pipeline of a state.
-    pub(super) fn get(&mut self, device: &Device, state: FixedState) -> wgpu::RenderPipeline {
-        self.built.entry(state).or_insert_with(|| build(device, &self.program, &self.stages, state)).clone()
+    /// The pipelines of a state for these outputs.
+    pub(super) fn get(
+        &mut self,
+        device: &Device,
+        state: FixedState,
+        outputs: &ByPass<Output>,
+    ) -> ByPass<wgpu::RenderPipeline> {
+        outputs.map(|output| {
+            let output = output.filter(|output| output.is_written(state))?;
+            let build = || build(device, (&self.program, &self.stages), state, output);
+            Some(self.built.entry((state, output)).or_insert_with(build).clone())
+        })
     }
 }
 
-fn build(device: &Device, program: &Program, stages: &Stages, state: FixedState) -> wgpu::RenderPipeline {
+impl Output {
+    /// True if fragments in this state may write it.
+    fn is_written(self, state: FixedState) -> bool {
+        self != Self::OpaqueDepth || state.depth == DepthUse::TestAndWrite
+    }
+
+    /// Values for the constants of output.wgsl.
+    fn constants(self, state: FixedState) -> [(&'static str, f64); 3] {
+        let is_listed = self != Self::ObjectDepth { is_listed: false };
+        let least_alpha = match self {
+            // What is rounded to the least alpha has it.
+            Self::ObjectDepth { is_listed } if state.blended => {
+                (f64::from(least_object_alpha(is_listed)) - 0.5) / 255.0
+            }
+            _ => -1.0,
+        };
+        let flag = |set| f64::from(u8::from(set));
+        let writes_depth = self != Self::Color;
+        [("WRITES_DEPTH", flag(writes_depth)), ("IS_LISTED", flag(is_listed)), ("LEAST_ALPHA", least_alpha)]
+    }
+}
+
+fn build(
+    device: &Device,
+    (program, stages): (&Program, &Stages),
+    state: FixedState,
+    output: Output,
+) -> wgpu::RenderPipeline {
     let tested = state.depth != DepthUse::Ignore;
     device.count(|stats| stats.pipelines += 1);
     device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -136,7 +198,10 @@ fn build(device: &Device, program: &Program, stages: &Stages, state: FixedState)
         fragment: Some(wgpu::FragmentState {
             module: &program.shader,
             entry_point: Some(stages.fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &output.constants(state),
+                ..Default::default()
+            },
             targets: &[Some(wgpu::ColorTargetState {
                 format: COLOR_FORMAT,
                 blend: state.blended.then_some(wgpu::BlendState::ALPHA_BLENDING),

@@ -16,7 +16,7 @@ use rcs_scene::{Aabb, InFrustum, PointBuffer, PointColors, PointStyle, Points};
 
 use super::device::Device;
 use super::geometry::{is_finite, MAX_CHUNK_BYTES};
-use super::pipeline::{FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 use crate::cache::Derived;
@@ -51,7 +51,7 @@ struct Chunk {
 
 /// One cloud in one picture.
 pub(super) struct PointsDraw {
-    pipeline: wgpu::RenderPipeline,
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     vertices: u32,
     chunks: Vec<Chunk>,
     slot: Slot,
@@ -156,9 +156,9 @@ impl PointPipelines {
             return None;
         }
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
-        let pipeline = style.pipelines.get(device, FixedState::plain(points.blended));
+        let pipelines = style.pipelines.get(device, FixedState::plain(points.blended), &viewpoint.outputs);
         let vertices = if shows_insides(points) { INSIDE_OUT_BOX_VERTICES } else { style.vertices };
-        Some(PointsDraw { pipeline, vertices, chunks: cloud.chunks.clone(), slot })
+        Some(PointsDraw { pipelines, vertices, chunks: cloud.chunks.clone(), slot })
     }
 }
 
@@ -175,7 +175,6 @@ fn shows_insides(points: &Points) -> bool {
 
 impl PointsDraw {
     pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
         for chunk in &self.chunks {
             pass.set_vertex_buffer(0, chunk.buffer.slice(..chunk.positions_end()));

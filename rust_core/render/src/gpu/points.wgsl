@@ -126,11 +126,11 @@ fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
 }
 
 // A fragment that is too faint is rejected.
-fn drawn(color: vec3f, alpha: f32) -> vec4f {
+fn drawn(color: vec3f, alpha: f32, depth: f32) -> vec4f {
     if alpha <= MAX_REJECTED_ALPHA {
         discard;
     }
-    return vec4f(color, alpha);
+    return written(vec4f(color, alpha), depth);
 }
 
 @fragment
@@ -139,12 +139,12 @@ fn fragment_sprite(sprite: Sprite) -> @location(0) vec4f {
     if dot(from_center, from_center) >= DISC_RADIUS_SQUARED {
         discard;
     }
-    return drawn(sprite.color.rgb, sprite.color.a * cloud.alpha);
+    return drawn(sprite.color.rgb, sprite.color.a * cloud.alpha, sprite.place.z);
 }
 
 @fragment
 fn fragment_flat(splat: Splat) -> @location(0) vec4f {
-    return drawn(splat.color.rgb, splat.color.a * cloud.alpha);
+    return drawn(splat.color.rgb, splat.color.a * cloud.alpha, splat.place.z);
 }
 
 // A disc, darker to its rim.
@@ -154,7 +154,7 @@ fn fragment_sphere(splat: Splat) -> @location(0) vec4f {
     if distance_squared >= DISC_RADIUS_SQUARED {
         discard;
     }
-    return drawn(splat.color.rgb * disc_brightness(distance_squared), splat.color.a * cloud.alpha);
+    return drawn(splat.color.rgb * disc_brightness(distance_squared), splat.color.a * cloud.alpha, splat.place.z);
 }
 
 // With an edge that is lighter on dark colours and darker on light ones.
@@ -168,12 +168,12 @@ fn fragment_square(splat: Splat) -> @location(0) vec4f {
         with_edge(rgb.g, contrast, is_inside),
         with_edge(rgb.b, contrast, is_inside),
     );
-    return drawn(color, splat.color.a * cloud.alpha);
+    return drawn(color, splat.color.a * cloud.alpha, splat.place.z);
 }
 
 // With a darker edge; boxes draw transparent fragments, too.
 @fragment
 fn fragment_box(splat: Splat) -> @location(0) vec4f {
     let color = splat.color.rgb * box_brightness(inside(splat.from_center.x, splat.from_center.y));
-    return vec4f(color, splat.color.a * cloud.alpha);
+    return written(vec4f(color, splat.color.a * cloud.alpha), splat.place.z);
 }

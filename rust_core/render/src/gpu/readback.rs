@@ -11,7 +11,6 @@ use std::sync::mpsc::{sync_channel, Receiver};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use rcs_scene::Picture;
 
 use super::device::Device;
 use crate::RenderError;
@@ -97,8 +96,14 @@ impl Readback {
         Arrival { submission, mapped }
     }
 
-    /// Waits for a picture and writes it; `picture` has its size.
-    pub(super) fn read(&self, device: &Device, arrival: Arrival, picture: &mut Picture) -> Result<(), RenderError> {
+    /// Waits for a picture and writes it row by row to `rest`, which has its rows without padding.
+    pub(super) fn read<T: Send>(
+        &self,
+        device: &Device,
+        arrival: Arrival,
+        mut rest: &mut [T],
+        write_row: impl Fn(&[[u8; 4]], &mut [T]) + Sync,
+    ) -> Result<(), RenderError> {
         let start = Instant::now();
         device.wait(arrival.submission)?;
         for _ in &self.bands {
@@ -109,18 +114,17 @@ impl Readback {
             }
         }
         let arrived = Instant::now();
-        let mut rest = picture.data.as_mut_slice();
-        let step = self.width_px as usize * picture.encoding.bytes_per_pixel();
+        let step = rest.len() / self.bands.iter().map(|band| band.rows as usize).sum::<usize>().max(1);
         for band in &self.bands {
             let Some((rows, below)) = rest.split_at_mut_checked(step * band.rows as usize) else { break };
             rest = below;
             let memory = band.buffer.get_mapped_range(..).map_err(|error| device.error(error.to_string()))?;
             rows.par_chunks_exact_mut(step)
                 .zip(memory.par_chunks_exact(self.step as usize))
-                .with_min_len(MIN_SHARE_BYTES.div_ceil(step))
+                .with_min_len(MIN_SHARE_BYTES.div_ceil(step * size_of::<T>()))
                 .for_each(|(row, memory)| {
                     let pixels = memory.get(..(self.width_px * PIXEL_BYTES) as usize).unwrap_or_default();
-                    picture.encoding.write_row(bytemuck::cast_slice(pixels), row);
+                    write_row(bytemuck::cast_slice(pixels), row);
                 });
             drop(memory);
             band.buffer.unmap();

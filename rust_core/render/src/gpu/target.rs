@@ -1,9 +1,11 @@
 //! The picture on the GPU.
 //!
 //! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every picture in
-//! flight has a target of its own; a finished picture's target is reused for the next of its size.
+//! flight has a target of its own; a finished picture's target is reused for the next of its size. Depths that are
+//! wanted are drawn on textures like the picture's: WebGL 2 does not read depth buffers back.
 
 use super::device::Device;
+use super::pipeline::Pass;
 use super::readback::Readback;
 
 /// The colour format of all pipelines.
@@ -19,10 +21,19 @@ const KEPT_FOR_PICTURES: u64 = 64;
 #[derive(Debug)]
 pub(super) struct Target {
     size_px: [u32; 2],
-    color: wgpu::Texture,
-    color_view: wgpu::TextureView,
+    wanted_depths: [bool; 2],
     depth_view: wgpu::TextureView,
-    readback: Readback,
+    /// The picture, then the depths that are wanted.
+    layers: Vec<Layer>,
+}
+
+/// What one pass is drawn on and read back through.
+#[derive(Debug)]
+pub(super) struct Layer {
+    pub(super) pass: Pass,
+    pub(super) readback: Readback,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
 }
 
 /// The targets that are not in use.
@@ -34,14 +45,15 @@ pub(super) struct Targets {
 }
 
 impl Targets {
-    /// A target for the next picture, of this width and height.
-    pub(super) fn take(&mut self, device: &Device, size_px: [u32; 2]) -> Target {
+    /// A target for the next picture, of this width and height, with the opaque surfaces' depths or those of objects.
+    pub(super) fn take(&mut self, device: &Device, size_px: [u32; 2], wanted_depths: [bool; 2]) -> Target {
         self.pictures += 1;
         let oldest = self.pictures.saturating_sub(KEPT_FOR_PICTURES);
         self.free.retain(|(_, used)| *used >= oldest);
-        match self.free.iter().position(|(target, _)| target.size_px == size_px) {
+        let is_alike = |target: &Target| target.size_px == size_px && target.wanted_depths == wanted_depths;
+        match self.free.iter().position(|(target, _)| is_alike(target)) {
             Some(index) => self.free.swap_remove(index).0,
-            None => Target::new(device, size_px),
+            None => Target::new(device, size_px, wanted_depths),
         }
     }
 
@@ -57,7 +69,7 @@ impl Targets {
 }
 
 impl Target {
-    fn new(device: &Device, size_px: [u32; 2]) -> Self {
+    fn new(device: &Device, size_px: [u32; 2], wanted_depths: [bool; 2]) -> Self {
         device.count(|stats| stats.targets += 1);
         let [width, height] = size_px;
         let texture = |format, usage| {
@@ -72,14 +84,19 @@ impl Target {
                 view_formats: &[],
             })
         };
-        let color = texture(COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let layer = |pass| {
+            let texture = texture(COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            Layer { pass, readback: Readback::new(device, width, height), texture, view }
+        };
+        let depths = [Pass::Opaque, Pass::Objects].into_iter().zip(wanted_depths);
+        let depths = depths.filter_map(|(pass, is_wanted)| is_wanted.then_some(pass));
         let depth = texture(DEPTH_FORMAT, wgpu::TextureUsages::empty());
         Self {
             size_px,
-            color_view: color.create_view(&wgpu::TextureViewDescriptor::default()),
+            wanted_depths,
             depth_view: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-            color,
-            readback: Readback::new(device, width, height),
+            layers: std::iter::once(Pass::Picture).chain(depths).map(layer).collect(),
         }
     }
 
@@ -88,18 +105,30 @@ impl Target {
         self.size_px
     }
 
-    /// The buffers that the picture is read back through.
-    pub(super) fn readback(&self) -> &Readback {
-        &self.readback
+    /// Which depths it has.
+    pub(super) fn wanted_depths(&self) -> [bool; 2] {
+        self.wanted_depths
     }
 
-    /// Begins to draw on an empty picture.
-    pub(super) fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, background: [u8; 3]) -> wgpu::RenderPass<'e> {
+    /// The picture, then the depths that are wanted.
+    pub(super) fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// Begins to draw on an empty layer.
+    pub(super) fn begin<'e>(
+        &self,
+        layer: &Layer,
+        encoder: &'e mut wgpu::CommandEncoder,
+        background: [u8; 3],
+    ) -> wgpu::RenderPass<'e> {
+        // White is the depth of the far plane.
+        let background = if layer.pass == Pass::Picture { background } else { [255; 3] };
         let [r, g, b] = background.map(|c| f64::from(c) / 255.0);
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.color_view,
+                view: &layer.view,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
@@ -118,8 +147,8 @@ impl Target {
         })
     }
 
-    /// Records the copy of the drawn picture into the readback buffers.
-    pub(super) fn record_copy(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.readback.record(encoder, &self.color);
+    /// Records the copies of all layers into the readback buffers.
+    pub(super) fn record_copies(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.layers.iter().for_each(|layer| layer.readback.record(encoder, &layer.texture));
     }
 }

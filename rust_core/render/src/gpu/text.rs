@@ -11,7 +11,7 @@ use rcs_scene::{glyph_atlas, Text};
 
 use super::device::Device;
 use super::geometry::{Instances, MAX_CHUNK_BYTES};
-use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::triangles::fixed_state;
 use super::uniforms::{Slot, Uniforms};
 use super::{columns, texture, Viewpoint};
@@ -29,7 +29,7 @@ pub(super) struct TextPipelines {
 
 /// A text in one picture.
 pub(super) struct TextDraw {
-    pipeline: wgpu::RenderPipeline,
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     atlas: wgpu::BindGroup,
     chunks: Vec<Instances>,
     slot: Slot,
@@ -100,14 +100,14 @@ impl TextPipelines {
         })?;
         let upload = || texture::upload(device, &self.image_layout, glyph_atlas().texture());
         let atlas = self.atlas.get_or_insert_with(upload).clone();
-        let pipeline = self.pipelines.get(device, fixed_state(text.material(), false));
-        Some(TextDraw { pipeline, atlas, chunks, slot })
+        let state = fixed_state(text.material(), false);
+        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        Some(TextDraw { pipelines, atlas, chunks, slot })
     }
 }
 
 impl TextDraw {
     pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
         pass.set_bind_group(1, &self.atlas, &[]);
         for chunk in &self.chunks {

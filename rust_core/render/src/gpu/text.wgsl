@@ -31,5 +31,5 @@ fn vertex_text(@builtin(vertex_index) corner: u32, glyph: Glyph) -> Corner {
 
 @fragment
 fn fragment_text(corner: Corner) -> @location(0) vec4f {
-    return caption.color * textureSample(image, image_sampler, corner.uv);
+    return written(caption.color * textureSample(image, image_sampler, corner.uv), corner.clip.z);
 }

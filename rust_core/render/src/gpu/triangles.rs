@@ -15,7 +15,7 @@ use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons
 
 use super::device::Device;
 use super::mesh::{upload, GpuVertex, Triangles};
-use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
@@ -41,8 +41,7 @@ pub(super) struct TrianglePipelines {
 
 /// Instances of a mesh that are drawn together.
 pub(super) struct TrianglesDraw {
-    pipeline: wgpu::RenderPipeline,
-    state: FixedState,
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     image: wgpu::BindGroup,
     chunks: Arc<[Triangles]>,
     instances: Range<u32>,
@@ -170,7 +169,7 @@ impl TrianglePipelines {
         let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, material);
         // Ogre turns the culling round for mirrored objects.
         let state = fixed_state(material, is_mirrored);
-        self.draw(device, chunks, instance, state, material.texture.as_ref())
+        self.draw((device, viewpoint), chunks, instance, state, material.texture.as_ref())
     }
 
     /// Adds draws of some solids, in their order.
@@ -198,7 +197,7 @@ impl TrianglePipelines {
                 continue;
             }
             let chunks = meshes.get(shape).cloned();
-            let draw = chunks.and_then(|chunks| self.draw(device, chunks, instance, state, None));
+            let draw = chunks.and_then(|chunks| self.draw((device, viewpoint), chunks, instance, state, None));
             let last = std::mem::replace(&mut open, draw.map(|draw| (shape, state, draw)));
             last.into_iter().for_each(|(_, _, draw)| add(draw));
         }
@@ -222,7 +221,7 @@ impl TrianglePipelines {
         // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
         let material = Material::unlit(ribbons.blending == Blending::Alpha);
         let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, &material);
-        self.draw(device, chunks, instance, fixed_state(&material, is_mirrored), None)
+        self.draw((device, viewpoint), chunks, instance, fixed_state(&material, is_mirrored), None)
     }
 
     /// Adds an instance to the picture's; `None` when there are too many.
@@ -237,7 +236,7 @@ impl TrianglePipelines {
 
     fn draw(
         &mut self,
-        device: &Device,
+        (device, viewpoint): (&Device, &Viewpoint<'_>),
         chunks: Arc<[Triangles]>,
         instance: Instance,
         state: FixedState,
@@ -253,9 +252,9 @@ impl TrianglePipelines {
             }
             None => self.white.clone(),
         };
-        let pipeline = self.pipelines.get(device, state);
+        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
         let first = self.push(instance)?;
-        Some(TrianglesDraw { pipeline, state, image, chunks, instances: first..first + 1, light })
+        Some(TrianglesDraw { pipelines, image, chunks, instances: first..first + 1, light })
     }
 }
 
@@ -276,7 +275,7 @@ impl TrianglesDraw {
     }
 
     fn shares_state(&self, other: &Self) -> bool {
-        self.state == other.state && self.image == other.image
+        self.pipelines == other.pipelines && self.image == other.image
     }
 
     /// Draws after another draw of triangles, or after something else.
@@ -292,7 +291,6 @@ impl TrianglesDraw {
             pass.set_vertex_buffer(1, instances.slice(..));
         }
         if previous.is_none_or(|previous| !self.shares_state(previous)) {
-            pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(1, &self.image, &[]);
         }
         let is_bound = previous.is_some_and(|previous| self.shares_mesh(previous)) && self.chunks.len() == 1;

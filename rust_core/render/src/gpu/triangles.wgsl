@@ -66,5 +66,5 @@ fn vertex_triangle(vertex: Vertex, instance: Instance) -> Corner {
 
 @fragment
 fn fragment_triangle(corner: Corner) -> @location(0) vec4f {
-    return corner.color * textureSample(image, image_sampler, corner.uv);
+    return written(corner.color * textureSample(image, image_sampler, corner.uv), corner.clip.z);
 }
