@@ -321,43 +321,51 @@ fn both_agree(mut drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [
     }
     let allowed = MAX_DIFFERING_PX.max((f64::from(content) * MAX_DIFFERING) as usize);
     prop_assert!(differing.len() <= allowed, "{differing:?} of {content} pixels differ, at most {allowed} may");
-    depths_agree(&scene, &camera)
+    depths_agree(
+        &scene,
+        [-SHIFT_PX, 0.0, SHIFT_PX].map(|right| [-SHIFT_PX, 0.0, SHIFT_PX].map(|down| shifted(right, down))),
+    )
 }
 
 /// Displays that the drawables belong to in turn; the first one's objects are compared.
 const DISPLAYS: u32 = 2;
 
-fn depths_agree(scene: &Scene, camera: &Camera) -> Result<(), TestCaseError> {
+/// The GPU's depths at the camera in the middle are those of the CPU there, or at a camera beside it.
+fn depths_agree(scene: &Scene, cameras: [[Camera; 3]; 3]) -> Result<(), TestCaseError> {
     let (visible, mut listed) = (DisplayMask::all(), DisplayMask::all());
     (1..DISPLAYS).for_each(|display| listed.set(display, false));
-    let view = View { scene, camera, visible: &visible, background: BACKGROUND, encoding: Encoding::Mono8 };
-    let depths = |renderer: &mut dyn Renderer| {
+    let depths = |renderer: &mut dyn Renderer, camera: &Camera| {
+        let view = View { scene, camera, visible: &visible, background: BACKGROUND, encoding: Encoding::Mono8 };
         let (mut picture, mut depths) = (Picture::default(), Depths::default());
         let request = DepthRequest { opaque: true, objects_of: Some(&listed) };
         renderer.submit_with_depths(&view, &request).unwrap();
         assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
         depths
     };
-    let from_gpu = depths(&mut *gpu().lock().unwrap_or_else(PoisonError::into_inner));
-    let from_cpu = depths(&mut CpuRenderer::new());
-    let kinds = [("opaque", &from_gpu.opaque, &from_cpu.opaque), ("objects", &from_gpu.objects, &from_cpu.objects)];
-    for (kind, from_gpu, from_cpu) in kinds {
-        let content = from_cpu.depths_m.iter().filter(|depth_m| !depth_m.is_nan()).count();
-        let differing = [unlike(from_gpu, from_cpu), unlike(from_cpu, from_gpu)].concat();
+    let camera = &cameras[1][1];
+    let from_gpu = depths(&mut *gpu().lock().unwrap_or_else(PoisonError::into_inner), camera);
+    let mut cpu = CpuRenderer::new();
+    let from_cpu: Vec<Depths> = cameras.iter().flatten().map(|camera| depths(&mut cpu, camera)).collect();
+    type Kind = fn(&Depths) -> &DepthPicture;
+    let kinds: [(&str, Kind); 2] = [("opaque", |depths| &depths.opaque), ("objects", |depths| &depths.objects)];
+    for (kind, of) in kinds {
+        let from_cpu: Vec<&DepthPicture> = from_cpu.iter().map(of).collect();
+        let content = from_cpu[0].depths_m.iter().filter(|depth_m| !depth_m.is_nan()).count();
+        let differing = unlike(of(&from_gpu), &from_cpu);
         let allowed = MAX_DIFFERING_PX.max((content as f64 * MAX_DIFFERING) as usize);
         prop_assert!(differing.len() <= allowed, "{kind}: {differing:?} of {content} differ, at most {allowed} may");
     }
     Ok(())
 }
 
-/// The pixels of `a` whose depths are not among those of `b` around them, with these depths.
-fn unlike(a: &DepthPicture, b: &DepthPicture) -> Vec<([i64; 2], f32)> {
+/// The pixels of `a` whose depths are not among those around them in pictures of the same size.
+fn unlike(a: &DepthPicture, others: &[&DepthPicture]) -> Vec<([i64; 2], f32)> {
     let [width, height] = [a.width_px, a.height_px].map(i64::from);
-    assert_eq!([width, height], [b.width_px, b.height_px].map(i64::from));
     let is_like = |x: i64, y: i64, depth_m: f32| {
         let rows = (y - REACH_PX).max(0)..(y + REACH_PX + 1).min(height);
         let columns = (x - REACH_PX).max(0)..(x + REACH_PX + 1).min(width);
-        let around = rows.flat_map(|y| columns.clone().map(move |x| b.depths_m[(y * width + x) as usize]));
+        let around = rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as usize));
+        let around = around.flat_map(|at| others.iter().map(move |other| other.depths_m[at]));
         let (nowhere, there): (Vec<f32>, Vec<f32>) = around.partition(|depth_m| depth_m.is_nan());
         if depth_m.is_nan() {
             return !nowhere.is_empty();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{at, camera, points, scene, square_mesh};
 use rcs_render::{create, DepthRequest, Depths, Finished, Renderer, RendererChoice, View};
 use rcs_scene::{
-    Blending, CellSheet, Cells, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
+    Blending, CellSheet, Cells, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Lighting,
     LineTopology, Lines, Material, Picture, PointStyle, Points, RenderGroup, Rgba, Scene, Text, VerticalAlignment,
 };
 
@@ -21,7 +21,7 @@ const LISTED: u32 = 1;
 const OTHER: u32 = 2;
 
 /// How far a depth may be off: some steps of a depth buffer, and the bias of text and cells.
-const TOLERANCE_M: f32 = 2e-3;
+const DEPTH_TOLERANCE_M: f32 = 2e-3;
 
 fn square(display: u32, z: f64, material: Material) -> Drawable {
     let mesh = Arc::new(square_mesh());
@@ -72,7 +72,7 @@ fn assert_object(what: &str, drawables: Vec<Drawable>, expected_m: Option<f32>) 
         let (_, depths) = drawn(renderer.as_mut(), &scene);
         let depth_m = depths.objects.depths_m[CENTRE];
         let is_right = match expected_m {
-            Some(expected_m) => (depth_m - expected_m).abs() < TOLERANCE_M,
+            Some(expected_m) => (depth_m - expected_m).abs() < DEPTH_TOLERANCE_M,
             None => depth_m.is_nan(),
         };
         assert!(is_right, "{what}, {}: {depth_m}, not {expected_m:?}", renderer.describe());
@@ -145,34 +145,33 @@ fn clouds_lines_and_cells_are_objects_too() {
 }
 
 #[test]
-fn text_is_an_object_where_it_lights_and_not_between_its_letters() {
-    let text = Text::new("HIM", 0.3, Rgba::WHITE, (HorizontalAlignment::Center, VerticalAlignment::Center));
-    let text = Arc::new(text);
-    for text in [Arc::clone(&text), Arc::new(text.as_ref().clone().on_top())] {
-        let text = Drawable { display: LISTED, ..at(0.0, 0.0, 1.5, Geometry::Text(text)) };
-        let [on_white, on_black] =
-            [Rgba::WHITE, Rgba::BLACK].map(|wall| scene([text.clone(), square(OTHER, 2.0, Material::lit(wall))]));
+fn text_is_an_object_where_it_covers_and_not_between_its_letters() {
+    // Black on white, each pixel is as much darker as the text covers it.
+    let text = Text::new("HIM", 0.3, Rgba::BLACK, (HorizontalAlignment::Center, VerticalAlignment::Center));
+    for text in [text.clone(), text.on_top()] {
+        let text = Drawable { display: LISTED, ..at(0.0, 0.0, 1.5, Geometry::Text(Arc::new(text))) };
+        let wall = square(OTHER, 2.0, Material { lighting: Lighting::Unlit, ..Material::lit(Rgba::WHITE) });
+        let scene = scene([text, wall]);
         for mut renderer in renderers() {
-            let (picture, _) = drawn(renderer.as_mut(), &on_black);
-            let (_, depths) = drawn(renderer.as_mut(), &on_white);
+            let (picture, depths) = drawn(renderer.as_mut(), &scene);
             let (mut in_letters, mut between) = (0, 0);
             for (level, depth_m) in picture.data.iter().zip(&depths.objects.depths_m) {
                 match level {
-                    // The faintest edges may be rounded to either side.
-                    1 | 2 => {}
-                    0 => {
+                    1..=252 => {
+                        in_letters += 1;
+                        assert!((depth_m - 1.5).abs() < DEPTH_TOLERANCE_M, "{}: {depth_m}", renderer.describe());
+                    }
+                    255 => {
                         between += 1;
                         assert!(depth_m.is_nan(), "{}: {depth_m}", renderer.describe());
                     }
-                    _ => {
-                        in_letters += 1;
-                        assert!((depth_m - 1.5).abs() < TOLERANCE_M, "{}: {depth_m}", renderer.describe());
-                    }
+                    // Covered wholly or beside the wall, or so little that rounding decides.
+                    _ => {}
                 }
             }
-            assert!(in_letters > 50 && between > 500, "{in_letters} {between}");
+            assert!(in_letters > 30 && between > 500, "{in_letters} {between}");
             let opaque_m = depths.opaque.depths_m[CENTRE];
-            assert!((opaque_m - 2.0).abs() < TOLERANCE_M, "text hides nothing: {opaque_m}");
+            assert!((opaque_m - 2.0).abs() < DEPTH_TOLERANCE_M, "text hides nothing: {opaque_m}");
         }
     }
 }
