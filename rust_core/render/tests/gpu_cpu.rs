@@ -30,7 +30,11 @@ const LEVELS: u8 = 16;
 const REACH_PX: i64 = 1;
 
 /// How far a depth may be from those of the pixels around: some steps of a depth buffer of 24 bits, 0.1 mm each at 4 m.
-const DEPTH_TOLERANCE_M: f32 = 1e-3;
+/// By some such steps cells are moved back, which GPUs need not count.
+const DEPTH_TOLERANCE_M: f32 = 3e-3;
+
+/// Pixels of faces seen edge-on: their depths are arbitrary, and the pixels may be a picture's only ones.
+const MAX_DIFFERING_DEPTHS: usize = 8;
 
 /// How far beside the camera may be with which the CPU draws a pixel's colour: a few of the 256ths of a pixel to which
 /// vertices are rounded.
@@ -352,7 +356,7 @@ fn depths_agree(scene: &Scene, cameras: [[Camera; 3]; 3]) -> Result<(), TestCase
         let from_cpu: Vec<&DepthPicture> = from_cpu.iter().map(of).collect();
         let content = from_cpu[0].depths_m.iter().filter(|depth_m| !depth_m.is_nan()).count();
         let differing = unlike(of(&from_gpu), &from_cpu);
-        let allowed = MAX_DIFFERING_PX.max((content as f64 * MAX_DIFFERING) as usize);
+        let allowed = MAX_DIFFERING_DEPTHS.max((content as f64 * MAX_DIFFERING) as usize);
         prop_assert!(differing.len() <= allowed, "{kind}: {differing:?} of {content} differ, at most {allowed} may");
     }
     Ok(())
