@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod blend;
+pub mod board;
 mod crossings;
 mod decode;
 mod distortion;

@@ -118,7 +118,7 @@ impl Report {
     }
 
     /// Adds a reason for a calibration that is only usable, or not even that. The verdict is the worst of all reasons'.
-    fn say(&mut self, is_unusable: bool, reason: String) {
+    pub(crate) fn say(&mut self, is_unusable: bool, reason: String) {
         if self.verdict != Verdict::Again {
             self.verdict = if is_unusable { Verdict::Again } else { Verdict::Usable };
         }

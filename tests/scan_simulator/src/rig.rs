@@ -7,6 +7,8 @@ use crate::Random;
 
 /// Image size of the camera, pixels.
 const CAMERA_SIZE_PX: [u32; 2] = [640, 480];
+/// Image size of a webcam, pixels.
+const WEBCAM_SIZE_PX: [u32; 2] = [1280, 720];
 /// Image size of the projector, pixels.
 const PROJECTOR_SIZE_PX: [u32; 2] = [1280, 800];
 
@@ -52,6 +54,21 @@ impl Rig {
             target,
             seed,
         }
+    }
+
+    /// [`Self::random`] with a webcam of 1280×720 pixels and its barrel distortion, in the same place.
+    pub fn webcam(seed: u64) -> Self {
+        let rig = Self::random(seed);
+        let random = &mut Random::new(&[seed, 0x0057_4542]);
+        let mut uniform = |low, high| random.uniform(low, high);
+        let fx = uniform(950.0, 1150.0);
+        let center = [639.5 + uniform(-20.0, 20.0), 359.5 + uniform(-15.0, 15.0)];
+        let pinhole = Lens::pinhole(WEBCAM_SIZE_PX, [fx, fx * uniform(0.998, 1.002)], center);
+        let terms = [uniform(-0.2, 0.05), uniform(-0.05, 0.1), uniform(-1e-3, 1e-3), uniform(-1e-3, 1e-3), 0.0];
+        let camera = Lens { distortion: Distortion::plumb_bob(terms), ..pinhole };
+        let from = Point3::from(rig.room_from_camera.translation.vector);
+        let seen = rig.target + Vector3::new(uniform(-0.03, 0.03), uniform(-0.03, 0.03), 0.0);
+        Self { room_from_camera: looking_at(&camera, &from, &seen, uniform(-0.03, 0.03)), camera, ..rig }
     }
 
     /// Rig with the camera at another place with about the same view; the projector stays. Place 0 is the first one.

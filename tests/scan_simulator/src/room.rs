@@ -4,8 +4,13 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
+use rcs_calibration::board::Chessboard;
+
 use crate::surface::Surface;
 use crate::Random;
+
+/// Half the thickness of a board, metres.
+const BOARD_M: f64 = 0.002;
 
 /// Intersection of a ray and a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,6 +109,18 @@ impl Room {
         let mut room = self.clone();
         room.solids.extend(solids);
         room
+    }
+
+    /// The room with a printed chessboard before all of it. The board's frame has its origin in its middle, x along its
+    /// columns, y along its rows and z away from whoever looks at it.
+    pub fn with_board(mut self, board: Chessboard, room_from_board: &Isometry3<f64>) -> Self {
+        // The margin is a square wide.
+        let half_m = board.corners.map(|count| (0.5 * f64::from(count) + 1.5) * board.square_m);
+        let shape = Shape::Cuboid(Vector3::new(half_m[0], half_m[1], BOARD_M));
+        let behind = room_from_board * Translation3::new(0.0, 0.0, BOARD_M);
+        let solid = Solid::new(shape, behind.translation.vector, behind.rotation, Surface::board(board));
+        self.solids.push(solid);
+        self
     }
 
     /// First intersection of a ray from a point of the room's frame.

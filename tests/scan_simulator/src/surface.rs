@@ -3,6 +3,7 @@
 //! Textures are volumetric in the solid's frame, so they need no unwrapping.
 
 use nalgebra::Point3;
+use rcs_calibration::board::Chessboard;
 
 use crate::random::{mixed, unit};
 use crate::Random;
@@ -11,6 +12,11 @@ use crate::Random;
 const DARKEST: f64 = 0.15;
 /// Maximum albedo.
 const BRIGHTEST: f64 = 0.95;
+/// Albedo of paper and ink.
+const PAPER: f64 = 0.85;
+const INK: f64 = 0.06;
+/// Half the width of the edge of printed ink, metres.
+const EDGE_M: f64 = 0.0004;
 
 /// Texture of the albedo.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +24,8 @@ enum Texture {
     Plain,
     Checker,
     Noise,
+    /// Chessboard around the origin of the plane z = 0.
+    Board(Chessboard),
 }
 
 /// Diffuse surface of a solid.
@@ -37,6 +45,12 @@ impl Surface {
     /// Uniform surface.
     pub(crate) fn plain(albedo: f64) -> Self {
         Self { albedo, texture: Texture::Plain, contrast: 0.0, size_m: 1.0, seed: 0 }
+    }
+
+    /// Printed chessboard, with a white margin.
+    pub(crate) fn board(board: Chessboard) -> Self {
+        let texture = Texture::Board(board);
+        Self { albedo: PAPER, texture, contrast: 0.0, size_m: 1.0, seed: 0 }
     }
 
     /// Random surface with a mean albedo of at least `darkest`.
@@ -65,6 +79,7 @@ impl Surface {
                 let odd = place.iter().map(|x| (x + 0.31).floor() as i64).sum::<i64>() & 1;
                 2.0 * odd as f64 - 1.0
             }
+            Texture::Board(board) => return board_albedo(&board, local),
             Texture::Noise => 2.0 * self.noise(&place) - 1.0,
         };
         (self.albedo * (1.0 + self.contrast * deviation)).clamp(DARKEST, BRIGHTEST)
@@ -87,4 +102,20 @@ impl Surface {
         }
         sum
     }
+}
+
+/// Albedo of a chessboard at a point; its squares are one more than its inner corners along both sides.
+fn board_albedo(board: &Chessboard, local: &Point3<f64>) -> f64 {
+    let mut sign = 1.0;
+    for axis in 0..2 {
+        let squares = f64::from(board.corners[axis]) + 1.0;
+        let place = local[axis] / board.square_m + 0.5 * squares;
+        if !(0.0..squares).contains(&place) {
+            return PAPER;
+        }
+        let off_edge_m = (place - place.round()) * board.square_m;
+        let is_odd = place.round() as i64 & 1 == 1;
+        sign *= (off_edge_m / EDGE_M).clamp(-1.0, 1.0) * if is_odd { -1.0 } else { 1.0 };
+    }
+    0.5 * (PAPER + INK) - 0.5 * (PAPER - INK) * sign
 }

@@ -80,14 +80,14 @@ fn damped_step(equations: &NormalEquations, damping: f64) -> Option<DVector<f64>
 }
 
 /// Solves a symmetric positive definite system, scaled to a unit diagonal; `None` if it is singular.
-pub(super) fn solve_positive(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+pub(crate) fn solve_positive(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let scale = unit_scale(matrix)?;
     let solution = scaled(matrix, &scale).cholesky()?.solve(&right.component_mul(&scale));
     Some(solution.component_mul(&scale))
 }
 
 /// Inverse of a symmetric positive definite matrix; `None` if it is singular.
-pub(super) fn inverse_of_positive(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn inverse_of_positive(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = unit_scale(matrix)?;
     Some(scaled(&scaled(matrix, &scale).cholesky()?.inverse(), &scale))
 }

@@ -38,7 +38,10 @@ mod spread;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use adjust::{inverse_of_positive, solve_positive};
 pub(crate) use dlt::skew_of_all;
+pub(crate) use model::{lens_of, lens_values, SolverState, LENS};
+pub(crate) use noise::{cauchy_loss, cauchy_weight};
 pub use refusal::Refusal;
 pub use solver::solve;
 

@@ -11,31 +11,31 @@ use super::{DistortionTerms, FocalLengths, Parameter, SolveOptions};
 use crate::{Distortion, DistortionModel, Lens};
 
 /// Number of lens parameters: [`Parameter::ALL`], then the skew.
-pub(super) const LENS: usize = 10;
+pub(crate) const LENS: usize = 10;
 /// Index of the skew, pixels of u per distorted y. A state has none; only its estimate is asked for.
-pub(super) const SKEW: usize = 9;
+pub(crate) const SKEW: usize = 9;
 /// Number of parameters of a sample: the lens's, then its scan's rotation and translation.
-pub(super) const LOCAL: usize = LENS + 6;
+pub(crate) const LOCAL: usize = LENS + 6;
 
 /// Derivatives of a pixel by the parameters of its sample.
-pub(super) type Jacobian = SMatrix<f64, 2, LOCAL>;
+pub(crate) type Jacobian = SMatrix<f64, 2, LOCAL>;
 
 /// Matrix over the parameters of a sample.
 pub(super) type Block = SMatrix<f64, LOCAL, LOCAL>;
 
 /// Lens, and a pose `projector_from_camera` for each scan.
 #[derive(Debug, Clone)]
-pub(super) struct SolverState {
-    pub(super) lens: Lens,
-    pub(super) poses: Vec<Isometry3<f64>>,
+pub(crate) struct SolverState {
+    pub(crate) lens: Lens,
+    pub(crate) poses: Vec<Isometry3<f64>>,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PredictedPixel {
-    pub(super) pixel: Point2<f64>,
+pub(crate) struct PredictedPixel {
+    pub(crate) pixel: Point2<f64>,
     /// Derivatives by the point in the projector's optical frame, pixels per metre.
-    pub(super) by_point: Matrix2x3<f64>,
-    pub(super) jacobian: Jacobian,
+    pub(crate) by_point: Matrix2x3<f64>,
+    pub(crate) jacobian: Jacobian,
 }
 
 impl SolverState {
@@ -45,7 +45,7 @@ impl SolverState {
     }
 
     /// [`Self::project`] with derivatives.
-    pub(super) fn predict(&self, scan: usize, point: &Point3<f64>) -> Option<PredictedPixel> {
+    pub(crate) fn predict(&self, scan: usize, point: &Point3<f64>) -> Option<PredictedPixel> {
         let pose = &self.poses[scan];
         let q = pose * point;
         let projected = self.lens.project_with_jacobian(&q)?;
@@ -122,7 +122,7 @@ impl SolverState {
 }
 
 /// Values of a lens's parameters; zeros for distortions of other models than Brown and Conrady's.
-pub(super) fn lens_values(lens: &Lens) -> [f64; SKEW] {
+pub(crate) fn lens_values(lens: &Lens) -> [f64; SKEW] {
     let mut k = [0.0; 5];
     if lens.distortion.model() == DistortionModel::PlumbBob {
         k.copy_from_slice(&lens.distortion.coefficients()[..5]);
@@ -131,7 +131,7 @@ pub(super) fn lens_values(lens: &Lens) -> [f64; SKEW] {
 }
 
 /// Lens of parameter values; `None` if they are not finite or a focal length is not positive.
-pub(super) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
+pub(crate) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
     let [fx, fy, cx, cy, k1, k2, p1, p2, k3] = values;
     let is_sound = values.iter().all(|value| value.is_finite()) && fx > 0.0 && fy > 0.0;
     is_sound.then(|| {

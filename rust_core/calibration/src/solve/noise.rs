@@ -72,11 +72,11 @@ impl Weight {
 }
 
 /// Weight factor of Cauchy's loss for a squared residual.
-pub(super) fn cauchy_weight(squared: f64) -> f64 {
+pub(crate) fn cauchy_weight(squared: f64) -> f64 {
     1.0 / (1.0 + squared / (CAUCHY * CAUCHY))
 }
 
-pub(super) fn cauchy_loss(squared: f64) -> f64 {
+pub(crate) fn cauchy_loss(squared: f64) -> f64 {
     CAUCHY * CAUCHY * (1.0 + squared / (CAUCHY * CAUCHY)).ln()
 }
 
