@@ -4,11 +4,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::anyhow;
+use rcs_calibration::board::Chessboard;
 use rcs_files::sizes::pair;
 pub(super) use rcs_files::sizes::size_px;
 
 use super::Failure;
 
+/// Numbers of a board's inner corners along a side, and lengths of its squares, metres.
+const BOARD_CORNERS: std::ops::RangeInclusive<u32> = 3..=100;
+const MIN_SQUARE_M: f64 = 0.001;
+const MAX_SQUARE_M: f64 = 1.0;
 /// The longest time that can be given, seconds.
 const MAX_SECONDS: f64 = 1e6;
 
@@ -16,6 +21,23 @@ const MAX_SECONDS: f64 = 1e6;
 pub(super) fn two_lengths_m(text: &str) -> Result<[f64; 2], String> {
     let [first, second] = pair(text).ok_or("not two lengths such as 0.9x0.56")?;
     Ok([length_m(first)?, length_m(second)?])
+}
+
+/// A printed chessboard: `chessboard:10x7:25mm`, inner corners and the length of a square's side.
+pub(super) fn chessboard(text: &str) -> Result<Chessboard, String> {
+    let example =
+        "not a board such as chessboard:10x7:25mm (inner corners, where four squares meet, and a square's side)";
+    let (corners, side) = text.strip_prefix("chessboard:").and_then(|rest| rest.split_once(':')).ok_or(example)?;
+    let [columns, rows] = pair(corners).ok_or(example)?;
+    let count = |text: &str| match text.parse() {
+        Ok(count) if BOARD_CORNERS.contains(&count) => Ok(count),
+        _ => Err(format!("'{text}' is not a number of inner corners from 3 to 100")),
+    };
+    let square_m = length_m(side)?;
+    if !(MIN_SQUARE_M..=MAX_SQUARE_M).contains(&square_m) {
+        return Err(format!("'{side}' is not a square's side from 1mm to 1m"));
+    }
+    Ok(Chessboard { corners: [count(columns)?, count(rows)?], square_m })
 }
 
 /// A length, metres: `1.25`, `1.25m`, `125cm`, `1250mm`; may be negative or not finite.
@@ -68,6 +90,16 @@ mod tests {
         }
         for text in ["", "0.9", "0.9x", "x"] {
             assert!(two_lengths_m(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn boards_are_inner_corners_and_a_length() {
+        assert_eq!(chessboard("chessboard:10x7:25mm"), Ok(Chessboard { corners: [10, 7], square_m: 0.025 }));
+        assert_eq!(chessboard("chessboard:9x7:0.075"), Ok(Chessboard { corners: [9, 7], square_m: 0.075 }));
+        for text in ["10x7:25mm", "chessboard:10x7", "chessboard:2x7:25mm", "chessboard:10x7:25", "chessboard:axb:1cm"]
+        {
+            assert!(chessboard(text).is_err(), "{text}");
         }
     }
 

@@ -102,6 +102,9 @@ pub(super) fn points_of(folder: &Path, capture: &Capture, decoded: &Decoded) -> 
     let depth_m = capture.depth_m.as_ref().ok_or_else(|| {
         refused("there is no depth image, which points need (--pixels FILE writes the decoded pixels without)")
     })?;
+    if !capture.is_camera_calibrated {
+        return Err(refused("the camera has no CameraInfo, which points need"));
+    }
     let samples = points(decoded, depth_m, &capture.camera).map_err(Failure::unreadable)?;
     if samples.is_empty() {
         return Err(refused("no decoded pixel has a usable depth"));

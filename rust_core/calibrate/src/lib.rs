@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod arguments;
+mod board;
 mod camera_chain;
 mod clicks;
 mod correspondences;
@@ -63,6 +64,7 @@ struct CalibrateArguments {
 #[derive(Debug, Subcommand)]
 enum CalibrateCommand {
     Manual(manual::ManualArguments),
+    Board(board::BoardArguments),
     Patterns(patterns::PatternsArguments),
     Show(show::ShowArguments),
     Scan(scan::ScanArguments),
@@ -84,6 +86,7 @@ pub fn main() -> ExitCode {
     rcs_scene::name_threads();
     let result = match &arguments.command {
         CalibrateCommand::Manual(arguments) => manual::run(arguments),
+        CalibrateCommand::Board(arguments) => board::run(arguments),
         CalibrateCommand::Patterns(arguments) => patterns::run(arguments),
         CalibrateCommand::Show(arguments) => show::run(arguments),
         CalibrateCommand::Scan(arguments) => scan::run(arguments),

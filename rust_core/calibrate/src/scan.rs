@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use clap::Args;
+use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::Pattern;
 use rcs_files::capture::CAPTURE_FILE;
 use rcs_files::picture_file::{self, PictureFormat};
@@ -13,8 +14,10 @@ use rcs_scan::{
     patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanEvent, ScanOptions, ScanResult, ScanSession,
 };
 
-use super::arguments::{check_folder, seconds, size_px};
+use super::arguments::{check_folder, chessboard, seconds, size_px};
+use super::board::{BoardScan, PictureFolders};
 use super::live::{DeviceArguments, ImageTopic, LiveSession, LiveSetup, Progress};
+use super::placing::read_projector;
 use super::{show, Failure};
 
 /// The topic of the preview, private to the node.
@@ -41,7 +44,10 @@ Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, or a top
 used
 
 Examples: projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1
-          projector_calibrate scan --bag scan.bag --size 1280x800 -o scan1")]
+          projector_calibrate scan --bag scan.bag --size 1280x800 -o scan1
+          projector_calibrate scan --board chessboard:10x7:25mm --image /webcam/image_raw \\
+              --camera-info /webcam/camera_info --size 1280x800 -o boards
+          projector_calibrate scan --board chessboard:10x7:25mm --pictures photos --size 1280x800 -o boards")]
 pub(super) struct ScanArguments {
     /// Width and height of the projector's picture, pixels: its native resolution
     #[arg(long, value_name = "WxH", value_parser = size_px)]
@@ -59,9 +65,21 @@ pub(super) struct ScanArguments {
     /// Scan what this bag has recorded, or several, such as the parts of a split recording: .bag or .mcap of ROS 1
     #[arg(long, value_name = "FILE.bag", num_args = 1.., conflicts_with = "monitor")]
     bag: Vec<PathBuf>,
-    /// With --bag: the folder of the patterns that were shown, or its patterns.yaml [default: those that the command
+    /// Scan a printed chessboard in several poses instead of the room, for cameras without depth: its inner corners and
+    /// the length of a square's side. Camera and projector stay, the board moves, as the log says, until the verdict is
+    /// good. --output gets a folder for each pose. The camera may be without CameraInfo
+    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
+    board: Option<Chessboard>,
+    /// With --board: take pictures that exist. DIR has a folder for each pose, each a picture for each pattern, sorted by
+    /// the numbers in their names; white and black come first or last
+    #[arg(long, value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
+    pictures: Option<PathBuf>,
+    /// With --pictures: the camera's file, if it is calibrated
+    #[arg(long, value_name = "FILE", requires = "pictures")]
+    camera: Option<PathBuf>,
+    /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that the command
     /// patterns writes for --size and --step]
-    #[arg(long, value_name = "DIR|FILE", requires = "bag")]
+    #[arg(long, value_name = "DIR|FILE")]
     patterns: Option<PathBuf>,
     /// With --bag: leave out what was recorded before, seconds since its beginning
     #[arg(long, value_name = "SECONDS", requires = "bag", value_parser = seconds, default_value = "0")]
@@ -83,14 +101,25 @@ pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
     if !arguments.bag.is_empty() {
         return scan_bags(arguments);
     }
+    let board = arguments.board_scan();
+    if let (Some(scan), Some(folder)) = (&board, &arguments.pictures) {
+        let camera = arguments.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
+        let patterns = arguments.recorded_patterns()?;
+        return scan.clone().of_folders(&PictureFolders { folder, patterns, camera });
+    }
     let setup = LiveSetup {
         name: "the scan",
         devices: arguments.devices.clone(),
         topics: arguments.topics(),
         show_on: arguments.show_on.clone(),
         projector_px: arguments.size,
+        needs_lens: board.is_none(),
     };
     let arguments = arguments.clone();
+    if let Some(scan) = board {
+        let frames = usize::from(arguments.devices.frames);
+        return setup.run(move |session| scan.live(session, arguments.step, frames));
+    }
     setup.run(move |session| scan_live(session, &arguments))
 }
 
@@ -161,11 +190,17 @@ impl ScanArguments {
     /// The camera's topics.
     fn topics(&self) -> CameraTopics {
         let topics = self.devices.topics();
-        if self.no_depth {
+        if self.no_depth || self.board.is_some() {
             CameraTopics { depth: DepthTopic::None, ..topics }
         } else {
             topics
         }
+    }
+
+    /// The scan of a board, if it is one.
+    fn board_scan(&self) -> Option<BoardScan> {
+        let (projector_px, output) = (self.size, self.output.clone());
+        self.board.map(|board| BoardScan { board, projector_px, output })
     }
 
     /// The patterns of a recording, in their order.
@@ -187,6 +222,9 @@ impl ScanArguments {
 
     /// Checks before the scan that its files can be written.
     fn check_files(&self) -> Result<(), Failure> {
+        if self.patterns.is_some() && self.bag.is_empty() && self.pictures.is_none() {
+            return Err(Failure::Unreadable(anyhow!("--patterns needs --bag or --pictures")));
+        }
         check_folder(&self.output)?;
         if self.output.exists() && !self.output.is_dir() {
             return Err(Failure::Unreadable(anyhow!("{}: not a folder", self.output.display())));

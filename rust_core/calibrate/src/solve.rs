@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Args;
+use rcs_calibration::board::Chessboard;
 use rcs_calibration::{solve, DistortionTerms, FocalLengths, Parameter, Report, SolveOptions, Verdict};
 use rcs_files::calibration_report;
 use rcs_files::projector::ProjectorFile;
 use rcs_node_support::key_value;
 
-use super::arguments::size_px;
+use super::arguments::{chessboard, size_px};
+use super::board::{self, BoardOutputs};
 use super::correspondences::Correspondences;
 use super::placing::{read_projector, CameraPose, PlacingArguments, RobotFrames};
 use super::Failure;
@@ -27,9 +29,11 @@ use super::Failure;
 Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or
 unreadable files
 
-Example: projector_calibrate solve points.csv --size 1280x800 -o projector.yaml --report report")]
+Examples: projector_calibrate solve points.csv --size 1280x800 -o projector.yaml --report report
+          projector_calibrate solve boards --board chessboard:10x7:25mm --size 1280x800 -o projector.yaml \\
+              --camera camera.yaml --report report")]
 pub(super) struct SolveArguments {
-    /// Files of points, or capture folders
+    /// Files of points, or capture folders. With --board, capture folders or a folder of them
     #[arg(value_name = "FILE", required = true)]
     points: Vec<PathBuf>,
     /// Width and height of the projector's picture, pixels
@@ -38,6 +42,16 @@ pub(super) struct SolveArguments {
     /// The projector's file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// The poses are those of a printed chessboard, see `scan --board`: its inner corners and the length of a square's side.
+    /// Camera and projector were in the same place in all of them
+    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard)]
+    board: Option<Chessboard>,
+    /// With --board: the camera's file to write, as camera_calibration does
+    #[arg(long, value_name = "FILE", requires = "board")]
+    camera: Option<PathBuf>,
+    /// With --board: solve for the camera's lens even if it has a CameraInfo
+    #[arg(long, requires = "board")]
+    solve_camera: bool,
     /// A folder for report.yaml and report.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -85,7 +99,6 @@ fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Runs the command.
 pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
-    let points = Correspondences::read(&arguments.points)?;
     let initial = arguments.initial.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
     let options = SolveOptions {
         distortion: arguments.distortion,
@@ -94,6 +107,13 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
         initial,
         ..SolveOptions::new(arguments.size)
     };
+    if let Some(board) = arguments.board {
+        let (camera, report) = (arguments.camera.as_deref(), arguments.report.as_deref());
+        let outputs = BoardOutputs { projector: &arguments.output, camera, report };
+        let (points, placing) = (&arguments.points, &arguments.placing);
+        return board::solve_and_write(points, board, arguments.solve_camera, options, placing, &outputs);
+    }
+    let points = Correspondences::read(&arguments.points)?;
     solve_and_write(&points, &options, &arguments.placing, None, arguments.report.as_deref(), &arguments.output)
 }
 

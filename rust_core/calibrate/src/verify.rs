@@ -130,6 +130,7 @@ fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> 
         topics: arguments.devices.topics(),
         show_on: arguments.show_on.clone(),
         projector_px: lens.size_px,
+        needs_lens: true,
     };
     let (arguments, path) = (arguments.clone(), path.to_owned());
     setup.run(move |session| {

@@ -1,4 +1,4 @@
-//! Writing pictures as PNG and JPEG files, by the name's extension.
+//! Writing pictures as PNG and JPEG files, by the name's extension, and reading their grey levels.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::error::{ParameterError, ParameterErrorKind};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::{ExtendedColorType, ImageEncoder, ImageError, ImageReader, Limits};
 use rcs_scene::{Encoding, Picture};
 
 use crate::atomic_file::write_atomically;
@@ -89,6 +89,31 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), FileError> {
         },
         |error| FileError::writing(path, error),
     )
+}
+
+/// Largest width and height of a picture that is read, pixels, and memory for it, bytes.
+const MOST_READ_PX: u32 = 16_384;
+const MOST_READ_BYTES: u64 = 2 << 30;
+
+/// `true` for names of pictures that [`read_grey`] reads.
+pub fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| ["png", "jpg", "jpeg", "bmp", "tif", "tiff"].contains(&&*ending))
+}
+
+/// Reads a picture of a camera: width and height in pixels, and grey levels of 8 bits, row by row.
+///
+/// # Errors
+/// [`FileError`] with the file: it cannot be read, is no picture, or too large.
+pub fn read_grey(path: &Path) -> Result<([u32; 2], Vec<u8>), FileError> {
+    let open = || ImageReader::open(path)?.with_guessed_format();
+    let mut reader = open().map_err(|error| FileError::new(path, error))?;
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MOST_READ_PX), Some(MOST_READ_PX));
+    limits.max_alloc = Some(MOST_READ_BYTES);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|error| FileError::new(path, error))?.into_luma8();
+    Ok(([picture.width(), picture.height()], picture.into_raw()))
 }
 
 /// Coding of a picture for a message.
@@ -238,6 +263,23 @@ mod tests {
             let error = write(&folder.path().join(name), &grey).unwrap_err();
             assert!(error.to_string().contains(".png, .jpg or .jpeg"), "{error}");
         }
+    }
+
+    #[test]
+    fn grey_levels_are_read_whatever_the_format() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.png", "a.jpg"] {
+            let path = folder.path().join(name);
+            write(&path, &picture(Encoding::Rgb8, 16, &[90, 90, 90].repeat(16))).unwrap();
+            let (size_px, grey) = read_grey(&path).unwrap();
+            assert!(
+                is_picture(&path) && size_px == [16, 1] && grey.iter().all(|level| level.abs_diff(90) < 3),
+                "{name}"
+            );
+        }
+        let path = folder.path().join("b.png");
+        std::fs::write(&path, "no picture").unwrap();
+        assert!(read_grey(&path).unwrap_err().to_string().contains("b.png") && !is_picture(Path::new("notes.txt")));
     }
 
     #[test]

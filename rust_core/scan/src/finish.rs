@@ -73,6 +73,7 @@ impl ScanImages<'_> {
         let capture = Capture {
             projector_size_px: self.projector_px,
             camera: self.lens,
+            is_camera_calibrated: true,
             camera_frame_id: self.frame_id,
             pictures: self.pictures,
             depth_m: self.depth.map(DepthAverage::depth_m),

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod board;
 mod camera_messages;
 mod coarse_code;
 mod compare;

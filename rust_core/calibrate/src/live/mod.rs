@@ -70,6 +70,8 @@ pub(super) struct LiveSetup {
     /// A topic to show on instead of the monitor.
     pub(super) show_on: Option<String>,
     pub(super) projector_px: [u32; 2],
+    /// `false` if the camera may be without calibration.
+    pub(super) needs_lens: bool,
 }
 
 /// A live session with its devices.
@@ -200,7 +202,7 @@ impl LiveSetup {
         let node = lifecycle::connect("projector_calibrate", end).map_err(Failure::unreadable)?;
         let node = node.ok_or_else(|| interrupted(name))?;
         let result = make_screen(&node).map_err(Failure::Unreadable).and_then(|screen| {
-            let camera = RosCamera::connect(&node, end, &self.topics);
+            let camera = RosCamera::connect(&node, end, &self.topics, self.needs_lens);
             let camera =
                 camera.map_err(|error| if end.is_requested() { interrupted(name) } else { Failure::Unreadable(error) });
             work(&mut LiveSession { node: &node, end, camera: camera?, screen, name, is_void: &state.is_void })

@@ -20,6 +20,8 @@ const POLL_PERIOD: Duration = Duration::from_millis(100);
 const FIRST_MESSAGE: Duration = Duration::from_secs(10);
 /// The parameter of the robot's description.
 const ROBOT_DESCRIPTION: &str = "robot_description";
+/// Timeout for a CameraInfo that may be missing.
+const OPTIONAL_INFO: Duration = Duration::from_secs(3);
 /// Only the newest message counts.
 const QUEUE_SIZE: usize = 1;
 
@@ -31,6 +33,7 @@ pub(crate) struct RosCamera<'a> {
     depth: Option<TopicSubscription>,
     info: TopicSubscription,
     lens: Lens,
+    is_calibrated: bool,
     frame_id: String,
     newest_frame: Option<(AnyMessage, Instant)>,
     newest_depth: Option<AnyMessage>,
@@ -55,11 +58,17 @@ impl RobotListener {
 }
 
 impl<'a> RosCamera<'a> {
-    /// Subscribes and waits for the first message of each topic.
+    /// Subscribes and waits for the first message of each topic. A camera without calibration is accepted if
+    /// `needs_lens` is `false`: its CameraInfo is missing, or its focal length 0.
     ///
     /// # Errors
     /// A topic's invalid name, or [`ScanCameraError`] with the topic.
-    pub(super) fn connect(node: &'a RosNode, end: &'a EndRequest, topics: &CameraTopics) -> anyhow::Result<Self> {
+    pub(super) fn connect(
+        node: &'a RosNode,
+        end: &'a EndRequest,
+        topics: &CameraTopics,
+        needs_lens: bool,
+    ) -> anyhow::Result<Self> {
         let started = Instant::now();
         let kind = |topic: &str| kind_of_images(node, end, topic, started + FIRST_MESSAGE);
         let image = node.subscribe(&topics.image, kind(&topics.image)?, QUEUE_SIZE)?;
@@ -73,20 +82,62 @@ impl<'a> RosCamera<'a> {
         let lens = Lens::pinhole([1, 1], [1.0, 1.0], [0.0, 0.0]);
         let (frame_id, newest_frame, newest_depth, first_info) = (String::new(), None, None, None);
         let robot = RobotListener::default();
-        let mut camera =
-            Self { node, end, image, depth, info, lens, frame_id, newest_frame, newest_depth, first_info, robot };
+        let mut camera = Self {
+            node,
+            end,
+            image,
+            depth,
+            info,
+            lens,
+            is_calibrated: true,
+            frame_id,
+            newest_frame,
+            newest_depth,
+            first_info,
+            robot,
+        };
         while let Some(silent) = camera.silent_topic() {
+            let is_info = silent.topic() == camera.info.topic();
+            if !needs_lens && is_info && camera.newest_frame.is_some() && started.elapsed() >= OPTIONAL_INFO {
+                break;
+            }
             if started.elapsed() >= FIRST_MESSAGE {
                 return Err(ScanCameraError::Silent { topic: silent.topic().to_string(), waited: FIRST_MESSAGE }.into());
             }
             camera.receive()?;
         }
-        if let Some(info) = camera.first_info.take() {
+        let info = camera.first_info.take();
+        if let Some(info) = &info {
             camera.frame_id.clone_from(&info.header.frame_id);
-            camera.lens =
-                lens_of_topic(&info, camera.image.topic()).map_err(|reason| Self::unusable(&camera.info, reason))?;
+        }
+        match info.filter(|info| needs_lens || info.K[0] != 0.0) {
+            Some(info) => {
+                camera.lens = lens_of_topic(&info, camera.image.topic())
+                    .map_err(|reason| Self::unusable(&camera.info, reason))?;
+            }
+            None => {
+                camera.is_calibrated = false;
+                camera.lens = camera.lens_by_image()?;
+            }
         }
         Ok(camera)
+    }
+
+    /// A lens of the images' size, whose other numbers mean nothing.
+    fn lens_by_image(&self) -> Result<Lens, ScanCameraError> {
+        let [width, height] = match &self.newest_frame {
+            Some((message, _)) => {
+                picture_of(self.image.topic(), message).map_err(|reason| Self::unusable(&self.image, reason))?.0
+            }
+            None => [1, 1],
+        };
+        let [middle_x, middle_y] = [width, height].map(|side| 0.5 * (f64::from(side) - 1.0));
+        Ok(Lens::pinhole([width, height], [f64::from(width); 2], [middle_x, middle_y]))
+    }
+
+    /// `true` if the camera has a CameraInfo.
+    pub(crate) fn is_calibrated(&self) -> bool {
+        self.is_calibrated
     }
 
     /// A topic without a message so far.

@@ -4,7 +4,9 @@
 //! Coefficients of the camera's distortion have weak priors: a few poses do not determine all of them, and free ones
 //! run away in the corners of the image, where no board was.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix2x3, Point2, SMatrix, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix2x3, Point2, SMatrix, Translation3, UnitQuaternion, Vector2, Vector3,
+};
 
 use super::{BoardCorner, Chessboard};
 use crate::solve::{cauchy_loss, cauchy_weight, inverse_of_positive, solve_positive};
@@ -28,6 +30,9 @@ const CENTER_PRIOR: f64 = 0.1;
 /// First deviation of corners in the camera's image, and lower bounds of all deviations, pixels.
 const FIRST_SIGMA_PX: f64 = 1.0;
 const LEAST_SIGMA_PX: f64 = 0.01;
+/// Error of an outlier, in deviations, and at least, pixels.
+const OUTLIER: f64 = 5.0;
+const LEAST_OUTLIER_PX: f64 = 0.2;
 /// Squared residual, in deviations, of a corner that cannot be projected.
 const LOST: f64 = 1e4;
 /// Median of the squared length of a two-dimensional normal vector.
@@ -103,10 +108,11 @@ impl Bundle<'_> {
         Some(Adjusted { rig, camera_sigmas })
     }
 
-    /// RMS error of a view's corners in the camera's image, pixels.
+    /// RMS error of a view's corners in the camera's image, pixels, without outliers, such as corners of curled paper.
     pub(super) fn camera_rms_px(&self, rig: &Rig, view: usize) -> f64 {
+        let most_px = (OUTLIER * self.deviations(rig).camera_px).max(LEAST_OUTLIER_PX);
         let errors = self.views[view].iter().filter_map(|corner| self.camera_error(rig, view, corner));
-        root_mean_square(errors.map(|error| error.norm()))
+        root_mean_square(errors.map(|error| error.norm()).filter(|error| *error <= most_px))
     }
 
     /// RMS error of a view's corners in the projector's image, pixels.

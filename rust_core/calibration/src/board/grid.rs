@@ -179,8 +179,7 @@ fn edges(grey: &Grey, points: &[Point2<f64>]) -> Vec<Vec<Edge>> {
         for (_, other) in others {
             let direction = (points[other] - points[index]).normalize();
             // A nearer one in about the same direction hides it.
-            let is_free =
-                edges.iter().all(|edge| (points[edge.to] - points[index]).normalize().dot(&direction) < 0.8);
+            let is_free = edges.iter().all(|edge| (points[edge.to] - points[index]).normalize().dot(&direction) < 0.8);
             if let Some(side) = bright_side(grey, points[index], points[other]).filter(|_| is_free) {
                 edges.push(Edge { to: other, side });
             }

@@ -32,7 +32,14 @@ pub enum BoardAdvice {
 
 impl fmt::Display for BoardAdvice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+        f.write_str(self.text())
+    }
+}
+
+impl BoardAdvice {
+    /// The advice in words.
+    pub const fn text(self) -> &'static str {
+        match self {
             Self::Face => "hold the board so that camera and projector see all of it",
             Self::TiltLeft => "tilt the board to the left: its left side away from the camera",
             Self::TiltRight => "tilt the board to the right: its right side away from the camera",
@@ -41,7 +48,7 @@ impl fmt::Display for BoardAdvice {
             Self::Nearer => "bring the board nearer",
             Self::Farther => "take the board farther away",
             Self::Elsewhere => "move the board to a part of the projector's image where it was not yet",
-        })
+        }
     }
 }
 

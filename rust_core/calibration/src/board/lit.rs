@@ -76,7 +76,11 @@ fn near(corner: Point2<f64>, radius_px: f64, decoded: &Decoded) -> Vec<Near> {
         let pixel = decoded.pixels.get((y * width + x) as usize)?;
         let sigma = f64::from(pixel.sigma[0].hypot(pixel.sigma[1]));
         let is_near = off.norm_squared() <= 1.0 && pixel.is_decoded();
-        is_near.then(|| Near { off, lit_by: Point2::from(pixel.at.map(f64::from)), weight: 1.0 / (0.01 + sigma * sigma) })
+        is_near.then(|| Near {
+            off,
+            lit_by: Point2::from(pixel.at.map(f64::from)),
+            weight: 1.0 / (0.01 + sigma * sigma),
+        })
     });
     near.collect()
 }

@@ -120,7 +120,9 @@ pub enum BoardRefusal {
         board: [u32; 2],
     },
     /// Too few corners whose projector pixel is known, of the view with this name.
-    #[error("{name}: the projector's pixel is known at {corners} corners only: let the projector light the whole board")]
+    #[error(
+        "{name}: the projector's pixel is known at {corners} corners only: let the projector light the whole board"
+    )]
     Unlit {
         /// Name of the view.
         name: String,

@@ -6,8 +6,22 @@ use rayon::prelude::*;
 
 /// Offsets of a ring of 16 pixels with radius 5.
 const RING: [[i32; 2]; 16] = [
-    [0, -5], [2, -5], [3, -3], [5, -2], [5, 0], [5, 2], [3, 3], [2, 5],
-    [0, 5], [-2, 5], [-3, 3], [-5, 2], [-5, 0], [-5, -2], [-3, -3], [-2, -5],
+    [0, -5],
+    [2, -5],
+    [3, -3],
+    [5, -2],
+    [5, 0],
+    [5, 2],
+    [3, 3],
+    [2, 5],
+    [0, 5],
+    [-2, 5],
+    [-3, 3],
+    [-5, 2],
+    [-5, 0],
+    [-5, -2],
+    [-3, -3],
+    [-2, -5],
 ];
 const RADIUS: usize = 6;
 /// Width at which corners are looked for, pixels: larger images are reduced.
@@ -27,7 +41,10 @@ pub(super) struct Grey {
 
 impl Grey {
     pub(super) fn new(levels: &[u8], size_px: [u32; 2]) -> Self {
-        Self { size_px: size_px.map(|side| side as usize), levels: levels.iter().map(|level| f32::from(*level)).collect() }
+        Self {
+            size_px: size_px.map(|side| side as usize),
+            levels: levels.iter().map(|level| f32::from(*level)).collect(),
+        }
     }
 
     /// Level at a pixel between others, by bilinear interpolation; `None` outside of the image.

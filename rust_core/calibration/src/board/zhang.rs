@@ -21,7 +21,9 @@ pub(super) fn first_lens(views: &[&[BoardCorner]], size_px: [u32; 2]) -> Lens {
     for corners in views {
         let (places, pixels): (Vec<_>, Vec<_>) = corners
             .iter()
-            .map(|corner| (place(corner), Point2::from((corner.pixel.coords - nalgebra::Vector2::from(middle)) / width)))
+            .map(|corner| {
+                (place(corner), Point2::from((corner.pixel.coords - nalgebra::Vector2::from(middle)) / width))
+            })
             .unzip();
         let Some(h) = homography(&places, &pixels) else { continue };
         let h = h / (h.column(0).norm() * h.column(1).norm()).sqrt();

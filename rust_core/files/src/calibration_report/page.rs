@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use rcs_calibration::{Parameter, Report, Sample, ScanPose, Verdict};
+use rcs_calibration::{Estimate, Parameter, Report, Sample, ScanPose, Verdict};
 
 use super::plots;
 use super::scale::{digits, with_sigma};
@@ -12,8 +12,8 @@ use super::svg::escaped;
 /// Style sheet.
 const STYLE: &str = include_str!("page.css");
 
-/// Text of the file.
-pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
+/// Text of the file; `more` is appended to its sections.
+pub(super) fn page(report: &Report, samples: &[Sample], more: &str) -> String {
     let solution = &report.solution;
     let [width, height] = solution.lens.size_px;
     let sections = [
@@ -40,6 +40,7 @@ pub(super) fn page(report: &Report, samples: &[Sample]) -> String {
         ),
         lens_table(report),
         pose_table(report),
+        more.to_owned(),
     ];
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -95,10 +96,16 @@ fn thousands(count: usize) -> String {
 }
 
 fn lens_table(report: &Report) -> String {
-    let mut html = "<h2>Lens</h2>\n<div class=\"wide\"><table>\n<tr><th></th><th class=\"number\">value</th>\
+    estimates_table("Lens", &report.solution.estimates)
+}
+
+/// Table of a lens's parameters.
+pub(super) fn estimates_table(title: &str, estimates: &[Estimate]) -> String {
+    let mut html = format!(
+        "<h2>{title}</h2>\n<div class=\"wide\"><table>\n<tr><th></th><th class=\"number\">value</th>\
                     <th class=\"number\">± deviation</th><th></th><th></th></tr>\n"
-        .to_owned();
-    for estimate in &report.solution.estimates {
+    );
+    for estimate in estimates {
         let [value, sigma] = with_sigma(estimate.value, estimate.sigma);
         let sigma = if estimate.sigma == 0.0 { "fixed".to_owned() } else { sigma };
         let parameter = estimate.parameter;

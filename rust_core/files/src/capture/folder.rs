@@ -41,6 +41,8 @@ pub struct Capture {
     pub projector_size_px: [u32; 2],
     /// Lens of the camera, with the size of all pictures.
     pub camera: Lens,
+    /// `false` if the camera has no CameraInfo: of [`Self::camera`] only the size is right.
+    pub is_camera_calibrated: bool,
     /// Optical frame of the camera; may be empty.
     pub camera_frame_id: String,
     /// Pictures in the order of the patterns.
@@ -58,11 +60,18 @@ pub(super) struct RawCapture {
     projector: ProjectorSize,
     pub(super) patterns: Patterns,
     pub(super) camera_info: FileName,
+    #[serde(default = "yes")]
+    camera_calibrated: bool,
     pub(super) depth: Option<FileName>,
     depth_scale_m: Option<PositiveNumber>,
     #[serde(default)]
     frames: FrameChain,
     pub(super) robot_description: Option<FileName>,
+}
+
+/// Default of a key.
+fn yes() -> bool {
+    true
 }
 
 impl Capture {
@@ -101,6 +110,7 @@ impl Capture {
         Ok(Self {
             projector_size_px: raw.projector.size_px(),
             camera,
+            is_camera_calibrated: raw.camera_calibrated,
             camera_frame_id,
             pictures,
             depth_m,

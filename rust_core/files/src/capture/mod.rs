@@ -9,6 +9,7 @@
 //!   - {file: c001.png, kind: black}
 //!   - {file: c002.png, kind: gray_code, axis: x, bits: 11, bit: 0, step: 1, offset: 0, inverted: false}
 //! camera_info: camera_info.yaml    # a CameraInfo, see `projector`; its size is that of all pictures
+//! camera_calibrated: true          # optional; false: only its size is right, solve --board finds the lens
 //! depth: depth.png                 # optional: 16 bit, registered to the pictures; 0 is no depth
 //! depth_scale_m: 0.0001            # metres of the depth 1; this is what is taken if the key is missing
 //! frames:                          # optional: TF during the scan, from the camera up to the root

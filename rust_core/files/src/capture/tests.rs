@@ -25,6 +25,7 @@ fn capture() -> Capture {
     Capture {
         projector_size_px: [5, 3],
         camera: Lens { distortion: Distortion::plumb_bob([-0.2, 0.1, 0.001, 0.0, 0.0]), ..lens },
+        is_camera_calibrated: true,
         camera_frame_id: "head_camera_rgb_optical_frame".to_owned(),
         pictures: pictures.collect(),
         depth_m: Some((0..24_u16).map(|value| f32::from(value) * 0.25).collect()),
@@ -129,6 +130,7 @@ proptest! {
         let capture = Capture {
             projector_size_px,
             camera: Lens::pinhole(size_px, [500.25, 501.0], [-3.0, 1e3]),
+            is_camera_calibrated: true,
             camera_frame_id: frame,
             pictures: pictures.collect(),
             depth_m,
@@ -239,6 +241,14 @@ fn a_list_without_indentation_and_depth_is_read() {
     fs::write(&path, text.collect::<String>()).unwrap();
     let read = Capture::read(folder.path()).unwrap();
     assert_eq!((read.pictures, read.depth_m), (capture().pictures, None));
+}
+
+#[test]
+fn a_camera_without_camera_info_is_read_back() {
+    let folder = tempdir().unwrap();
+    let uncalibrated = Capture { is_camera_calibrated: false, ..capture() };
+    uncalibrated.write(folder.path()).unwrap();
+    assert_eq!(Capture::read(folder.path()).unwrap(), uncalibrated);
 }
 
 #[test]

@@ -48,6 +48,9 @@ impl Capture {
         let mut text = projector_line(self.projector_size_px) + "patterns:\n";
         text.extend(entries.map(|(index, picture)| entry_line(&names.picture(index), &picture.pattern)));
         text += &format!("camera_info: {camera_info}\n");
+        if !self.is_camera_calibrated {
+            text += "camera_calibrated: false\n";
+        }
         if let Some(depth_m) = &self.depth_m {
             let depth = names.depth();
             let data = depth_m.iter().flat_map(|depth| depth_value(*depth).to_le_bytes()).collect();

@@ -33,6 +33,7 @@
 //! `rotation_xyzw` is a quaternion; `transform` and the plain text are `static_transform_publisher`'s arguments: x y z
 //! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
 
+mod camera_file;
 pub(crate) mod checked_numbers;
 mod distortion_name;
 mod file;
@@ -46,6 +47,7 @@ mod other_tools;
 mod raw_file;
 mod write;
 
+pub use camera_file::write_camera;
 pub use file::ProjectorFile;
 pub use frames::StaticFrame;
 pub use in_place::{check_writable, text_with_pose, write_pose};

@@ -9,6 +9,7 @@ mod by_order;
 mod by_topic;
 mod footage;
 mod pairs;
+mod pictures;
 pub(crate) mod sequence;
 mod timeline;
 
@@ -26,6 +27,7 @@ use crate::light::{average, Illumination, MAX_CHANGE};
 use crate::robot::captured_robot;
 use crate::session::ScanEvent;
 pub use footage::BagFootage;
+pub use pictures::{in_order, of_pictures};
 use sequence::PatternSequence;
 pub use sequence::PatternSequenceError;
 use timeline::Timeline;

@@ -103,6 +103,7 @@ fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
     Capture {
         projector_size_px: PROJECTOR_PX,
         camera: rig.camera,
+        is_camera_calibrated: true,
         camera_frame_id: CAMERA_FRAME.to_owned(),
         pictures: pictures.collect(),
         depth_m: Some(DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view)),
