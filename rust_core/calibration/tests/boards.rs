@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion};
 use rcs_calibration::board::{
-    board_pose, find_chessboard, lit_corners, solve_boards, BoardCorner, BoardSolution, BoardSolveOptions, BoardView,
-    Chessboard,
+    board_pose, find_chessboard, lit_corners, solve_boards, BoardCorner, BoardRefusal, BoardSolution,
+    BoardSolveOptions, BoardView, Chessboard,
 };
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::{decode, Lens, Pictures, SolveOptions, Verdict};
@@ -118,5 +118,38 @@ fn five_poses_of_a_board_calibrate_a_projector_and_a_webcam() {
         assert!(rms(&errors) < 0.3 && worst < 1.0, "room {seed}: {} {worst}", rms(&errors));
         assert!(left_out < 0.5 && focal.abs() < 0.01, "room {seed}: {left_out} {focal}");
         assert!(report.verdict != Verdict::Again, "room {seed}: {:?}", report.reasons);
+    }
+}
+
+/// White as a webcam sees it in a room with the board in this pose.
+fn white(rig: &Rig, room: Room) -> Vec<u8> {
+    let view = View::new(&room, rig);
+    Scan::new(&view, Conditions::random(rig.seed)).capture(&Pattern::White, 0)
+}
+
+#[test]
+fn a_board_is_found_in_a_cluttered_room_and_nowhere_else() {
+    for seed in seeds(800, 4, 30) {
+        let rig = Rig::webcam(seed);
+        let size_px = rig.camera.size_px;
+        let cluttered = Room::cluttered(seed);
+        let nothing = find_chessboard(&white(&rig, cluttered.clone()), size_px, &BOARD);
+        assert!(matches!(nothing, Err(BoardRefusal::NoBoard { .. })), "seed {seed}");
+        // Nearer than what stands about.
+        let pose = Isometry3::new(rig.target.coords * 0.6, nalgebra::Vector3::new(0.3, -0.4, 0.1));
+        let grey = white(&rig, cluttered.with_board(BOARD, &pose));
+        let corners = find_chessboard(&grey, size_px, &BOARD).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let camera_from_board = rig.room_from_camera.inv_mul(&pose);
+        // Every corner is one of the board's, to a fraction of a pixel.
+        let truth: Vec<Point2<f64>> = (0..7)
+            .flat_map(|y| (0..10).map(move |x| Point3::new(f64::from(x) - 4.5, f64::from(y) - 3.0, 0.0)))
+            .filter_map(|place| rig.camera.project(&(camera_from_board * (place * BOARD.square_m))))
+            .collect();
+        for corner in &corners {
+            let off = truth.iter().map(|pixel| (pixel - corner.pixel).norm()).fold(f64::INFINITY, f64::min);
+            assert!(off < 0.3, "seed {seed}: {off} px at {}", corner.pixel);
+        }
+        let other = Chessboard { corners: [14, 11], ..BOARD };
+        assert!(find_chessboard(&grey, size_px, &other).is_err(), "seed {seed}");
     }
 }

@@ -46,6 +46,7 @@ mod node_window;
 mod nudge;
 mod operator;
 mod orientation;
+mod projector_board;
 mod projector_calibrate;
 mod projector_scan;
 mod projector_verify;

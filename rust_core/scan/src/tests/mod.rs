@@ -1,5 +1,6 @@
 //! Scans of a simulated room, and what goes wrong in them.
 
+mod board;
 mod recording;
 mod verification;
 mod world;

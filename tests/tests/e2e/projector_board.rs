@@ -1,0 +1,103 @@
+//! `projector_calibrate` with a printed board: from folders of pictures to both files and the report.
+
+use nalgebra::{Isometry3, Vector3};
+use rcs_calibration::board::Chessboard;
+use rcs_calibration::patterns::{gray_code, Pattern};
+use rcs_files::picture_file;
+use rcs_files::projector::ProjectorFile;
+use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
+use rcs_scene::{Encoding, Picture};
+use rcs_tests::programs::program;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const BOARD: Chessboard = Chessboard { corners: [8, 6], square_m: 0.045 };
+
+/// Runs the program in a folder, without a master.
+fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(program("projector_calibrate"));
+    let output =
+        command.current_dir(folder).env("ROS_MASTER_URI", "http://localhost:1").args(arguments).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+/// Writes the pictures of a pose in OpenCV's order: white and black last.
+fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], depth_m: f64) {
+    let place = rig.target.coords * (depth_m / rig.target.z);
+    let board = Isometry3::new(place, Vector3::new(about_x, about_y, 0.05));
+    let view = View::new(&Room::wall(1.9, [0.1, 0.1]).with_board(BOARD, &board), rig);
+    let scan = Scan::new(&view, Conditions { flicker: 0.0, ..Conditions::random(5) });
+    let mut patterns = gray_code([1280, 800]);
+    patterns.rotate_left(2);
+    assert_eq!(patterns[patterns.len() - 2], Pattern::White);
+    fs::create_dir_all(folder).unwrap();
+    for (index, data) in scan.capture_all(&patterns).into_iter().enumerate() {
+        let [width_px, height_px] = view.size_px();
+        let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data };
+        picture_file::write(&folder.join(format!("shot_{index}.png")), &picture).unwrap();
+    }
+}
+
+#[test]
+fn folders_of_pictures_calibrate_a_camera_and_a_projector() {
+    let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
+    let poses = [([0.1, 0.1], 1.2), ([0.0, 0.5], 1.1), ([-0.1, -0.5], 1.15), ([0.5, 0.0], 1.4), ([-0.5, 0.1], 1.3)];
+    for (index, (tilt, depth_m)) in poses.iter().enumerate() {
+        write_pose(&folder.path().join(format!("photos/p{index}")), &rig, *tilt, *depth_m);
+    }
+    let board = ["--board", "chessboard:8x6:45mm", "--size", "1280x800"];
+    let scan = |arguments: &[&str]| run(folder.path(), &[&["scan"], &board[..], arguments].concat());
+    let (code, errors) = scan(&["--pictures", "photos", "-o", "boards"]);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("pose05: 48 corners") && errors.contains("written: 5 poses in boards"), "{errors}");
+    let (code, errors) = scan(&["--pictures", "photos", "-o", "boards"]);
+    assert!(code == Some(2) && errors.contains("folders in it already"), "{errors}");
+    let (code, errors) = scan(&["--pictures", "boards/pose01", "-o", "none"]);
+    assert!(code == Some(2) && errors.contains("no folders of pictures"), "{errors}");
+
+    let solve = |arguments: &[&str]| run(folder.path(), &[&["solve"], arguments, &["--in-camera-frame"]].concat());
+    let outputs = ["-o", "projector.yaml", "--camera", "camera.yaml", "--report", "report"];
+    let (code, errors) = solve(&[&["boards"], &board[..], &outputs].concat());
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("at poses that are left out") && errors.contains("written: camera.yaml"), "{errors}");
+    let camera = ProjectorFile::read(&folder.path().join("camera.yaml")).unwrap().camera_lens().unwrap();
+    assert!((camera.focal_px.x / rig.camera.focal_px.x - 1.0).abs() < 0.01, "{camera:?}");
+    let projector = ProjectorFile::read(&folder.path().join("projector.yaml")).unwrap();
+    let lens = projector.lens().unwrap();
+    assert!((lens.focal_px.x / rig.projector.focal_px.x - 1.0).abs() < 0.01, "{lens:?}");
+    let off = projector.frames[0].translation_m;
+    let truth = rig.projector_from_camera().inverse().translation.vector;
+    assert!((Vector3::from(off) - truth).norm() < 0.02, "{off:?} instead of {truth}");
+    let report = fs::read_to_string(folder.path().join("report/report.yaml")).unwrap();
+    assert!(report.contains("\ncamera:\n  rms_px: ") && report.matches("  - {name: \"pose0").count() == 5, "{report}");
+    let page = fs::read_to_string(folder.path().join("report/report.html")).unwrap();
+    assert!(page.contains("<h2>Camera lens</h2>") && page.contains("<td>pose05</td>"));
+
+    // A board of other squares is another scale: the board is found, but not its count of corners.
+    let (code, errors) =
+        solve(&["boards", "--board", "chessboard:12x9:45mm", "--size", "1280x800", "-o", "other.yaml"]);
+    assert!(code == Some(1) && errors.contains("of a board with 12x9 inner corners"), "{errors}");
+    let (code, errors) = solve(&[
+        "boards/pose01",
+        "boards/pose02",
+        "--board",
+        "chessboard:8x6:45mm",
+        "--size",
+        "1280x800",
+        "-o",
+        "two.yaml",
+    ]);
+    assert!(code == Some(1) && errors.contains("at least 3 are needed"), "{errors}");
+    let decode = run(folder.path(), &["decode", "boards/pose01", "-o", "points.csv"]);
+    assert!(decode.0 == Some(1), "{}", decode.1);
+}
+
+#[test]
+fn a_board_is_written_to_print() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, errors) = run(folder.path(), &["board", "-o", "board.pdf"]);
+    assert!(code == Some(0) && errors.contains("print it on A4 at 100 %"), "{errors}");
+    assert!(fs::read(folder.path().join("board.pdf")).unwrap().starts_with(b"%PDF-1.4\n"));
+    assert_eq!(run(folder.path(), &["board", "-o", "board.pdf", "--board", "circles:4x5:1cm"]).0, Some(2));
+}
