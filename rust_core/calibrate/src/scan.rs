@@ -65,18 +65,8 @@ pub(super) struct ScanArguments {
     /// Scan what this bag has recorded, or several, such as the parts of a split recording: .bag or .mcap of ROS 1
     #[arg(long, value_name = "FILE.bag", num_args = 1.., conflicts_with = "monitor")]
     bag: Vec<PathBuf>,
-    /// Scan a printed chessboard in several poses instead of the room, for cameras without depth: its inner corners and
-    /// the length of a square's side. Camera and projector stay, the board moves, as the log says, until the verdict is
-    /// good. --output gets a folder for each pose. The camera may be without CameraInfo
-    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
-    board: Option<Chessboard>,
-    /// With --board: take pictures that exist. DIR has a folder for each pose, each a picture for each pattern, sorted by
-    /// the numbers in their names; white and black come first or last
-    #[arg(long, value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
-    pictures: Option<PathBuf>,
-    /// With --pictures: the camera's file, if it is calibrated
-    #[arg(long, value_name = "FILE", requires = "pictures")]
-    camera: Option<PathBuf>,
+    #[command(flatten)]
+    board: BoardArguments,
     /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that the command
     /// patterns writes for --size and --step]
     #[arg(long, value_name = "DIR|FILE")]
@@ -95,6 +85,23 @@ pub(super) struct ScanArguments {
     preview: Option<PathBuf>,
 }
 
+/// A printed board in place of the room.
+#[derive(Debug, Clone, Args)]
+struct BoardArguments {
+    /// Scan a printed chessboard in several poses instead of the room, for cameras without depth: its inner corners and
+    /// the length of a square's side. Camera and projector stay, the board moves, as the log says, until the verdict is
+    /// good. --output gets a folder for each pose. The camera may be without CameraInfo
+    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
+    board: Option<Chessboard>,
+    /// With --board: take pictures that exist. DIR has a folder for each pose, each a picture for each pattern, sorted by
+    /// the numbers in their names; white and black come first or last
+    #[arg(long, value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
+    pictures: Option<PathBuf>,
+    /// With --pictures: the camera's file, if it is calibrated
+    #[arg(long, value_name = "FILE", requires = "pictures")]
+    camera: Option<PathBuf>,
+}
+
 /// Runs the command.
 pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
     arguments.check_files()?;
@@ -102,8 +109,8 @@ pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
         return scan_bags(arguments);
     }
     let board = arguments.board_scan();
-    if let (Some(scan), Some(folder)) = (&board, &arguments.pictures) {
-        let camera = arguments.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
+    if let (Some(scan), Some(folder)) = (&board, &arguments.board.pictures) {
+        let camera = arguments.board.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
         let patterns = arguments.recorded_patterns()?;
         return scan.clone().of_folders(&PictureFolders { folder, patterns, camera });
     }
@@ -190,7 +197,7 @@ impl ScanArguments {
     /// The camera's topics.
     fn topics(&self) -> CameraTopics {
         let topics = self.devices.topics();
-        if self.no_depth || self.board.is_some() {
+        if self.no_depth || self.board.board.is_some() {
             CameraTopics { depth: DepthTopic::None, ..topics }
         } else {
             topics
@@ -200,7 +207,7 @@ impl ScanArguments {
     /// The scan of a board, if it is one.
     fn board_scan(&self) -> Option<BoardScan> {
         let (projector_px, output) = (self.size, self.output.clone());
-        self.board.map(|board| BoardScan { board, projector_px, output })
+        self.board.board.map(|board| BoardScan { board, projector_px, output })
     }
 
     /// The patterns of a recording, in their order.
@@ -222,7 +229,7 @@ impl ScanArguments {
 
     /// Checks before the scan that its files can be written.
     fn check_files(&self) -> Result<(), Failure> {
-        if self.patterns.is_some() && self.bag.is_empty() && self.pictures.is_none() {
+        if self.patterns.is_some() && self.bag.is_empty() && self.board.pictures.is_none() {
             return Err(Failure::Unreadable(anyhow!("--patterns needs --bag or --pictures")));
         }
         check_folder(&self.output)?;
