@@ -91,15 +91,6 @@ impl BoardScan {
             if greys.is_empty() {
                 continue;
             }
-            let fault = |failure: ScanFailure| {
-                let text = anyhow!("{}: {failure}", pose.display());
-                if failure.is_refusal() {
-                    Failure::Refused(text)
-                } else {
-                    Failure::Unreadable(text)
-                }
-            };
-            let pictures = in_order(greys, &folders.patterns).map_err(fault)?;
             let [middle_x, middle_y] = size_px.map(|side| 0.5 * (f64::from(side) - 1.0));
             let unknown = || Lens::pinhole(size_px, [f64::from(size_px[0]); 2], [middle_x, middle_y]);
             let lens = folders.camera.unwrap_or_else(unknown);
@@ -108,9 +99,19 @@ impl BoardScan {
                     log::warn!("{}: {warning}", pose.display());
                 }
             };
-            let mut scanned = of_pictures(pictures, lens, projector_px, &mut observe).map_err(fault)?;
-            scanned.capture.is_camera_calibrated = folders.camera.is_some();
-            guide.add(scanned)?;
+            let scanned = in_order(greys, &folders.patterns)
+                .and_then(|pictures| of_pictures(pictures, lens, projector_px, &mut observe));
+            match scanned {
+                Ok(mut scanned) => {
+                    scanned.capture.is_camera_calibrated = folders.camera.is_some();
+                    guide.add(scanned)?;
+                }
+                // The patterns that were shown may be in a folder beside the poses.
+                Err(failure) if failure.is_refusal() => {
+                    log::warn!("{}: this pose is not used: {failure}", pose.display());
+                }
+                Err(failure) => return Err(Failure::Unreadable(anyhow!("{}: {failure}", pose.display()))),
+            }
         }
         if guide.poses.views.is_empty() {
             return Err(Failure::Unreadable(anyhow!("{}: no folders of pictures with the board", folder.display())));
