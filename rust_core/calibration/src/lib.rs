@@ -42,6 +42,6 @@ pub use solve::{
     SolveOptions, SuspectedMotion,
 };
 pub use verification::{
-    ErrorStatistics, LightMap, VerificationPlan, VerificationProblem, VerificationResult, VerificationScene,
-    VerifiedPoint,
+    ErrorStatistics, LightMap, PoseRefinement, RefinedPose, RefinementProblem, VerificationPlan, VerificationProblem,
+    VerificationResult, VerificationScene, VerifiedPoint, Zoom,
 };

@@ -39,6 +39,7 @@ mod spread;
 mod tests;
 
 pub(crate) use adjust::{inverse_of_positive, solve_positive};
+pub(crate) use consensus::pose_error;
 pub(crate) use dlt::skew_of_all;
 pub(crate) use model::{lens_of, lens_values, SolverState, LENS};
 pub(crate) use noise::{cauchy_loss, cauchy_weight};

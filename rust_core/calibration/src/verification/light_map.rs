@@ -62,12 +62,6 @@ pub(super) struct Shares {
 }
 
 impl Shares {
-    /// Minimum of two images: light that both have.
-    pub(super) fn common(&self, other: &Self) -> Self {
-        let shares = self.shares.iter().zip(&other.shares).map(|(one, other)| one.min(*other)).collect();
-        Self { width: self.width, shares }
-    }
-
     pub(super) fn height(&self) -> usize {
         self.shares.len() / self.width.max(1)
     }
@@ -102,8 +96,6 @@ mod tests {
             .iter()
             .zip([0.5, 0.5, 0.5, 0.0])
             .all(|(share, expected)| (share - expected).abs() < 1e-6));
-        let dimmed = map.shares(&[70, 60, 10, 20]);
-        assert!((shares.common(&dimmed).shares[0] - 0.25).abs() < 1e-6 && shares.common(&dimmed).shares[1] == 0.5);
         assert!((shares.at(Point2::new(0.5, 0.0)).unwrap_or(0.0) - 0.5).abs() < 1e-6 || shares.height() == 2);
         assert_eq!(shares.at(Point2::new(-0.1, 0.0)), None);
         assert!(map.is_lit_around(0, 0, 0) && !map.is_lit_around(1, 1, 0) && !map.is_lit_around(0, 0, 1));

@@ -6,47 +6,37 @@
 //! 3. [`VerificationPlan::measure`] finds the light in the camera's images. The surface gives the lit point, and the
 //!    file the projector pixel that should have lit it: its distance from the pixel that did is the error.
 //!
+//! [`PoseRefinement`] finds the pose of a bumped projector with the same spots, without outlines.
+//!
 //! Pixels and frames are those of the crate.
 
 mod drawing;
 mod light_map;
+mod pose_refinement;
 mod rims;
+mod scene;
 mod spots;
 mod surface;
+mod zoom;
 
-use nalgebra::{Isometry3, Point2, Vector2};
+use nalgebra::{Point2, Vector2};
 
 use crate::statistics::{median, root_mean_square};
-use crate::Lens;
 use drawing::Drawing;
 pub use light_map::LightMap;
+pub use pose_refinement::{PoseRefinement, RefinedPose, RefinementProblem};
 use rims::{RimPlace, Rims};
-use spots::Spot;
+pub use scene::VerificationScene;
+use spots::{Spot, LEAST_SPOTS};
 use surface::{DepthSurface, Patch, PosedProjector, ShadowMap};
+pub use zoom::Zoom;
 
-const LEAST_SPOTS: usize = 8;
 /// Minimum share of spots that must be detected.
 const LEAST_SEEN: f64 = 0.5;
 /// Maximum distance between target and detection on the same surface patch, camera pixels.
 const SAME_PIECE_PX: f64 = 4.0;
 /// Number of nearest spots whose median offset is the search start for an outline.
 const NEAR_SPOTS: usize = 5;
-
-/// Camera, projector and scene to verify.
-#[derive(Debug, Clone, Copy)]
-pub struct VerificationScene<'a> {
-    /// Camera lens.
-    pub camera: &'a Lens,
-    /// Projector lens by its file.
-    pub projector: &'a Lens,
-    /// Projector pose by its file, from the camera's optical frame.
-    pub projector_from_camera: &'a Isometry3<f64>,
-    /// Depths along the optical axis, metres, row by row, registered to the camera images; values that are not positive
-    /// are missing.
-    pub depth_m: &'a [f32],
-    /// Projector light in the camera's image.
-    pub light: &'a LightMap,
-}
 
 /// Verification is impossible.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -168,7 +158,7 @@ impl VerificationPlan {
         let shares: Vec<_> = images.iter().map(|grey| self.light.shares(grey)).collect();
         let found = spots::find(&self.spots, &shares).into_iter().zip(&self.spots);
         let spots: Vec<VerifiedPoint> =
-            found.filter_map(|(found, spot)| self.verified(&spot.patch, spot.expected, found?)).collect();
+            found.filter_map(|(found, spot)| self.verified(&spot.patch, spot.expected, found?.at)).collect();
         let shown = self.spots.len();
         if spots.len() < LEAST_SPOTS || (spots.len() as f64) < LEAST_SEEN * shown as f64 {
             return Err(VerificationProblem::FewSeen { seen: spots.len(), shown });

@@ -1,0 +1,208 @@
+//! Pose of a bumped projector with a known lens, by a few images of spots.
+//!
+//! The file's pose need not be right: it only chooses spots that about cover the lit surface. The code tells which spot
+//! landed where, the depth image gives the lit point, and [`solve`] the pose with its deviations. Motion meanwhile shows
+//! in the centroids: each spot is lit in half of the images, and has to be at the same place in all of them.
+
+use nalgebra::{Point2, Vector2};
+
+use super::light_map::LightMap;
+use super::scene::VerificationScene;
+use super::spots::{self, Spot, SpotLight, LEAST_SPOTS};
+use super::surface::{DepthSurface, PosedProjector, ShadowMap};
+use super::zoom::{self, Zoom};
+use crate::statistics::median;
+use crate::{solve, Refusal, Sample, Solution, SolveOptions};
+
+/// Minimum share of spots that must be detected: a bump moves some of them out of view or onto edges.
+const LEAST_SEEN: f64 = 0.25;
+/// Minimum share of the detected spots that must agree with the pose.
+const LEAST_AGREEING: f64 = 0.7;
+/// Maximum median distance between the centroids in one image and in all, camera pixels.
+const MOST_MOTION_PX: f64 = 0.35;
+/// Maximum distance of a single spot's centroids from their mean, camera pixels.
+const STEADY_PX: f64 = 0.5;
+/// Maximum share of an image's spots beyond that.
+const MOST_UNSTEADY: f64 = 0.25;
+/// Standard deviation of a centroid, camera pixels.
+const SIGMA_CAMERA_PX: f64 = 0.1;
+
+/// Pose that cannot be refined.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RefinementProblem {
+    /// Too few targets.
+    #[error(
+        "only {spots} places are seen with steady depth where the projector's light arrives, {LEAST_SPOTS} are needed: \
+         do camera and projector look at the same scene?"
+    )]
+    FewPlaces {
+        /// Number of places for spots.
+        spots: usize,
+    },
+    /// Too few spots detected.
+    #[error(
+        "the camera sees only {seen} of {shown} spots: is a blackout on, does a mask hide them, or is the projector \
+         bumped so far that a scan is needed?"
+    )]
+    FewSeen {
+        /// Number of detected spots.
+        seen: usize,
+        /// Number of projected spots.
+        shown: usize,
+    },
+    /// Motion during the images.
+    #[error(
+        "the camera, the projector or the things have moved by {px:.1} camera pixels while spots were shown: keep all \
+         at rest and refine again"
+    )]
+    Moved {
+        /// Distance, camera pixels.
+        px: f64,
+    },
+    /// The projector's zoom or focus has changed, by a share of the focal length.
+    #[error(
+        "the projector's zoom has changed by {:.1} % (± {:.1} %): set it back, or calibrate the lens again with scan",
+        100.0 * change, 100.0 * sigma
+    )]
+    ZoomChanged {
+        /// Change as a share of the focal length.
+        change: f64,
+        /// Standard deviation of that.
+        sigma: f64,
+    },
+    /// Too many spots disagree with the pose.
+    #[error(
+        "only {agreeing} of {seen} spots agree with one pose: did something move, was the zoom or the keystone \
+         correction changed, is the depth registered to the image?"
+    )]
+    Inconsistent {
+        /// Number of spots that agree.
+        agreeing: usize,
+        /// Number of detected spots.
+        seen: usize,
+    },
+    /// The spots determine no pose.
+    #[error(transparent)]
+    Unsolvable(#[from] Refusal),
+}
+
+/// Refined pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinedPose {
+    /// Pixels of the spots, and the points that they light.
+    pub samples: Vec<Sample>,
+    /// Lens of the file, and the pose with its deviations.
+    pub solution: Solution,
+    /// Number of projected spots.
+    pub shown: usize,
+    /// What is known about the zoom.
+    pub zoom: Zoom,
+}
+
+/// Spots for a refinement.
+#[derive(Debug, Clone)]
+pub struct PoseRefinement {
+    projector: PosedProjector,
+    surface: DepthSurface,
+    light: LightMap,
+    spots: Vec<Spot>,
+}
+
+impl PoseRefinement {
+    /// Chooses the spots by the file's pose. Depth and light map must have the camera lens's size.
+    ///
+    /// # Errors
+    /// [`RefinementProblem::FewPlaces`].
+    pub fn new(scene: &VerificationScene<'_>) -> Result<Self, RefinementProblem> {
+        let surface = DepthSurface::new(scene.camera, scene.depth_m);
+        let projector = PosedProjector { lens: *scene.projector, from_camera: *scene.projector_from_camera };
+        let shadow = ShadowMap::new(&surface, &projector);
+        let spots = spots::choose(&surface, &projector, &shadow, scene.light);
+        if spots.len() < LEAST_SPOTS {
+            return Err(RefinementProblem::FewPlaces { spots: spots.len() });
+        }
+        Ok(Self { projector, surface, light: scene.light.clone(), spots })
+    }
+
+    /// At most eight images to project one after the other: grey levels, row by row.
+    pub fn pictures(&self) -> Vec<Vec<u8>> {
+        let drawings = spots::pictures(&self.spots, self.projector.lens.size_px);
+        drawings.into_iter().map(|drawing| drawing.levels).collect()
+    }
+
+    /// Solves for the pose from the camera's images of [`Self::pictures`], in their order: grey levels, row by row.
+    ///
+    /// # Errors
+    /// [`RefinementProblem`]: too few spots are seen, something moved, the zoom has changed, or there is no solution.
+    pub fn refine(&self, images: &[Vec<u8>]) -> Result<RefinedPose, RefinementProblem> {
+        let shares: Vec<_> = images.iter().map(|grey| self.light.shares(grey)).collect();
+        let found = spots::find(&self.spots, &shares);
+        let seen: Vec<(&Spot, SpotLight)> =
+            self.spots.iter().zip(found).filter_map(|(spot, found)| Some((spot, found?))).collect();
+        let shown = self.spots.len();
+        check_still(seen.iter().map(|(_, light)| light), images.len())?;
+        let samples: Vec<Sample> = seen.iter().filter_map(|(spot, light)| self.sample(spot, light)).collect();
+        if samples.len() < LEAST_SPOTS || (samples.len() as f64) < LEAST_SEEN * shown as f64 {
+            return Err(RefinementProblem::FewSeen { seen: samples.len(), shown });
+        }
+        let lens = self.projector.lens;
+        let zoom = zoom::check(&samples, &lens);
+        if let Zoom::Changed { change, sigma } = zoom {
+            return Err(RefinementProblem::ZoomChanged { change, sigma });
+        }
+        let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
+        let solution = solve(&samples, &options)?;
+        let (agreeing, seen) = (solution.inliers, samples.len());
+        if (agreeing as f64) < LEAST_AGREEING * seen as f64 {
+            return Err(RefinementProblem::Inconsistent { agreeing, seen });
+        }
+        Ok(RefinedPose { samples, solution, shown, zoom })
+    }
+
+    /// Point that a spot lights; `None` where it is unsteady, or depth is missing or has an edge.
+    fn sample(&self, spot: &Spot, light: &SpotLight) -> Option<Sample> {
+        if !is_steady(light) {
+            return None;
+        }
+        let camera = &self.surface.camera;
+        let patch = self.surface.patch_near(light.at)?;
+        let point = patch.point(camera, light.at)?;
+        let by_camera_px = self.projector.by_camera_px(&patch, camera, light.at)?;
+        let sigma_px = SIGMA_CAMERA_PX * by_camera_px.determinant().sqrt();
+        Some(Sample { sigma_px, ..Sample::new(spot.pixel, point) })
+    }
+}
+
+fn is_steady(light: &SpotLight) -> bool {
+    offsets(light).all(|(_, offset)| offset.norm() <= STEADY_PX)
+}
+
+/// Offsets of a spot's centroid in each of its images from their mean, camera pixels.
+fn offsets(light: &SpotLight) -> impl Iterator<Item = (usize, Vector2<f64>)> + '_ {
+    let count = light.in_images.len().max(1) as f64;
+    let mean = light.in_images.iter().map(|(_, at)| at.coords).sum::<Vector2<f64>>() / count;
+    light.in_images.iter().map(move |(image, at)| (*image, at - Point2::from(mean)))
+}
+
+/// Refuses images among which the spots move: all of them a little, or a part of them farther.
+fn check_still<'a>(
+    lights: impl Iterator<Item = &'a SpotLight> + Clone,
+    images: usize,
+) -> Result<(), RefinementProblem> {
+    for image in 0..images {
+        let of_image: Vec<Vector2<f64>> =
+            (lights.clone().flat_map(offsets)).filter_map(|(at, offset)| (at == image).then_some(offset)).collect();
+        if of_image.len() < LEAST_SPOTS / 2 {
+            continue;
+        }
+        let [x, y] = [0, 1].map(|axis| median(&mut of_image.iter().map(|offset| offset[axis]).collect::<Vec<_>>()));
+        let mut far: Vec<f64> = of_image.iter().map(|offset| offset.norm()).filter(|px| *px > STEADY_PX).collect();
+        if x.hypot(y) > MOST_MOTION_PX {
+            return Err(RefinementProblem::Moved { px: x.hypot(y) });
+        }
+        if far.len() >= LEAST_SPOTS / 2 && far.len() as f64 > MOST_UNSTEADY * of_image.len() as f64 {
+            return Err(RefinementProblem::Moved { px: median(&mut far) });
+        }
+    }
+    Ok(())
+}
