@@ -10,6 +10,7 @@ mod correspondences;
 mod crosshair;
 mod decode;
 mod failure;
+mod known_projector;
 mod live;
 mod manual;
 mod patterns;
@@ -18,7 +19,9 @@ mod refine;
 mod scan;
 mod show;
 mod solve;
+mod spots;
 mod verify;
+mod watch;
 mod window_support;
 
 use std::process::ExitCode;
@@ -26,26 +29,33 @@ use std::process::ExitCode;
 use clap::{Command, CommandFactory, Parser, Subcommand};
 use failure::Failure;
 use rcs_node_support::lifecycle::{self, own_arguments};
-use rcs_node_support::ros_names::{publishes, subscribes, RosName};
+use rcs_node_support::ros_names::{publishes, serves, subscribes, RosName};
 
 /// Topics of the commands.
 pub const ROS_NAMES: &[RosName] = &[
     subscribes(
         "/head_camera/rgb/image_raw",
         "sensor_msgs/Image or CompressedImage",
-        "`scan`, `verify`: mono8, rgb8, bgr8, rgba8 or bgra8",
+        "`scan`, `verify`, `refine --spots`, `watch`: mono8, rgb8, bgr8, rgba8 or bgra8",
     ),
-    subscribes("/head_camera/rgb/camera_info", "sensor_msgs/CameraInfo", "`scan`, `verify`"),
+    subscribes("/head_camera/rgb/camera_info", "sensor_msgs/CameraInfo", "`scan`, `verify`, `refine --spots`, `watch`"),
     subscribes(
         "/head_camera/depth_registered/image_raw",
         "sensor_msgs/Image or CompressedImage",
-        "`scan`, `verify`: 16UC1 (mm) or 32FC1 (m)",
+        "`scan`, `verify`, `refine --spots`, `watch`: 16UC1 (mm) or 32FC1 (m)",
     ),
-    subscribes("CLOUD", "sensor_msgs/PointCloud2", "`scan`, `verify` with `--cloud`, in place of depth images"),
+    subscribes("CLOUD", "sensor_msgs/PointCloud2", "those with `--cloud`, in place of depth images"),
     subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "frames between camera and projector"),
     subscribes("/clicked_point", "geometry_msgs/PointStamped", "`refine --clicked`: points from rviz's Publish Point"),
     publishes("~preview", "sensor_msgs/Image", "`scan`: pixels decoded so far, latched"),
-    publishes("TOPIC", "sensor_msgs/Image", "`scan`, `verify` with `--show-on`: the patterns"),
+    publishes("TOPIC", "sensor_msgs/Image", "`scan`, `verify`, `refine --spots` with `--show-on`: the patterns"),
+    publishes(
+        "/camera_stream/patterns",
+        "sensor_msgs/Image",
+        "`watch`: spots, for the node with the screen (`--stream`)",
+    ),
+    publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "`watch`: the drift, `drift_px`"),
+    serves("~verify", "std_srvs/Trigger", "`watch`: measures, and answers with the drift"),
 ];
 
 /// Calibrates a projector: writes the file that the program projector publishes.
@@ -72,6 +82,7 @@ enum CalibrateCommand {
     Solve(solve::SolveArguments),
     Refine(refine::RefineArguments),
     Verify(verify::VerifyArguments),
+    Watch(watch::WatchArguments),
 }
 
 /// The command line.
@@ -94,6 +105,7 @@ pub fn main() -> ExitCode {
         CalibrateCommand::Solve(arguments) => solve::run(arguments),
         CalibrateCommand::Refine(arguments) => refine::run(arguments),
         CalibrateCommand::Verify(arguments) => verify::run(arguments),
+        CalibrateCommand::Watch(arguments) => watch::run(arguments),
     };
     let status = match result {
         Ok(()) => ExitCode::SUCCESS,

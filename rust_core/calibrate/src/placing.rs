@@ -8,6 +8,7 @@ use nalgebra::Isometry3;
 use rcs_calibration::Lens;
 use rcs_files::capture::CapturedRobot;
 use rcs_files::projector::{ProjectorFile, StaticFrame};
+use rcs_messages::tf2_msgs::TFMessage;
 use rcs_node_support::frames::insert_transforms;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_ros::{NodeEvent, RosNode};
@@ -20,10 +21,10 @@ use super::Failure;
 /// The optical frame of Fetch's head camera.
 const DEFAULT_CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
 /// Timeout of TF.
-const TF_TIMEOUT: Duration = Duration::from_secs(5);
+pub(super) const TF_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The frame that the projector's pose is written in.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct PlacingArguments {
     /// The camera's optical frame [default: the capture folder's, else head_camera_rgb_optical_frame]
     #[arg(long, value_name = "FRAME")]
@@ -76,24 +77,72 @@ impl PlacingArguments {
             }
             return Ok(CameraPose { parent: camera.to_owned(), parent_from_camera: Isometry3::identity() });
         };
-        let stored = chain.map(|chain| chain.parent_from_camera(parent)).transpose();
-        let parent_from_camera = match (stored, frames) {
-            (Ok(Some(pose)), _) => pose,
-            (_, Some(frames)) => frames.newest(parent, camera).map_err(tf_failed)?,
-            (stored, None) => {
-                log::warn!(
-                    "--parent {parent}: not in the chain of frames of a scan, so TF is asked where {camera} is now; the \
-                     robot must stand as it did during the scan"
-                );
-                // The error names the frames that the scan has.
-                look_up(parent, camera).map_err(|error| stored.err().unwrap_or(error))?
-            }
-        };
+        let parent_from_camera = camera_in(parent, camera, chain.as_ref(), frames)?;
         Ok(CameraPose { parent: parent.clone(), parent_from_camera })
+    }
+
+    /// The camera's pose in the frame that a file places its projector in, unless another one is wanted. It is known by
+    /// the scan, by TF, or by the file's own frames in between.
+    ///
+    /// # Errors
+    /// Like [`Self::camera_pose`].
+    pub(super) fn camera_pose_like(
+        &self,
+        file: &ProjectorFile,
+        named_by_capture: Option<&str>,
+        robot: &CapturedRobot,
+        frames: Option<&RobotFrames>,
+    ) -> Result<CameraPose, Failure> {
+        let frame = frame_in_file(file, None).filter(|_| self.parent.is_none() && !self.in_camera_frame);
+        let Some(frame) = frame else { return self.camera_pose(named_by_capture, robot, frames) };
+        let camera = self.camera(named_by_capture);
+        // From the projector upwards: the first frame in which the camera is known.
+        let (mut above, mut parent_from_above) = (&frame.parent, Isometry3::identity());
+        let chain = CameraChain::new(robot, camera);
+        for _ in 0..file.frames.len() {
+            let stored = chain.as_ref().and_then(|chain| chain.parent_from_camera(above).ok());
+            let is_camera = is_same_frame(above, camera).then(Isometry3::identity);
+            if let Some(above_from_camera) = is_camera.or(stored) {
+                let parent_from_camera = parent_from_above * above_from_camera;
+                return Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera });
+            }
+            let Some(next) = file.frames.iter().find(|next| is_same_frame(&next.child, above)) else { break };
+            parent_from_above *= next.parent_from_child().inverse();
+            above = &next.parent;
+        }
+        let above_from_camera = camera_in(above, camera, chain.as_ref(), frames)?;
+        Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera: parent_from_above * above_from_camera })
     }
 }
 
-fn tf_failed(error: impl Into<anyhow::Error>) -> Failure {
+/// The camera's pose in a frame.
+fn camera_in(
+    parent: &str,
+    camera: &str,
+    chain: Option<&CameraChain<'_>>,
+    frames: Option<&RobotFrames>,
+) -> Result<Isometry3<f64>, Failure> {
+    let stored = chain.map(|chain| chain.parent_from_camera(parent)).transpose();
+    match (stored, frames) {
+        (Ok(Some(pose)), _) => Ok(pose),
+        (_, Some(frames)) => frames.newest(parent, camera).map_err(tf_failed),
+        (stored, None) => {
+            log::warn!(
+                "--parent {parent}: not in the chain of frames of a scan, so TF is asked where {camera} is now; the \
+                 robot must stand as it did during the scan"
+            );
+            // The error names the frames that the scan has.
+            look_up(parent, camera).map_err(|error| stored.err().unwrap_or(error))
+        }
+    }
+}
+
+/// `true` if two names are of the same frame.
+pub(super) fn is_same_frame(one: &str, other: &str) -> bool {
+    one.trim_start_matches('/') == other.trim_start_matches('/')
+}
+
+pub(super) fn tf_failed(error: impl Into<anyhow::Error>) -> Failure {
     Failure::Refused(error.into().context("TF"))
 }
 
@@ -144,12 +193,18 @@ impl RobotFrames {
         captured_robot(&self.0, camera, description)
     }
 
+    /// Adds the frames of a projector's file, which are fixed.
+    pub(super) fn add_file(&mut self, file: &ProjectorFile) {
+        let transforms = file.frames.iter().map(|frame| frame.to_message(Default::default())).collect();
+        insert_transforms(&mut self.0, &TFMessage { transforms }, true, "the projector's file");
+    }
+
     /// The newest `target_from_source`.
     ///
     /// # Errors
     /// The missing frame.
     pub(super) fn newest(&self, target: &str, source: &str) -> anyhow::Result<Isometry3<f64>> {
-        if target.trim_start_matches('/') == source.trim_start_matches('/') {
+        if is_same_frame(target, source) {
             return Ok(Isometry3::identity());
         }
         // Time zero: the newest time at which all transforms are known.
@@ -173,29 +228,11 @@ pub(super) fn pose_in_file(file: &ProjectorFile, camera: Option<&str>) -> Option
     frame_in_file(file, camera).map(projector_from_parent)
 }
 
-/// `projector_from_camera` by a projector's file with a pose in any frame, in which TF places the camera.
-pub(super) fn pose_by_tf(
-    file: &ProjectorFile,
-    path: &Path,
-    camera: &str,
-    node: &RosNode,
-    end: &EndRequest,
-) -> Result<Isometry3<f64>, Failure> {
-    if let Some(pose) = pose_in_file(file, Some(camera).filter(|camera| !camera.is_empty())) {
-        return Ok(pose);
-    }
-    let frame = frame_in_file(file, None).ok_or_else(|| {
-        let (path, child) = (path.display(), &file.camera_info.header.frame_id);
-        Failure::Unreadable(anyhow::anyhow!("{path}: no frame places {child}: solve or refine writes such a file"))
-    })?;
-    Ok(projector_from_parent(frame) * look_up_with(node, end, &frame.parent, camera)?)
-}
-
 /// The frame of the projector in its file: below a certain parent, or below any.
 pub(super) fn frame_in_file<'a>(file: &'a ProjectorFile, parent: Option<&str>) -> Option<&'a StaticFrame> {
-    let same = |one: &str, other: &str| one.trim_start_matches('/') == other.trim_start_matches('/');
     let is_wanted = |frame: &&StaticFrame| {
-        same(&frame.child, &file.camera_info.header.frame_id) && parent.is_none_or(|parent| same(&frame.parent, parent))
+        is_same_frame(&frame.child, &file.camera_info.header.frame_id)
+            && parent.is_none_or(|parent| is_same_frame(&frame.parent, parent))
     };
     file.frames.iter().find(is_wanted)
 }

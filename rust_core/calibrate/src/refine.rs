@@ -6,32 +6,36 @@ use clap::Args;
 use rcs_calibration::SolveOptions;
 use rcs_files::capture::CapturedRobot;
 use rcs_files::correspondences::read_places;
-use rcs_files::projector::ProjectorFile;
 use rcs_node_support::monitor_arguments::MonitorArguments;
 
 use super::clicks::Clicks;
 use super::correspondences::Correspondences;
 use super::crosshair::{self, CrosshairTargets};
-use super::placing::{frame_in_file, pose_in_file, read_projector, PlacingArguments};
-use super::solve::solve_and_write;
+use super::known_projector::KnownProjector;
+use super::placing::{frame_in_file, pose_in_file, PlacingArguments};
+use super::solve::Solved;
+use super::spots::{self, SpotsArguments};
 use super::Failure;
 
 /// Solves for the pose alone, for a projector that was bumped; a flat wall is enough
 ///
-/// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. By hand: the
-/// projector shows a crosshair that you move with the keyboard onto six or more points: those that you click with
-/// rviz's Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame
-/// (--things).
-#[derive(Debug, Args)]
+/// With --spots, the projector shows at most eight pictures of spots that the camera sees, in less than ten seconds; a
+/// running projector, the node, gets the pose and saves it. Else takes points or capture folders as solve does. By
+/// hand: the projector shows a crosshair that you move with the keyboard onto six or more points: those that you click
+/// with rviz's Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame
+/// (--things). The file keeps its lens, comments, names, topic and frames.
+#[derive(Debug, Clone, Args)]
 #[command(after_help = "\
-Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static
+Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static; with --spots:
+those of verify
 Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable files
 
-Examples: projector_calibrate refine capture --projector projector.yaml -o projector.yaml
-          projector_calibrate refine --clicked --projector projector.yaml --monitor HDMI-1 -o projector.yaml")]
+Examples: projector_calibrate refine --spots --projector projector.yaml --show-on /camera_stream/patterns
+          projector_calibrate refine capture --projector projector.yaml
+          projector_calibrate refine --clicked --projector projector.yaml --monitor HDMI-1")]
 pub(super) struct RefineArguments {
     /// Files of points, or capture folders
-    #[arg(value_name = "FILE", required_unless_present_any = ["things", "clicked", "list_monitors"])]
+    #[arg(value_name = "FILE", required_unless_present_any = ["things", "clicked", "spots", "list_monitors"])]
     points: Vec<PathBuf>,
     /// Points to move a crosshair onto, with the columns x_m, y_m and z_m
     #[arg(long, value_name = "FILE", conflicts_with = "points")]
@@ -46,16 +50,18 @@ pub(super) struct RefineArguments {
     )]
     clicked: Option<String>,
     #[command(flatten)]
-    monitor: MonitorArguments,
+    spots: SpotsArguments,
+    #[command(flatten)]
+    pub(super) monitor: MonitorArguments,
     /// The projector's file with its lens
     #[arg(long, value_name = "FILE")]
-    projector: PathBuf,
-    /// The projector's file to write; may be the same
+    pub(super) projector: PathBuf,
+    /// The projector's file to write; one that is there keeps all but the pose [default: --projector]
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    pub(super) output: Option<PathBuf>,
     /// A folder for report.yaml and report.html
     #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    pub(super) report: Option<PathBuf>,
     #[command(flatten)]
     placing: PlacingArguments,
 }
@@ -65,8 +71,12 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     if arguments.monitor.tell_monitors().map_err(Failure::refused)? {
         return Ok(());
     }
-    let (file, lens) = read_projector(&arguments.projector)?;
-    let (points, frames) = match targets(arguments, &file)? {
+    let projector = KnownProjector::read(&arguments.projector)?;
+    if arguments.spots.is_chosen() {
+        return spots::run(arguments, &arguments.spots, projector);
+    }
+    let lens = projector.lens;
+    let (points, frames) = match targets(arguments, &projector)? {
         None => (Correspondences::read(&arguments.points)?, None),
         Some(targets) => {
             let (samples, frames) = crosshair::collect(targets, &lens, &arguments.monitor)?;
@@ -74,12 +84,19 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
         }
     };
     let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
-    let (placing, report, output) = (&arguments.placing, arguments.report.as_deref(), &arguments.output);
-    solve_and_write(&points, &options, placing, frames.as_ref(), report, output)
+    let (camera, placing) = (points.camera_frame.as_deref(), &arguments.placing);
+    let place = placing.camera_pose_like(&projector.file, camera, &points.robot, frames.as_ref())?;
+    let solved = Solved::new(&points.samples, &options, arguments.report.as_deref())?;
+    let output = arguments.output.as_deref().unwrap_or(&projector.path);
+    projector.write(output, &place.parent, &solved.parent_from_projector(&place))?;
+    solved.summarise();
+    eprintln!("written: {}", output.display());
+    Ok(())
 }
 
 /// The points that the user moves the crosshair onto, if that is asked for.
-fn targets(arguments: &RefineArguments, file: &ProjectorFile) -> Result<Option<CrosshairTargets>, Failure> {
+fn targets(arguments: &RefineArguments, projector: &KnownProjector) -> Result<Option<CrosshairTargets>, Failure> {
+    let file = &projector.file;
     if let Some(topic) = &arguments.clicked {
         let camera = arguments.placing.camera(None).to_owned();
         let old_place = frame_in_file(file, Some(&camera)).or(frame_in_file(file, None)).cloned();

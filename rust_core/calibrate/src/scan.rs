@@ -116,15 +116,16 @@ pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
     }
     let setup = LiveSetup {
         name: "the scan",
-        devices: arguments.devices.clone(),
+        monitor: arguments.devices.monitor.clone(),
         topics: arguments.topics(),
         show_on: arguments.show_on.clone(),
         projector_px: arguments.size,
         needs_lens: board.is_none(),
+        projector_frame: String::new(),
     };
     let arguments = arguments.clone();
     if let Some(scan) = board {
-        let frames = usize::from(arguments.devices.frames);
+        let frames = usize::from(arguments.devices.camera.frames);
         return setup.run(move |session| scan.live(session, arguments.step, frames));
     }
     setup.run(move |session| scan_live(session, &arguments))
@@ -136,7 +137,7 @@ fn scan_live(session: &mut LiveSession<'_>, arguments: &ScanArguments) -> Result
     let options = ScanOptions {
         projector_px,
         step: arguments.step,
-        frames: usize::from(arguments.devices.frames),
+        frames: usize::from(arguments.devices.camera.frames),
         is_cancelled: &|| end.is_requested(),
     };
     let topic = ImageTopic::new(session.node, PREVIEW_TOPIC, session.camera.frame_id()).map_err(Failure::unreadable)?;
@@ -158,7 +159,7 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     let options = RecordedOptions {
         projector_px: arguments.size,
         patterns: arguments.recorded_patterns()?,
-        frames: arguments.devices.frames.into(),
+        frames: arguments.devices.camera.frames.into(),
     };
     let shown = arguments.show_on.as_deref();
     let footage = BagFootage::open(&arguments.bag, &arguments.topics(), shown, arguments.start)?;
@@ -196,7 +197,7 @@ fn write(arguments: &ScanArguments, scanned: &ScanResult) -> Result<(), Failure>
 impl ScanArguments {
     /// The camera's topics.
     fn topics(&self) -> CameraTopics {
-        let topics = self.devices.topics();
+        let topics = self.devices.camera.topics();
         if self.no_depth || self.board.board.is_some() {
             CameraTopics { depth: DepthTopic::None, ..topics }
         } else {

@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Args;
+use nalgebra::Isometry3;
 use rcs_calibration::board::Chessboard;
-use rcs_calibration::{solve, DistortionTerms, FocalLengths, Parameter, Report, SolveOptions, Verdict};
+use rcs_calibration::{
+    solve, DistortionTerms, FocalLengths, Parameter, Report, Sample, ScanPose, Solution, SolveOptions, Verdict,
+};
 use rcs_files::calibration_report;
 use rcs_files::projector::ProjectorFile;
 use rcs_node_support::key_value;
@@ -13,7 +16,7 @@ use rcs_node_support::key_value;
 use super::arguments::{chessboard, size_px};
 use super::board::{self, BoardOutputs};
 use super::correspondences::Correspondences;
-use super::placing::{read_projector, CameraPose, PlacingArguments, RobotFrames};
+use super::placing::{read_projector, CameraPose, PlacingArguments};
 use super::Failure;
 
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
@@ -114,38 +117,68 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
         return board::solve_and_write(points, board, arguments.solve_camera, options, placing, &outputs);
     }
     let points = Correspondences::read(&arguments.points)?;
-    solve_and_write(&points, &options, &arguments.placing, None, arguments.report.as_deref(), &arguments.output)
+    let place = arguments.placing.camera_pose(points.camera_frame.as_deref(), &points.robot, None)?;
+    let solved = Solved::new(&points.samples, &options, arguments.report.as_deref())?;
+    ProjectorFile::calibrated(&solved.report.solution.lens, &place.parent, &solved.parent_from_projector(&place))
+        .write(&arguments.output)
+        .map_err(Failure::refused)?;
+    solved.summarise();
+    eprintln!("written: {}", arguments.output.display());
+    Ok(())
 }
 
-/// Solves, writes the report and, unless the verdict is "again", the projector's file with the pose of the first scan.
-pub(super) fn solve_and_write(
-    points: &Correspondences,
-    options: &SolveOptions,
-    placing: &PlacingArguments,
-    frames: Option<&RobotFrames>,
-    report_folder: Option<&Path>,
-    output: &Path,
-) -> Result<(), Failure> {
-    let CameraPose { parent, parent_from_camera } =
-        placing.camera_pose(points.camera_frame.as_deref(), &points.robot, frames)?;
-    let solution = solve(&points.samples, options).map_err(Failure::refused)?;
-    let pose = solution.poses.first().copied();
-    let pose = pose.ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))?;
-    let report = Report::new(&points.samples, solution);
-    if let Some(folder) = report_folder {
-        calibration_report::write(folder, &report, &points.samples).map_err(Failure::refused)?;
+/// A solution that may be used.
+pub(super) struct Solved {
+    /// Its report, with a verdict that is not "again".
+    pub(super) report: Report,
+    /// Pose of the first scan.
+    pose: ScanPose,
+}
+
+impl Solved {
+    /// Solves, and writes the report.
+    pub(super) fn new(
+        samples: &[Sample],
+        options: &SolveOptions,
+        report_folder: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        Self::judged(samples, solve(samples, options).map_err(Failure::refused)?, report_folder)
     }
-    if report.verdict == Verdict::Again {
-        let reasons = report.reasons.join("; ");
-        return Err(Failure::Refused(anyhow::anyhow!("not to be used, scan again: {reasons}")));
+
+    /// Judges a solution, and writes the report.
+    pub(super) fn judged(
+        samples: &[Sample],
+        solution: Solution,
+        report_folder: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let pose = solution.poses.first().copied();
+        let pose = pose.ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))?;
+        let report = Report::new(samples, solution);
+        if let Some(folder) = report_folder {
+            calibration_report::write(folder, &report, samples).map_err(Failure::refused)?;
+        }
+        if report.verdict == Verdict::Again {
+            let reasons = report.reasons.join("; ");
+            return Err(Failure::Refused(anyhow::anyhow!("not to be used, scan again: {reasons}")));
+        }
+        Ok(Self { report, pose })
     }
-    let parent_from_projector = parent_from_camera * pose.projector_from_camera.inverse();
-    ProjectorFile::calibrated(&report.solution.lens, &parent, &parent_from_projector)
-        .write(output)
-        .map_err(Failure::refused)?;
-    summarise(&report);
-    eprintln!("written: {}", output.display());
-    Ok(())
+
+    /// The projector's pose in the frame that it is written in.
+    pub(super) fn parent_from_projector(&self, place: &CameraPose) -> Isometry3<f64> {
+        place.parent_from_camera * self.pose.projector_from_camera.inverse()
+    }
+
+    /// Largest standard deviations of the pose: metres and radians.
+    pub(super) fn sigmas(&self) -> [f64; 2] {
+        let ScanPose { position_sigma_m, orientation_sigma_rad, .. } = self.pose;
+        [position_sigma_m, orientation_sigma_rad].map(|sigmas| sigmas.into_iter().fold(0.0, f64::max))
+    }
+
+    /// Prints verdict and errors.
+    pub(super) fn summarise(&self) {
+        summarise(&self.report);
+    }
 }
 
 /// Prints verdict and errors.

@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::anyhow;
 use clap::Args;
 use nalgebra::Isometry3;
-use rcs_calibration::{ErrorStatistics, Lens, ReprojectionError};
+use rcs_calibration::{ErrorStatistics, ReprojectionError};
 use rcs_files::picture_file::{self, PictureFormat};
 use rcs_files::projector::ProjectorFile;
 use rcs_files::verification;
@@ -16,8 +16,9 @@ use rcs_scan::{ScanCamera, ScanEvent, ScanOptions, ScanSession, Verification};
 use super::arguments::{check_folder, seconds};
 use super::camera_chain::CameraChain;
 use super::correspondences::Correspondences;
+use super::known_projector::KnownProjector;
 use super::live::{DeviceArguments, LiveSession, LiveSetup, Progress};
-use super::placing::{frame_in_file, pose_by_tf, pose_in_file, projector_from_parent, read_projector};
+use super::placing::{frame_in_file, pose_in_file, projector_from_parent, read_projector};
 use super::Failure;
 
 /// Measures the reprojection error of a calibrated projector
@@ -123,21 +124,22 @@ fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> 
         PictureFormat::of(picture).map_err(Failure::unreadable)?;
     }
     [&arguments.picture, &arguments.report].into_iter().flatten().try_for_each(|path| check_folder(path))?;
-    let (file, lens) = read_projector(path)?;
+    let projector = KnownProjector::read(path)?;
     let setup = LiveSetup {
         name: "the verification",
-        devices: arguments.devices.clone(),
-        topics: arguments.devices.topics(),
+        monitor: arguments.devices.monitor.clone(),
+        topics: arguments.devices.camera.topics(),
         show_on: arguments.show_on.clone(),
-        projector_px: lens.size_px,
+        projector_px: projector.lens.size_px,
         needs_lens: true,
+        projector_frame: projector.child().to_owned(),
     };
-    let (arguments, path) = (arguments.clone(), path.to_owned());
+    let arguments = arguments.clone();
     setup.run(move |session| {
-        let pose = pose_by_tf(&file, &path, &session.camera.frame_id(), session.node, session.end)?;
-        let verification = measure(session, usize::from(arguments.devices.frames), &lens, &pose)?;
+        session.camera.follow_robot().map_err(Failure::unreadable)?;
+        let verification = measure(session, usize::from(arguments.devices.camera.frames), &projector)?;
         session.check_valid()?;
-        let judged = report(&arguments, &path, &verification);
+        let judged = report(&arguments, &projector.path, &verification);
         if !arguments.hold.is_zero() {
             log::info!("spots and outlines are shown for {:.0} s, or until Ctrl-C", arguments.hold.as_secs_f64());
         }
@@ -146,19 +148,16 @@ fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> 
     })
 }
 
-fn measure(
-    session: &mut LiveSession<'_>,
-    frames: usize,
-    lens: &Lens,
-    projector_from_camera: &Isometry3<f64>,
-) -> Result<Verification, Failure> {
-    let (end, projector_px) = (session.end, lens.size_px);
+/// Verifies a projector with the devices of a session.
+fn measure(session: &mut LiveSession<'_>, frames: usize, projector: &KnownProjector) -> Result<Verification, Failure> {
+    let (end, projector_px) = (session.end, projector.lens.size_px);
+    let pose = session.camera.place(projector)?.projector_from_camera();
     let options = ScanOptions { projector_px, step: 1, frames, is_cancelled: &|| end.is_requested() };
     let camera_px = session.camera.lens().size_px;
     let mut progress = Progress::new("looking for the projector's light", None, camera_px, projector_px);
     let mut observe = |event: ScanEvent<'_>| progress.show(&event);
     let verified = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe)
-        .verify(lens, projector_from_camera);
+        .verify(&projector.lens, &pose);
     progress.finish();
     Ok(verified?)
 }

@@ -6,21 +6,15 @@
 //! optical frame, turned and mirrored like the image.
 
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rcs_camera::QuarterTurns;
-use rcs_messages::dynamic_reconfigure::{Config, Reconfigure};
-use rcs_messages::std_srvs::{Trigger, TriggerReq, TriggerRes};
+use rcs_messages::std_srvs::TriggerRes;
 use rcs_node_support::nudge::{Nudge, LARGEST};
+pub use rcs_node_support::nudged_projector::NudgedProjector;
 use rcs_render::Orientation;
 use rcs_ros::{NodeError, RosNode};
 use rcs_scene::lock;
-
-/// Time that each call of the projector's node may take.
-const CALL_TIMEOUT: Duration = Duration::from_secs(2);
-/// Difference of values that are the same.
-const ROUNDING: f64 = 1e-12;
 
 /// A step of the projector's frame along and about the image's axes: x right, y down, z forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,15 +40,6 @@ pub struct NudgeTarget {
     pub camera_info_topic: String,
     /// Orientation of the camera's image.
     pub orientation: Orientation,
-}
-
-/// The node that publishes a CameraInfo, and its nudge.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NudgedProjector {
-    /// Whole name of the node.
-    pub node: String,
-    /// Values that apply.
-    pub nudge: Nudge,
 }
 
 /// Errors of nudging.
@@ -106,18 +91,7 @@ impl Nudger {
     /// [`NudgeError::NoProjector`] or [`NudgeError::Call`].
     pub fn values(&self, target: &NudgeTarget) -> Result<NudgedProjector, NudgeError> {
         let topic = self.ros.resolve(&target.camera_info_topic)?;
-        let publications = self.ros.publications().or_else(|| self.ros.query_publications()).unwrap_or_default();
-        let nodes = publications.get(&topic).map(|publication| publication.nodes.as_slice()).unwrap_or_default();
-        for node in nodes {
-            // Calls only those that have a dynamic_reconfigure server of their own.
-            if publications.contains_key(&format!("{node}/parameter_updates")) {
-                // A request without values returns those that apply.
-                if let Some(nudge) = Nudge::of_config(&self.set(node, &Config::default())?) {
-                    return Ok(NudgedProjector { node: node.clone(), nudge });
-                }
-            }
-        }
-        Err(NudgeError::NoProjector { topic })
+        NudgedProjector::find(&self.ros, &topic)?.ok_or(NudgeError::NoProjector { topic })
     }
 
     /// Moves the projector by a step. Returns the values that apply then.
@@ -126,18 +100,18 @@ impl Nudger {
     /// [`NudgeError`].
     pub fn nudge(&self, target: &NudgeTarget, step: &Step) -> Result<NudgedProjector, NudgeError> {
         let _stepping = lock(&self.stepping);
-        let NudgedProjector { node, nudge } = self.values(target)?;
-        let wanted = Nudge::of_isometry(&(nudge.isometry() * step.in_optical_frame(target.orientation)));
+        let known = self.values(target)?;
+        let wanted = Nudge::of_isometry(&(known.nudge.isometry() * step.in_optical_frame(target.orientation)));
         if !wanted.is_within_bounds() {
-            return Err(NudgeError::TooFar { node });
+            return Err(NudgeError::TooFar { node: known.node });
         }
-        let set = Nudge::of_config(&self.set(&node, &wanted.config())?).unwrap_or_default();
-        if set.0.iter().zip(&wanted.0).all(|(set, wanted)| (set - wanted).abs() < ROUNDING) {
-            return Ok(NudgedProjector { node, nudge: set });
+        let set = known.set(&self.ros, &wanted)?;
+        if set.nudge.is_close_to(&wanted) {
+            return Ok(set);
         }
         // It has nothing to revert, and its answer says why.
-        let reason = self.trigger(&node, "revert")?.message;
-        Err(NudgeError::Refused { node, reason })
+        let reason = known.trigger(&self.ros, "revert")?.message;
+        Err(NudgeError::Refused { node: known.node, reason })
     }
 
     /// Writes the nudged pose into the projector's file. Returns what the node says.
@@ -158,19 +132,11 @@ impl Nudger {
 
     fn finish(&self, target: &NudgeTarget, service: &str) -> Result<String, NudgeError> {
         let _stepping = lock(&self.stepping);
-        let node = self.values(target)?.node;
-        match self.trigger(&node, service)? {
+        let known = self.values(target)?;
+        match known.trigger(&self.ros, service)? {
             TriggerRes { success: true, message } => Ok(message),
-            TriggerRes { message: reason, .. } => Err(NudgeError::Refused { node, reason }),
+            TriggerRes { message: reason, .. } => Err(NudgeError::Refused { node: known.node, reason }),
         }
-    }
-
-    fn set(&self, node: &str, values: &Config) -> Result<Config, NodeError> {
-        self.ros.call::<Reconfigure>(&format!("{node}/set_parameters"), values, CALL_TIMEOUT)
-    }
-
-    fn trigger(&self, node: &str, service: &str) -> Result<TriggerRes, NodeError> {
-        self.ros.call::<Trigger>(&format!("{node}/{service}"), &TriggerReq {}, CALL_TIMEOUT)
     }
 }
 

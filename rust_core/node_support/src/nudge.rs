@@ -21,6 +21,8 @@ const PARAMETERS: [(&str, &str); 6] = [
 ];
 /// Largest value of a parameter, metres or radians; the smallest is its negative.
 pub const LARGEST: f64 = 0.5;
+/// Difference of values that are the same.
+const ROUNDING: f64 = 1e-12;
 /// Name of the group of all parameters.
 const GROUP: &str = "Default";
 
@@ -86,6 +88,11 @@ impl Nudge {
             min: Self([-LARGEST; 6]).config(),
             dflt: Self::default().config(),
         }
+    }
+
+    /// `true` if all values are those of another one, except for rounding.
+    pub fn is_close_to(&self, other: &Self) -> bool {
+        self.0.iter().zip(&other.0).all(|(one, other)| (one - other).abs() < ROUNDING)
     }
 
     /// `true` if all values are within the bounds.

@@ -1,7 +1,7 @@
 //! The reasons why a scan yields no capture, each with what to do, in one line.
 
 use rcs_bag::BagError;
-use rcs_calibration::{DecodeError, ScanProblem, VerificationProblem};
+use rcs_calibration::{DecodeError, RefinementProblem, ScanProblem, VerificationProblem};
 
 use crate::devices::ScanCameraError;
 use crate::recorded::sequence::PatternSequenceError;
@@ -97,6 +97,9 @@ pub enum ScanFailure {
     /// A verification without a result.
     #[error(transparent)]
     Verification(#[from] VerificationProblem),
+    /// A refinement without a result.
+    #[error(transparent)]
+    Refinement(#[from] RefinementProblem),
     /// The patterns cannot be decoded.
     #[error(transparent)]
     Decode(#[from] DecodeError),

@@ -18,6 +18,7 @@ mod finish;
 mod light;
 mod measure_light;
 mod orientation;
+mod pose_refinement;
 pub mod preview;
 pub mod recorded;
 mod robot;
@@ -32,6 +33,7 @@ pub use devices::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ProjectorSc
 pub use failure::ScanFailure;
 pub use finish::ScanResult;
 pub use light::Delay;
+pub use pose_refinement::Refinement;
 pub use robot::captured_robot;
 pub use scan::patterns;
 pub use session::{ScanEvent, ScanOptions, ScanSession};

@@ -27,6 +27,10 @@ const AVERAGED: usize = 5;
 /// A settled level is this close to the last one, as a share of the projector's light.
 const SETTLED: f64 = 0.04;
 
+/// Least time of the first black, and time that black is observed for, of a brief look.
+const BRIEF_BLACK: Duration = Duration::from_millis(400);
+const BRIEF_HOLD: Duration = Duration::from_millis(300);
+
 /// The camera's response to black or white.
 struct StepResponse {
     delay: Delay,
@@ -53,7 +57,7 @@ impl ScanSession<'_> {
         let (low, high) = (mean(&black, &lit), mean(&white, &lit));
         let mut responses = Vec::new();
         for pattern in [Pattern::Black, Pattern::White, Pattern::Black, Pattern::White] {
-            responses.push(self.step_response(&pattern, &lit, [low, high])?);
+            responses.push(self.step_response(&pattern, &lit, [low, high], HOLD)?);
         }
         let longest = |of: fn(&Delay) -> Duration| responses.iter().map(|one| of(&one.delay)).max().unwrap_or_default();
         let delay = Delay { seen: longest(|delay| delay.seen), settled: longest(|delay| delay.settled) };
@@ -70,6 +74,25 @@ impl ScanSession<'_> {
         }
         let clipped = clipped_share(whites[1], &lit)?;
         Ok(Illumination { delay, lit, noise, clipped, contrast: high - low })
+    }
+
+    /// Measures the projector's light with a single flash of white, in about a second. That the brightness is steady is
+    /// for [`Self::check_unchanged`] to find. Returns the image of black, too.
+    ///
+    /// # Errors
+    /// [`ScanFailure`]: no light is seen, or it is too much.
+    pub(crate) fn look_briefly(&mut self) -> Result<(Illumination, Vec<u8>), ScanFailure> {
+        let all = sample(self.camera.lens().size_px);
+        let (black, black_noise) = self.settled(&Pattern::Black, &all, BRIEF_BLACK, |_| true)?;
+        let is_lit =
+            |grey: &[u8]| lit_pixels(&black, grey, &all, black_noise).len() as f64 >= MIN_LIT * all.len() as f64;
+        let (white, noise) = self.settled(&Pattern::White, &all, Duration::ZERO, is_lit)?;
+        let lit = lit_pixels(&black, &white, &all, noise);
+        let levels = [mean(&black, &lit), mean(&white, &lit)];
+        let clipped = clipped_share(&white, &lit)?;
+        let StepResponse { delay, noise, image, .. } = self.step_response(&Pattern::Black, &lit, levels, BRIEF_HOLD)?;
+        let noise = noise.max(black_noise);
+        Ok((Illumination { delay, lit, noise, clipped, contrast: levels[1] - levels[0] }, image))
     }
 
     /// Shows a pattern for at least some time until the frames that pass `is_lit` have settled. Returns the last frame
@@ -103,12 +126,13 @@ impl ScanSession<'_> {
     }
 
     /// Shows black or white and observes the lit pixels until some time after they have followed. `levels` are the mean
-    /// levels of black and white.
+    /// levels of black and white, `hold` is that time.
     fn step_response(
         &mut self,
         pattern: &Pattern,
         lit: &[usize],
         levels: [f64; 2],
+        hold: Duration,
     ) -> Result<StepResponse, ScanFailure> {
         let [low, high] = levels;
         let half = 0.5 * (low + high);
@@ -135,7 +159,7 @@ impl ScanSession<'_> {
             if last.len() > AVERAGED {
                 last.pop_front();
             }
-            if held.len() >= MIN_HELD && elapsed >= held[0].0 + HOLD {
+            if held.len() >= MIN_HELD && elapsed >= held[0].0 + hold {
                 break;
             }
         }

@@ -13,6 +13,9 @@ use crate::light::Delay;
 /// Timeout of the camera's frames.
 const FRAME_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Time after which fewer depth images than wanted are enough.
+const DEPTHS_TIMEOUT: Duration = Duration::from_secs(5);
+
 /// Options of a session.
 pub struct ScanOptions<'a> {
     /// The projector's width and height, pixels.
@@ -95,5 +98,24 @@ impl<'a> ScanSession<'a> {
             self.depth.add(&depth);
         }
         Ok(frame)
+    }
+
+    /// The mean of at least this number of depth images, metres, unless fewer come in time.
+    ///
+    /// # Errors
+    /// [`ScanFailure::NoDepth`], or a frame's.
+    pub(crate) fn average_depth(&mut self, least: u32) -> Result<Vec<f32>, ScanFailure> {
+        let mut after = self.camera.now();
+        let until = after + DEPTHS_TIMEOUT;
+        loop {
+            let frames = self.depth.frames;
+            if frames >= least || (frames > 0 && after > until) {
+                return Ok(self.depth.depth_m());
+            }
+            if after > until {
+                return Err(ScanFailure::NoDepth);
+            }
+            after = self.frame(after)?.received;
+        }
     }
 }

@@ -1,8 +1,6 @@
 //! A verification: the light and its delay are measured as for a scan, then the errors of spots and outlines on the
 //! surface that the camera sees now.
 
-use std::time::Duration;
-
 use nalgebra::Isometry3;
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::{Lens, LightMap, VerificationPlan, VerificationResult, VerificationScene};
@@ -10,10 +8,8 @@ use rcs_calibration::{Lens, LightMap, VerificationPlan, VerificationResult, Veri
 use crate::failure::ScanFailure;
 use crate::session::{ScanEvent, ScanSession};
 
-/// Least depth images that the surface is the mean of,
+/// Least depth images that the surface is the mean of.
 const MIN_DEPTHS: u32 = 10;
-/// unless fewer come within this time.
-const DEPTHS_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The result of a verification.
 #[derive(Debug)]
@@ -40,7 +36,7 @@ impl ScanSession<'_> {
         light.warn(&mut |warning| self.warn(warning));
         let white = self.capture(&Pattern::White, &light, None)?;
         let black = self.capture(&Pattern::Black, &light, Some(&white))?;
-        let depth_m = self.average_depth()?;
+        let depth_m = self.average_depth(MIN_DEPTHS)?;
         let camera = self.camera.lens();
         let plan = VerificationPlan::new(&VerificationScene {
             camera: &camera,
@@ -63,21 +59,5 @@ impl ScanSession<'_> {
         let result = plan.measure(&seen)?;
         self.show_picture(plan.overview())?;
         Ok(Verification { result, white, camera_px: camera.size_px })
-    }
-
-    /// The mean of enough depth images, metres.
-    fn average_depth(&mut self) -> Result<Vec<f32>, ScanFailure> {
-        let mut after = self.camera.now();
-        let until = after + DEPTHS_TIMEOUT;
-        loop {
-            let frames = self.depth.frames;
-            if frames >= MIN_DEPTHS || (frames > 0 && after > until) {
-                return Ok(self.depth.depth_m());
-            }
-            if after > until {
-                return Err(ScanFailure::NoDepth);
-            }
-            after = self.frame(after)?.received;
-        }
     }
 }

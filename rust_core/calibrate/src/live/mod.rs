@@ -23,16 +23,24 @@ use rcs_window::{self as window, MonitorChoice, PictureSink, UserEvent, WindowOp
 use super::window_support::{check_monitor, join, spawn};
 use super::Failure;
 pub(super) use progress::Progress;
-pub(super) use ros_camera::RosCamera;
-pub(super) use screens::ImageTopic;
-use screens::{TopicScreen, WindowScreen};
+pub(super) use ros_camera::{PlacedProjector, RosCamera};
+use screens::WindowScreen;
+pub(super) use screens::{ImageTopic, TopicScreen};
 
 /// The projector's monitor and the camera, as a user names them.
 #[derive(Debug, Clone, Args)]
 pub(super) struct DeviceArguments {
     /// The projector's monitor, by name or number [default: the last that is not primary, else the only one]
     #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
-    monitor: MonitorChoice,
+    pub(super) monitor: MonitorChoice,
+    /// The camera.
+    #[command(flatten)]
+    pub(super) camera: CameraArguments,
+}
+
+/// The camera, as a user names it.
+#[derive(Debug, Clone, Args)]
+pub(super) struct CameraArguments {
     /// The camera's pictures
     #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/image_raw")]
     image: String,
@@ -50,7 +58,7 @@ pub(super) struct DeviceArguments {
     pub(super) frames: u8,
 }
 
-impl DeviceArguments {
+impl CameraArguments {
     /// The camera's topics, with depth.
     pub(super) fn topics(&self) -> CameraTopics {
         let depth = match &self.cloud {
@@ -65,13 +73,15 @@ impl DeviceArguments {
 pub(super) struct LiveSetup {
     /// Its name in messages, such as `the scan`.
     pub(super) name: &'static str,
-    pub(super) devices: DeviceArguments,
+    pub(super) monitor: MonitorChoice,
     pub(super) topics: CameraTopics,
     /// A topic to show on instead of the monitor.
     pub(super) show_on: Option<String>,
     pub(super) projector_px: [u32; 2],
     /// `false` if the camera may be without calibration.
     pub(super) needs_lens: bool,
+    /// The projector's optical frame, for pictures on a topic; may be empty.
+    pub(super) projector_frame: String,
 }
 
 /// A live session with its devices.
@@ -141,7 +151,7 @@ impl LiveSetup {
         if let Some(topic) = &self.show_on {
             let size_px = self.projector_px;
             let screen = |node: &RosNode| {
-                let topic = ImageTopic::new(node, topic, String::new())?;
+                let topic = ImageTopic::new(node, topic, self.projector_frame.clone())?;
                 Ok(Box::new(TopicScreen { topic, size_px }) as Box<dyn ProjectorScreen>)
             };
             return self.connect(&state, screen, work);
@@ -155,7 +165,7 @@ impl LiveSetup {
         state: &LiveState,
         work: impl FnOnce(&mut LiveSession<'_>) -> Result<(), Failure> + Send + 'static,
     ) -> Result<(), Failure> {
-        let (name, size_px, monitor) = (self.name, self.projector_px, self.devices.monitor.clone());
+        let (name, size_px, monitor) = (self.name, self.projector_px, self.monitor.clone());
         let watched = state.clone();
         // While it works, it may be writing files, and ends by itself.
         let is_ending = move || watched.end.is_requested() && !watched.is_working.load(Ordering::Acquire);

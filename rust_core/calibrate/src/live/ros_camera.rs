@@ -3,8 +3,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use nalgebra::Isometry3;
 use rcs_calibration::Lens;
 use rcs_files::capture::CapturedRobot;
+use rcs_files::projector::StaticFrame;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_node_support::lifecycle::EndRequest;
@@ -12,7 +14,9 @@ use rcs_ros::{NodeError, NodeEvent, RosNode, TopicSubscription};
 use rcs_scan::{depth_of, lens_of_topic, picture_of};
 use rcs_scan::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ScanCamera, ScanCameraError};
 
-use crate::placing::RobotFrames;
+use crate::known_projector::KnownProjector;
+use crate::placing::{projector_from_parent, tf_failed, RobotFrames, TF_TIMEOUT};
+use crate::Failure;
 
 /// Time between two checks for the end of the program.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
@@ -41,6 +45,21 @@ pub(crate) struct RosCamera<'a> {
     robot: RobotListener,
 }
 
+/// A projector of a file, and the camera.
+pub(crate) struct PlacedProjector {
+    /// The projector's frame by the file.
+    pub(crate) frame: StaticFrame,
+    /// The camera in that frame's parent.
+    pub(crate) parent_from_camera: Isometry3<f64>,
+}
+
+impl PlacedProjector {
+    /// The projector's pose by the file, from the camera's optical frame.
+    pub(crate) fn projector_from_camera(&self) -> Isometry3<f64> {
+        projector_from_parent(&self.frame) * self.parent_from_camera
+    }
+}
+
 /// What TF and the robot's description say, once they are followed.
 #[derive(Default)]
 struct RobotListener {
@@ -63,7 +82,7 @@ impl<'a> RosCamera<'a> {
     ///
     /// # Errors
     /// A topic's invalid name, or [`ScanCameraError`] with the topic.
-    pub(super) fn connect(
+    pub(crate) fn connect(
         node: &'a RosNode,
         end: &'a EndRequest,
         topics: &CameraTopics,
@@ -178,6 +197,40 @@ impl<'a> RosCamera<'a> {
     /// The robot as it is now, by what was received since it is followed.
     pub(crate) fn robot(&self) -> CapturedRobot {
         self.robot.frames.captured(&self.frame_id, self.robot.description.as_deref())
+    }
+
+    /// Stops receiving pictures and depth images, or goes on.
+    pub(crate) fn set_paused(&mut self, is_paused: bool) {
+        [Some(&self.image), self.depth.as_ref()].into_iter().flatten().for_each(|topic| topic.set_paused(is_paused));
+        (self.newest_frame, self.newest_depth) = (None, None);
+    }
+
+    /// Where the projector of a file is, in a frame that TF or the file's other frames place the camera in. The robot
+    /// must be followed.
+    ///
+    /// # Errors
+    /// [`Failure`]: the file does not place it, or a frame is missing.
+    pub(crate) fn place(&mut self, projector: &KnownProjector) -> Result<PlacedProjector, Failure> {
+        let frame = projector.frame()?.clone();
+        self.robot.frames.add_file(&projector.file);
+        let camera = if self.frame_id.is_empty() { frame.parent.clone() } else { self.frame_id.clone() };
+        let parent_from_camera = self.look_up(&frame.parent, &camera)?;
+        Ok(PlacedProjector { frame, parent_from_camera })
+    }
+
+    /// The newest `target_from_source` by TF.
+    ///
+    /// # Errors
+    /// [`Failure::Refused`]: a frame is missing.
+    pub(crate) fn look_up(&mut self, target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
+        let until = Instant::now() + TF_TIMEOUT;
+        loop {
+            match self.robot.frames.newest(target, source) {
+                Ok(transform) => return Ok(transform),
+                Err(error) if Instant::now() > until => return Err(tf_failed(error)),
+                Err(_) => self.receive().map_err(Failure::refused)?,
+            }
+        }
     }
 
     fn unusable(topic: &TopicSubscription, reason: String) -> ScanCameraError {

@@ -60,10 +60,10 @@ impl ImageTopic {
 }
 
 /// The topic as the projector's screen.
-pub(super) struct TopicScreen {
-    pub(super) topic: ImageTopic,
+pub(crate) struct TopicScreen {
+    pub(crate) topic: ImageTopic,
     /// Width and height of all pictures, pixels.
-    pub(super) size_px: [u32; 2],
+    pub(crate) size_px: [u32; 2],
 }
 
 impl ProjectorScreen for TopicScreen {

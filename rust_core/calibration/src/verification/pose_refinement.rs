@@ -12,7 +12,7 @@ use super::spots::{self, Spot, SpotLight, LEAST_SPOTS};
 use super::surface::{DepthSurface, PosedProjector, ShadowMap};
 use super::zoom::{self, Zoom};
 use crate::statistics::median;
-use crate::{solve, Refusal, Sample, Solution, SolveOptions};
+use crate::{solve, Lens, Refusal, Sample, Solution, SolveOptions};
 
 /// Minimum share of spots that must be detected: a bump moves some of them out of view or onto edges.
 const LEAST_SEEN: f64 = 0.25;
@@ -70,20 +70,26 @@ pub enum RefinementProblem {
         /// Standard deviation of that.
         sigma: f64,
     },
-    /// Too many spots disagree with the pose.
+    /// Too many spots disagree with the pose: the share that agrees, percent.
     #[error(
-        "only {agreeing} of {seen} spots agree with one pose: did something move, was the zoom or the keystone \
-         correction changed, is the depth registered to the image?"
+        "only {0:.0} % of the spots agree with one pose: was the zoom or the keystone correction changed, did something \
+         move, is the depth registered to the image?"
     )]
-    Inconsistent {
-        /// Number of spots that agree.
-        agreeing: usize,
-        /// Number of detected spots.
-        seen: usize,
-    },
+    Inconsistent(f64),
     /// The spots determine no pose.
     #[error(transparent)]
-    Unsolvable(#[from] Refusal),
+    Unsolvable(Refusal),
+}
+
+/// Why there is no solution. Spots that disagree have other causes here than samples of a scan.
+fn unsolvable(refusal: Refusal) -> RefinementProblem {
+    match refusal {
+        Refusal::FewInliers { percent, .. } | Refusal::Moved { first_percent: percent, .. } => {
+            RefinementProblem::Inconsistent(percent)
+        }
+        Refusal::TwoPoses { second_percent, .. } => RefinementProblem::Inconsistent(100.0 - second_percent),
+        refusal => RefinementProblem::Unsolvable(refusal),
+    }
 }
 
 /// Refined pose.
@@ -103,7 +109,7 @@ pub struct RefinedPose {
 #[derive(Debug, Clone)]
 pub struct PoseRefinement {
     projector: PosedProjector,
-    surface: DepthSurface,
+    camera: Lens,
     light: LightMap,
     spots: Vec<Spot>,
 }
@@ -121,7 +127,7 @@ impl PoseRefinement {
         if spots.len() < LEAST_SPOTS {
             return Err(RefinementProblem::FewPlaces { spots: spots.len() });
         }
-        Ok(Self { projector, surface, light: scene.light.clone(), spots })
+        Ok(Self { projector, camera: *scene.camera, light: scene.light.clone(), spots })
     }
 
     /// At most eight images to project one after the other: grey levels, row by row.
@@ -130,18 +136,20 @@ impl PoseRefinement {
         drawings.into_iter().map(|drawing| drawing.levels).collect()
     }
 
-    /// Solves for the pose from the camera's images of [`Self::pictures`], in their order: grey levels, row by row.
+    /// Solves for the pose from the camera's images of [`Self::pictures`], in their order: grey levels, row by row, and
+    /// depths as in [`VerificationScene::depth_m`].
     ///
     /// # Errors
     /// [`RefinementProblem`]: too few spots are seen, something moved, the zoom has changed, or there is no solution.
-    pub fn refine(&self, images: &[Vec<u8>]) -> Result<RefinedPose, RefinementProblem> {
+    pub fn refine(&self, images: &[Vec<u8>], depth_m: &[f32]) -> Result<RefinedPose, RefinementProblem> {
+        let surface = DepthSurface::new(&self.camera, depth_m);
         let shares: Vec<_> = images.iter().map(|grey| self.light.shares(grey)).collect();
         let found = spots::find(&self.spots, &shares);
         let seen: Vec<(&Spot, SpotLight)> =
             self.spots.iter().zip(found).filter_map(|(spot, found)| Some((spot, found?))).collect();
         let shown = self.spots.len();
         check_still(seen.iter().map(|(_, light)| light), images.len())?;
-        let samples: Vec<Sample> = seen.iter().filter_map(|(spot, light)| self.sample(spot, light)).collect();
+        let samples: Vec<Sample> = seen.iter().filter_map(|(spot, light)| self.sample(spot, light, &surface)).collect();
         if samples.len() < LEAST_SPOTS || (samples.len() as f64) < LEAST_SEEN * shown as f64 {
             return Err(RefinementProblem::FewSeen { seen: samples.len(), shown });
         }
@@ -151,21 +159,21 @@ impl PoseRefinement {
             return Err(RefinementProblem::ZoomChanged { change, sigma });
         }
         let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
-        let solution = solve(&samples, &options)?;
-        let (agreeing, seen) = (solution.inliers, samples.len());
-        if (agreeing as f64) < LEAST_AGREEING * seen as f64 {
-            return Err(RefinementProblem::Inconsistent { agreeing, seen });
+        let solution = solve(&samples, &options).map_err(unsolvable)?;
+        let agreeing = solution.inliers as f64 / samples.len() as f64;
+        if agreeing < LEAST_AGREEING {
+            return Err(RefinementProblem::Inconsistent(100.0 * agreeing));
         }
         Ok(RefinedPose { samples, solution, shown, zoom })
     }
 
     /// Point that a spot lights; `None` where it is unsteady, or depth is missing or has an edge.
-    fn sample(&self, spot: &Spot, light: &SpotLight) -> Option<Sample> {
+    fn sample(&self, spot: &Spot, light: &SpotLight, surface: &DepthSurface) -> Option<Sample> {
         if !is_steady(light) {
             return None;
         }
-        let camera = &self.surface.camera;
-        let patch = self.surface.patch_near(light.at)?;
+        let camera = &self.camera;
+        let patch = surface.patch_near(light.at)?;
         let point = patch.point(camera, light.at)?;
         let by_camera_px = self.projector.by_camera_px(&patch, camera, light.at)?;
         let sigma_px = SIGMA_CAMERA_PX * by_camera_px.determinant().sqrt();

@@ -13,8 +13,9 @@ use std::path::Path;
 use nalgebra::{Isometry3, UnitQuaternion};
 
 use super::file::{read_text, split_preamble, ProjectorFile};
-use super::frames::{finite, without_slash};
-use super::write::write_text;
+use super::frames::{finite, without_slash, StaticFrame};
+use super::key_error::key_error;
+use super::write::{frame_entry, write_text};
 use crate::yaml_spans::{first_document, Content, Node};
 use crate::yaml_text::{list, number};
 use crate::FileError;
@@ -45,6 +46,48 @@ pub fn write_pose(path: &Path, child: &str, parent_from_child: &Isometry3<f64>) 
     let text = text_with_pose(path, &read_text(path)?, child, parent_from_child)?;
     write_text(path, &text)?;
     ProjectorFile::parse(path, &text)
+}
+
+/// Writes the text of a projector's file with another pose of a frame to `target`, which may be the same file. A frame
+/// that the text does not have yet is added at its end.
+///
+/// # Errors
+/// [`FileError`] if a file cannot be read or written, has the frame in another parent, or is in a form that cannot be
+/// edited.
+pub fn write_frame(source: &Path, target: &Path, frame: &StaticFrame) -> Result<(), FileError> {
+    if target.exists() {
+        check_writable(target)?;
+    }
+    let text = read_text(source)?;
+    write_text(target, &text_with_frame(source, &text, frame)?)
+}
+
+/// The text of a projector's file with a frame, see [`write_frame`].
+fn text_with_frame(path: &Path, text: &str, frame: &StaticFrame) -> Result<String, FileError> {
+    let before = ProjectorFile::parse(path, text)?;
+    let [parent, child] = [&frame.parent, &frame.child].map(|name| without_slash(name));
+    match before.frames.iter().find(|known| known.child == child) {
+        Some(known) if known.parent == parent => text_with_pose(path, text, child, &frame.parent_from_child()),
+        Some(known) => {
+            let problem = format!("frames: places {child} in {}, not in {parent}", known.parent);
+            Err(FileError::new(path, problem))
+        }
+        None => {
+            let entry = frame_entry(frame).map_err(|error| key_error(path, error))?;
+            let line_end = if text.ends_with('\n') { "" } else { "\n" };
+            let key = if before.frames.is_empty() { "frames:\n" } else { "" };
+            let edited = format!("{text}{line_end}{key}{entry}");
+            let is_added = |after: ProjectorFile| {
+                after.frames.len() == before.frames.len() + 1
+                    && after.frames.last().is_some_and(|last| last.child == child && last.parent == parent)
+                    && ProjectorFile { frames: before.frames.clone(), ..after } == before
+            };
+            if ProjectorFile::parse(path, &edited).is_ok_and(is_added) {
+                return Ok(edited);
+            }
+            Err(FileError::new(path, format_args!("frames: add an entry of '{child}' in '{parent}' by hand")))
+        }
+    }
 }
 
 /// Checks that a file may be written. A read-only one is not replaced, although its folder would allow it.

@@ -105,7 +105,7 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
 }
 
 /// One entry of `frames`.
-fn frame_entry(frame: &StaticFrame) -> Result<String, KeyError> {
+pub(super) fn frame_entry(frame: &StaticFrame) -> Result<String, KeyError> {
     let frame = named_frame(&frame.parent, &frame.child, frame.translation_m, frame.rotation)
         .map_err(|reason| ("frames", reason))?;
     let rotation = frame.rotation;

@@ -1,6 +1,7 @@
 //! Scans of a simulated room, and what goes wrong in them.
 
 mod board;
+mod pose_refinement;
 mod recording;
 mod verification;
 mod world;

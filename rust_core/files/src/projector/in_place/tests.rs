@@ -195,3 +195,25 @@ proptest! {
         prop_assert_eq!(edit(&edited, &pose_in(&edited)).unwrap(), edited);
     }
 }
+
+#[test]
+fn a_frame_is_written_where_it_is_and_added_where_it_is_not() {
+    let moved = pose([0.5, 0.25, -1.0], [0.0, 0.0, 0.5]);
+    let frame = |parent: &str, child: &str| StaticFrame {
+        parent: parent.to_owned(),
+        child: child.to_owned(),
+        translation_m: moved.translation.vector.into(),
+        rotation: moved.rotation,
+    };
+    let with_frame = |text: &str, frame: &StaticFrame| text_with_frame(Path::new("projector.yaml"), text, frame);
+    let text = file("  - {parent: proj_link, child: proj_view, translation: [1, 2, 3], rotation_rpy: [0, 0, 0]}\n");
+    let edited = with_frame(&text, &frame("/proj_link", "proj_view")).unwrap();
+    assert!(edited.starts_with(HEAD) && edited.ends_with(TAIL) && pose_in(&edited).translation.x == 0.5, "{edited}");
+    let error = with_frame(&text, &frame("base", "proj_view")).unwrap_err().to_string();
+    assert!(error.contains("places proj_view in proj_link, not in base"), "{error}");
+    // Without frames, and without a line end.
+    let lens = "width: 1280 # native\nheight: 800\nK: [1900, 0, 640, 0, 1900, 750, 0, 0, 1]\nframe_id: proj_view";
+    let edited = with_frame(lens, &frame("camera", "proj_view")).unwrap();
+    assert!(edited.starts_with(lens) && pose_in(&edited).translation.y == 0.25, "{edited}");
+    assert!(with_frame(&format!("{lens}\n---\n"), &frame("camera", "proj_view")).is_err());
+}
