@@ -9,7 +9,7 @@ use rcs_messages::std_srvs::{Trigger, TriggerReq};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_status::{Level, NodeStatus};
 use rcs_ros::{RosNode, ServiceCall};
-use rcs_scan::{ProjectorScreen, ScanCamera, ScanEvent, ScanOptions, ScanSession};
+use rcs_scan::{ProjectorScreen, ScanEvent, ScanOptions, ScanSession};
 
 use super::arguments::positive_seconds;
 use super::known_projector::KnownProjector;

@@ -50,12 +50,19 @@ pub const ROS_NAMES: &[RosName] = &[
         "with `--surface`: depth images, or organised clouds; paused while nobody watches",
     ),
     subscribes("camera_info beside SURFACE", "sensor_msgs/CameraInfo", "of depth images"),
+    subscribes(
+        "~patterns",
+        "sensor_msgs/Image",
+        "mono8 of the projector's size, in place of the scene for 3 s each: `projector_calibrate` sends them; \
+         `frame_id` names the projector",
+    ),
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
     serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release all blackouts"),
     serves("~pause", "std_srvs/SetBool", "keep the images that are shown"),
     serves("~test_picture", "std_srvs/Trigger", "show the next test picture"),
+    serves("~is_idle", "std_srvs/Trigger", "true if all images are dark only because there is nothing to show"),
     configures("~CAMERA", "a CameraPub's blackout, frame rate, background, encoding, near clip and visibility"),
     configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
 ];

@@ -15,6 +15,7 @@ use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
 use super::light_check::{confirmed, CheckedLight};
+use crate::control::pattern::Pattern;
 use crate::control::LightTicket;
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
 use crate::safety;
@@ -31,8 +32,17 @@ pub(crate) enum FrameContent {
     Scene { version: u64, camera: Arc<Camera>, hidden: Vec<DisplayId> },
     /// Black. The size is that before post-processing turns it; `has_note`: it says why it is black.
     Black { size_px: [u32; 2], dark: DarkReason, has_note: bool },
-    /// A test picture. The size is that before post-processing turns it.
-    Test { size_px: [u32; 2], test: TestPicture },
+    /// A test picture or a pattern. The size is that before post-processing turns it.
+    Test { size_px: [u32; 2], test: TestImage },
+}
+
+/// An image that stands on the projector as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TestImage {
+    /// A test picture of the operator.
+    Picture(TestPicture),
+    /// A pattern of a calibration.
+    Pattern(Arc<Pattern>),
 }
 
 /// A frame's content and everything that is published with it.

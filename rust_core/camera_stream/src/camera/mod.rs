@@ -4,6 +4,7 @@ mod buffers;
 pub(crate) mod connections;
 pub(crate) mod frame;
 mod health;
+mod idle;
 pub(crate) mod latency;
 pub(crate) mod light_check;
 pub(crate) mod oriented_frames;

@@ -261,7 +261,7 @@ impl CameraOutput {
     }
 
     /// The operator's settings.
-    fn operator(&self) -> OperatorSettings {
+    pub(super) fn operator(&self) -> OperatorSettings {
         self.context.control.of_camera(&self.view().name)
     }
 
@@ -324,7 +324,12 @@ impl CameraOutput {
         let shown = self.buffers.front.as_mut().and_then(|last| last.checked.as_mut());
         self.last_check.update(shown, policy.surface.as_ref());
         self.epoch.follow(&policy.hidden, size_px(&camera));
-        let substitute = substitute::content(size_px(&camera), policy.dark_reason.as_ref(), &policy, &operator);
+        let substitute = substitute::content(
+            (size_px(&camera), &info.header.frame_id),
+            policy.dark_reason.as_ref(),
+            &policy,
+            &operator,
+        );
         let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
         let is_scene = held.is_none() && substitute.is_none();
         if is_scene && self.buffers.is_outdated {
@@ -385,12 +390,12 @@ impl CameraOutput {
             _ => self.last_check.post(policy, content.size_px()),
         };
         FrameSpec {
+            valid_until: substitute::valid_until(&content, policy.valid_until.filter(|_| !is_timeless)),
             content,
             post,
             protects_eyes: policy.protects_eyes,
             epoch: self.epoch.number,
             info: Arc::clone(info),
-            valid_until: policy.valid_until.filter(|_| !is_timeless),
             looked_up,
             oldest: None,
             ticket: self.context.control.ticket(&self.view().name),
@@ -444,7 +449,8 @@ impl CameraOutput {
         let size_px = size_of_info.or_else(|| last.map(|last| last.content.size_px()));
         let (Some(info), Some(size_px)) = (info.or(last.map(|last| &last.info)), size_px) else { return Ok(()) };
         let dark = policy.without_camera(why);
-        let Some(content) = substitute::content(size_px, dark.as_ref(), policy, operator) else {
+        let Some(content) = substitute::content((size_px, &info.header.frame_id), dark.as_ref(), policy, operator)
+        else {
             self.discard_last();
             return Ok(());
         };

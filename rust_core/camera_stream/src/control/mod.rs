@@ -9,16 +9,20 @@
 //! the key B of its window. Each is released where it was set, and `~blackout` releases all. Blackouts are remembered
 //! as parameters, so that a node which crashes during one does not come back lit.
 
+pub(crate) mod pattern;
 mod ticket;
 
 use std::collections::HashSet;
 use std::fmt;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use rcs_ros::{ParameterValue, Parameters, RosNode};
 use rcs_scene::lock;
 use rcs_window::test_pictures::TestPicture;
 use rcs_window::{WindowKey, WindowView};
+
+use pattern::Pattern;
 
 use crate::safety::causes::{DarkCause, DarkReason};
 use ticket::Gate;
@@ -49,6 +53,8 @@ struct ControlledState {
     /// Who has paused all cameras.
     paused: Option<String>,
     test_picture: Option<TestPicture>,
+    /// The pattern that came last.
+    pattern: Option<Arc<Pattern>>,
     cameras: Vec<CameraState>,
     /// The names of parameters that were true when the node started, until cameras have taken theirs.
     remembered: HashSet<String>,
@@ -80,6 +86,8 @@ pub(crate) struct OperatorSettings {
     pub(crate) paused: Option<String>,
     /// The test picture in place of the scene.
     pub(crate) test_picture: Option<TestPicture>,
+    /// The pattern of a calibration in place of both, where it fits.
+    pub(crate) pattern: Option<Arc<Pattern>>,
 }
 
 /// The operator's settings of all cameras.
@@ -197,6 +205,11 @@ impl Control {
         })
     }
 
+    /// Shows a pattern of a calibration for a while.
+    pub(crate) fn show_pattern(&self, pattern: Pattern) {
+        self.change(|state, _| state.pattern = Some(Arc::new(pattern)));
+    }
+
     /// Takes a key of a camera's window: B, P or the space bar, T.
     pub(crate) fn press(&self, name: &str, key: WindowKey) {
         self.change(|state, remember| {
@@ -224,6 +237,7 @@ impl Control {
     pub(crate) fn of_camera(&self, name: &str) -> OperatorSettings {
         let mut state = lock(&self.state);
         let (all, paused, test_picture) = (state.blackout.clone(), state.paused.clone(), state.test_picture);
+        let pattern = state.pattern.clone().filter(|pattern| pattern.is_current(Instant::now()));
         let camera = state.camera(name);
         let by = |caller: &str, of: &str| DarkReason::new(DarkCause::Blackout, format!("blackout by {caller}{of}"));
         let own = || camera.blackout.as_ref().map(|caller| by(caller, ", of this camera"));
@@ -233,6 +247,7 @@ impl Control {
             is_switched_off: camera.blackout.is_some(),
             paused: paused.or_else(|| camera.is_paused.then(|| "key p in its window".to_owned())),
             test_picture: camera.test_picture.or(test_picture),
+            pattern,
         }
     }
 
@@ -301,8 +316,9 @@ impl OperatorSettings {
     pub(crate) fn window_view(&self) -> WindowView {
         match (&self.blackout, self.test_picture) {
             (Some(_), _) => WindowView::Black,
-            (None, Some(test)) => WindowView::Test(test),
-            (None, None) => WindowView::Live,
+            // A pattern is an image of the camera.
+            (None, Some(test)) if self.pattern.is_none() => WindowView::Test(test),
+            (None, _) => WindowView::Live,
         }
     }
 }

@@ -59,6 +59,7 @@ struct Services {
     blackout: Arc<str>,
     pause: Arc<str>,
     test_picture: Arc<str>,
+    is_idle: Arc<str>,
 }
 
 impl Services {
@@ -68,6 +69,7 @@ impl Services {
             blackout: ros.serve_set_bool("~blackout")?,
             pause: ros.serve_set_bool("~pause")?,
             test_picture: ros.serve_trigger("~test_picture")?,
+            is_idle: ros.serve_trigger("~is_idle")?,
         })
     }
 }
@@ -143,6 +145,7 @@ impl ControlThread {
                 self.apply_control();
                 reply.send(true, test.unwrap_or("the scene"));
             }
+            ServiceCall::Trigger { service, reply, .. } if service == self.services.is_idle => self.tell_idle(reply),
             ServiceCall::SetBool { service, value, caller, reply } => self.switch(&service, value, &caller, reply),
             ServiceCall::Trigger { service, reply, .. } => {
                 match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
@@ -162,6 +165,16 @@ impl ControlThread {
             }
         }
         self.shared.ros.events().wake();
+    }
+
+    /// Tells whether all cameras are dark only because there is nothing to show.
+    fn tell_idle(&self, reply: TriggerReply) {
+        let cameras = self.shared.cameras();
+        let busy = cameras.iter().find_map(|camera| Some((camera.view().name.clone(), camera.why_busy()?)));
+        match busy {
+            Some((camera, why)) => reply.send(false, format!("camera {camera}: {why}")),
+            None => reply.send(true, "nothing to show"),
+        }
     }
 
     /// Switches the blackout or the pause of all cameras.

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
-use rcs_messages::AnyMessage;
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::NodeEvent;
+use rcs_ros::{NodeEvent, TopicSubscription};
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
@@ -25,6 +25,7 @@ use crate::camera::output::{self, CameraContext, CameraOutput};
 use crate::camera::plan;
 use crate::camera::rearrange::rearrange;
 use crate::config_names;
+use crate::control::pattern::Pattern;
 use crate::options::Options;
 use crate::safety::ages::{Assessment, Now};
 use crate::safety::read_rules::{self, LightTopics};
@@ -48,6 +49,8 @@ pub(super) struct SceneThread {
     is_lazy: bool,
     safety: Safety,
     light_topics: LightTopics,
+    /// Patterns of a calibration.
+    patterns: TopicSubscription,
     oriented_frames: OrientedFrames,
     windows: Windows,
 }
@@ -63,6 +66,7 @@ impl SceneThread {
     pub(super) fn start(options: &Options, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
         let (rules, light_topics) = read_rules::read(ros, &options.light)?;
+        let patterns = ros.subscribe("~patterns", MessageKind::Image, 1)?;
         let safety = Safety::new(rules);
         let renderer = FrameRenderer::new(options.renderer)?;
         let resources = options.resources.clone();
@@ -86,7 +90,7 @@ impl SceneThread {
         *shared.cameras() = cameras;
         scene.update(time_from_stamp(ros.now()));
         let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.is_lazy, OrientedFrames::default());
-        Ok(Self { shared, context, scene, renderer, is_lazy, safety, light_topics, oriented_frames, windows })
+        Ok(Self { shared, context, scene, renderer, is_lazy, safety, light_topics, patterns, oriented_frames, windows })
     }
 
     fn now(&self) -> Time {
@@ -243,6 +247,14 @@ impl SceneThread {
         };
         self.shared.activity.begin(step);
         match &event {
+            NodeEvent::Message { topic, message: AnyMessage::Image(image), received, .. }
+                if topic == self.patterns.topic() =>
+            {
+                match Pattern::new(image, *received) {
+                    Ok(pattern) => self.shared.control.show_pattern(pattern),
+                    Err(why) => log::warn!("{topic}: not shown: {why}"),
+                }
+            }
             NodeEvent::Message { topic, message, received, .. } => {
                 if self.safety.take_surface(topic, message, *received) {
                     return;

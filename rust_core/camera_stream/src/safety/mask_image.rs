@@ -13,19 +13,29 @@ use rcs_render::LightMask;
 /// # Errors
 /// Another encoding, or too few bytes.
 pub fn light_mask(image: &Image) -> Result<LightMask, String> {
+    let size_px = [image.width, image.height];
+    LightMask::new(size_px, grey_levels(image)?).ok_or_else(|| too_short(image))
+}
+
+/// The grey levels of a mono8 image, row by row.
+///
+/// # Errors
+/// Another encoding, no pixels, or too few bytes.
+pub(crate) fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     if !matches!(image.encoding.as_str(), "mono8" | "8UC1") {
         return Err(format!("its encoding is {}, not mono8", image.encoding));
     }
-    let size_px = [image.width, image.height];
     let (width, step) = (image.width as usize, image.step as usize);
-    let too_short = || format!("{} bytes for {}x{} pixels, {step} a row", image.data().len(), size_px[0], size_px[1]);
     // Rows that overlap could be endlessly many in few bytes.
     if width == 0 || step < width {
-        return Err(too_short());
+        return Err(too_short(image));
     }
     let rows = (0..image.height as usize).map(|row| image.data().get(row.checked_mul(step)?..)?.get(..width));
-    let levels = rows.collect::<Option<Vec<_>>>().map(|rows| rows.concat());
-    levels.and_then(|levels| LightMask::new(size_px, levels)).ok_or_else(too_short)
+    rows.collect::<Option<Vec<_>>>().map(|rows| rows.concat()).ok_or_else(|| too_short(image))
+}
+
+fn too_short(image: &Image) -> String {
+    format!("{} bytes for {}x{} pixels, {} a row", image.data().len(), image.width, image.height, image.step)
 }
 
 /// Reads a mask from a PNG file. Transparent pixels are dark.

@@ -14,7 +14,7 @@ pub(crate) mod black_image;
 pub(crate) mod causes;
 pub(crate) mod confirmed_displays;
 mod eyes;
-mod mask_image;
+pub(crate) mod mask_image;
 pub(crate) mod names;
 pub(crate) mod permit;
 pub(crate) mod read_rules;

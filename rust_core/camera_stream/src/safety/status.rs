@@ -39,6 +39,7 @@ pub(crate) fn add_substitute(entry: &mut StatusEntry<'_>, operator: &OperatorSet
     let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
     operator.paused.iter().for_each(|caller| set("Pause", format!("paused by {caller}")));
     operator.test_picture.iter().for_each(|test| set("Test picture", test.name().to_owned()));
+    operator.pattern.iter().for_each(|_| set("Pattern", "a calibration shows patterns".to_owned()));
 }
 
 /// Adds which of a camera's light the measured surface confirms.

@@ -67,7 +67,10 @@ fn motion_at_any_time_is_refused() {
         assert!(is_refused(&failure), "seed {seed}: {failure}");
         let is_motion = matches!(
             failure,
-            ScanFailure::Moved(_) | ScanFailure::Refinement(RefinementProblem::Moved { .. }) | ScanFailure::Restless(_)
+            ScanFailure::Moved(_)
+                | ScanFailure::Unsteady(_)
+                | ScanFailure::Restless(_)
+                | ScanFailure::Refinement(RefinementProblem::Moved { .. })
         );
         assert!(is_motion, "seed {seed}: {failure}");
     }

@@ -1,0 +1,29 @@
+//! Whether a camera has nothing to show, so that its projector may be verified meanwhile.
+
+use rcs_window::ScreenPicture;
+
+use super::frame::FrameContent;
+use super::output::CameraOutput;
+use crate::safety::causes::DarkCause;
+
+impl CameraOutput {
+    /// Why the camera is not dark only because there is nothing to show; `None` if it is.
+    pub(crate) fn why_busy(&self) -> Option<String> {
+        let operator = self.operator();
+        if let Some(dark) = operator.blackout.as_ref().or(self.policy.dark_reason.as_ref()) {
+            return (dark.cause != DarkCause::Displays).then(|| dark.why.clone());
+        }
+        if let Some(caller) = operator.paused {
+            return Some(format!("paused by {caller}"));
+        }
+        let Some(last) = &self.buffers.front else { return Some("no image so far".to_owned()) };
+        match &last.spec.content {
+            FrameContent::Test { .. } => Some("a test picture or a pattern is shown".to_owned()),
+            FrameContent::Black { dark, .. } => (dark.cause != DarkCause::Displays).then(|| dark.why.clone()),
+            FrameContent::Scene { .. } => {
+                let is_black = ScreenPicture::from_picture(&last.picture).is_ok_and(|picture| picture.is_black());
+                (!is_black).then(|| "the scene is shown".to_owned())
+            }
+        }
+    }
+}
