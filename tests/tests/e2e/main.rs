@@ -48,6 +48,7 @@ mod operator;
 mod orientation;
 mod projector_board;
 mod projector_calibrate;
+mod projector_refine;
 mod projector_scan;
 mod projector_verify;
 mod recorded;

@@ -1,0 +1,147 @@
+//! `projector_calibrate refine --spots` and `watch` on topics: a simulated robot's projector was bumped.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use rcs_files::projector::{write_pose, ProjectorFile};
+use rcs_tests::programs::program;
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
+
+const COMMENT: &str = "# measured on Monday\n";
+
+/// A folder with the robot's truth.yaml and a file from before a bump, and the robot.
+fn robot(master: &RosMaster, folder: &Path) -> (Running, PathBuf) {
+    let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_simulate_scan")));
+    let robot = Running::start(command.args(["--seed", "1", "robot", "--small"]).arg(folder)).unwrap();
+    assert!(wait_until(PATIENCE, || folder.join("tape.yaml").exists()), "{:?}", robot.errors());
+    let path = folder.join("projector.yaml");
+    fs::write(&path, fs::read_to_string(folder.join("truth.yaml")).unwrap() + COMMENT).unwrap();
+    let bump = Isometry3::from_parts(
+        Translation3::new(0.012, -0.008, 0.01),
+        UnitQuaternion::from_euler_angles(0.015, -0.02, 0.01),
+    );
+    let truth = pose(&path);
+    write_pose(&path, ProjectorFile::FRAME_ID, &(truth * bump)).unwrap();
+    (robot, path)
+}
+
+/// The projector's pose by a file.
+fn pose(path: &Path) -> Isometry3<f64> {
+    ProjectorFile::read(path).unwrap().frames[0].parent_from_child()
+}
+
+/// Checks that a file has the true pose again and everything else that it had.
+fn assert_mended(path: &Path) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.ends_with(COMMENT), "{text}");
+    let off = pose(&path.with_file_name("truth.yaml")).inverse() * pose(path);
+    let (off_m, off_rad) = (off.translation.vector.norm(), off.rotation.angle());
+    println!("off by {:.2} mm and {:.3} degrees", 1000.0 * off_m, off_rad.to_degrees());
+    assert!(off_m < 0.003 && off_rad < 0.002, "{off}");
+}
+
+/// Refines by spots on a topic: the exit code and standard error.
+fn refine(master: &RosMaster, file: &Path, topic: &str, more: &[&str]) -> (Option<i32>, Vec<String>) {
+    let mut command = master.environment(Command::new(program("projector_calibrate")));
+    command.current_dir(file.parent().unwrap());
+    command.args(["refine", "--spots", "--projector", "projector.yaml", "--show-on", topic]).args(more);
+    let mut running = Running::start(&mut command).unwrap();
+    let code = running.wait(3 * PATIENCE).and_then(|status| status.code());
+    (code, running.errors())
+}
+
+#[test]
+fn a_bump_is_mended_in_the_file_by_spots() {
+    let (master, folder) = (RosMaster::start().unwrap(), tempfile::tempdir().unwrap());
+    let (_robot, file) = robot(&master, folder.path());
+    let bumped = fs::read_to_string(&file).unwrap();
+    let (code, errors) = refine(&master, &file, "/projector/patterns", &["-o", "new.yaml"]);
+    assert_eq!(code, Some(0), "{errors:?}");
+    assert!(errors.iter().any(|line| line.contains("spots seen in")), "{errors:?}");
+    println!("{errors:?}");
+    assert_mended(&folder.path().join("new.yaml"));
+    assert_eq!(fs::read_to_string(&file).unwrap(), bumped);
+    let (code, errors) = refine(&master, &file, "/projector/patterns", &[]);
+    assert_eq!(code, Some(0), "{errors:?}");
+    assert_mended(&file);
+
+    // Far off: nothing is written.
+    let away = Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_euler_angles(0.0, 1.5, 0.0));
+    write_pose(&file, ProjectorFile::FRAME_ID, &(pose(&file) * away)).unwrap();
+    let wrong = fs::read_to_string(&file).unwrap();
+    let (code, errors) = refine(&master, &file, "/projector/patterns", &[]);
+    assert!(code == Some(1) && errors.iter().any(|line| line.contains("only 0 places")), "{errors:?}");
+    assert_eq!(fs::read_to_string(&file).unwrap(), wrong);
+}
+
+/// `camera_stream` with the robot's projector as its screen, and the node `projector`.
+fn streaming(folder: &Path) -> (RosFixture, Running, Running, PathBuf) {
+    let master = RosMaster::start().unwrap();
+    let (robot, file) = robot(&master, folder);
+    let projector = Running::start(master.environment(Command::new(program("projector"))).arg(&file)).unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let camera = CameraPub { image: "/projector/patterns", info: "/proj_view/camera_info", ..CameraPub::default() };
+    let config = config(&[], &[camera]).replace("rgb8", "mono8").replace("map", "head_camera_rgb_optical_frame");
+    let fixture = RosFixture::with(master, python, &config, &["__name:=camera_stream"]).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python("from std_srvs.srv import SetBool");
+    fixture.python("viewer = Viewer('/projector/patterns')");
+    fixture.wait_for("viewer.last");
+    (fixture, robot, projector, file)
+}
+
+#[test]
+fn camera_stream_shows_the_spots_and_the_running_projector_takes_the_pose() {
+    let folder = tempfile::tempdir().unwrap();
+    let (fixture, _robot, _projector, file) = streaming(folder.path());
+    let refine = || refine(&fixture.master, &file, "/camera_stream/patterns", &[]);
+    let black = |on: &str| fixture.python(format!("rospy.ServiceProxy('/camera_stream/blackout', SetBool)({on})"));
+    black("True");
+    let (code, errors) = refine();
+    let refused = errors.iter().any(|line| line.contains("does not see the projector's light"));
+    assert!(code == Some(1) && refused, "{errors:?}");
+    fixture.wait_for("max(viewer.last.data) == 0");
+    black("False");
+    let (code, errors) = refine();
+    assert_eq!(code, Some(0), "{errors:?} {}", fixture.log());
+    assert!(errors.iter().any(|line| line.contains("saved by /projector")), "{errors:?}");
+    assert_mended(&file);
+    // The scene comes back: nothing.
+    fixture.wait_for("trigger('/camera_stream/is_idle')[0]");
+}
+
+#[test]
+fn a_watch_tells_the_drift_and_measures_by_itself_only_while_there_is_nothing_to_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let (fixture, _robot, _projector, file) = streaming(folder.path());
+    fixture.python(
+        "from diagnostic_msgs.msg import DiagnosticArray\ndrifts = []\ndef keep(message):\n    for s in message.status:\n        \
+         if s.name.endswith('projection drift'): drifts.append((s.level, s.message, {v.key: v.value for v in s.values}))\n\
+         listener = rospy.Subscriber('/diagnostics', DiagnosticArray, keep)",
+    );
+    let before = fs::read_to_string(&file).unwrap();
+    let mut command = fixture.master.environment(Command::new(program("projector_calibrate")));
+    let watch = Running::start(command.arg("watch").arg(&file).args(["--every", "1"])).unwrap();
+    // By itself, and it is off by the bump.
+    fixture.wait_for("drifts and drifts[-1][0] == 1 and float(drifts[-1][2].get('drift_px', 0)) > 5");
+    // It has changed nothing.
+    assert_eq!(fs::read_to_string(&file).unwrap(), before);
+    // On request, with the true file.
+    fs::write(&file, fs::read_to_string(folder.path().join("truth.yaml")).unwrap()).unwrap();
+    fixture.python("rospy.wait_for_service('/projector_watch/verify', 60)");
+    fixture.python("answer = rospy.ServiceProxy('/projector_watch/verify', Trigger)()");
+    let answer = fixture.python("(answer.success, answer.message)");
+    assert!(answer.contains("True") && answer.contains("off by 0."), "{answer} {:?}", watch.errors());
+    fixture.wait_for("drifts[-1][0] == 0 and float(drifts[-1][2]['drift_px']) < 1");
+    // A blackout is no lack of something to show.
+    fixture.python("rospy.ServiceProxy('/camera_stream/blackout', SetBool)(True)");
+    assert!(
+        wait_until(PATIENCE, || watch.errors().iter().any(|line| line.contains("blackout"))),
+        "{:?}",
+        watch.errors()
+    );
+}
