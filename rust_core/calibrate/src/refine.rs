@@ -52,16 +52,16 @@ pub(super) struct RefineArguments {
     #[command(flatten)]
     spots: SpotsArguments,
     #[command(flatten)]
-    pub(super) monitor: MonitorArguments,
+    monitor: MonitorArguments,
     /// The projector's file with its lens
     #[arg(long, value_name = "FILE")]
-    pub(super) projector: PathBuf,
+    projector: PathBuf,
     /// The projector's file to write; one that is there keeps all but the pose [default: --projector]
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
+    output: Option<PathBuf>,
     /// A folder for report.yaml and report.html
     #[arg(long, value_name = "DIR")]
-    pub(super) report: Option<PathBuf>,
+    report: Option<PathBuf>,
     #[command(flatten)]
     placing: PlacingArguments,
 }
@@ -73,7 +73,8 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     }
     let projector = KnownProjector::read(&arguments.projector)?;
     if arguments.spots.is_chosen() {
-        return spots::run(arguments, &arguments.spots, projector);
+        let (monitor, spots) = (arguments.monitor.monitor.clone(), &arguments.spots);
+        return spots::run(spots, monitor, projector, arguments.output.clone(), arguments.report.clone());
     }
     let lens = projector.lens;
     let (points, frames) = match targets(arguments, &projector)? {

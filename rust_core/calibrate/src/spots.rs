@@ -1,6 +1,6 @@
 //! `projector_calibrate refine --spots`: spots that the projector shows, and what becomes of the pose.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use clap::Args;
@@ -10,11 +10,11 @@ use rcs_files::projector::StaticFrame;
 use rcs_node_support::nudge::{Nudge, LARGEST};
 use rcs_node_support::nudged_projector::NudgedProjector;
 use rcs_scan::{Refinement, ScanCamera, ScanEvent, ScanOptions, ScanSession};
+use rcs_window::MonitorChoice;
 
 use super::known_projector::KnownProjector;
 use super::live::{CameraArguments, LiveSession, LiveSetup, PlacedProjector, Progress};
 use super::placing::CameraPose;
-use super::refine::RefineArguments;
 use super::solve::Solved;
 use super::Failure;
 
@@ -46,33 +46,35 @@ impl SpotsArguments {
     }
 }
 
-/// Refines by spots.
+/// Refines by spots, and writes `output` if that is given. `report` is the folder of the reports.
 pub(super) fn run(
-    arguments: &RefineArguments,
     spots: &SpotsArguments,
+    monitor: MonitorChoice,
     projector: KnownProjector,
+    output: Option<PathBuf>,
+    report: Option<PathBuf>,
 ) -> Result<(), Failure> {
     projector.frame()?;
     let setup = LiveSetup {
         name: "the refinement",
-        monitor: arguments.monitor.monitor.clone(),
+        monitor,
         topics: spots.camera.topics(),
         show_on: spots.show_on.clone(),
         projector_px: projector.lens.size_px,
         projector_frame: projector.child().to_owned(),
     };
-    let (arguments, frames) = (arguments.clone(), usize::from(spots.camera.frames));
+    let frames = usize::from(spots.camera.frames);
     setup.run(move |session| {
         session.camera.follow_robot().map_err(Failure::unreadable)?;
         let placed = session.camera.place(&projector)?;
         let Refinement { refined, elapsed } = measure(session, frames, &projector, &placed)?;
         session.check_valid()?;
         let RefinedPose { samples, solution, shown, zoom } = refined;
-        let solved = Solved::judged(&samples, solution, arguments.report.as_deref())?;
+        let solved = Solved::judged(&samples, solution, report.as_deref())?;
         let place = CameraPose { parent: placed.frame.parent.clone(), parent_from_camera: placed.parent_from_camera };
         let pose = solved.parent_from_projector(&place);
         let change = Nudge::of_isometry(&(placed.frame.parent_from_child().inverse() * pose));
-        let done = hand_over(session, &projector, &placed.frame, &pose, arguments.output.as_deref())?;
+        let done = hand_over(session, &projector, &placed.frame, &pose, output.as_deref())?;
         solved.summarise();
         let [sigma_m, sigma_rad] = solved.sigmas();
         eprintln!(
