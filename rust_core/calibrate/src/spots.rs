@@ -62,6 +62,7 @@ pub(super) fn run(
         show_on: spots.show_on.clone(),
         projector_px: projector.lens.size_px,
         projector_frame: projector.child().to_owned(),
+        needs_lens: true,
     };
     let frames = usize::from(spots.camera.frames);
     setup.run(move |session| {

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
     let end = EndRequest::watch_signals().context("cannot handle signals").map_err(Failure::Unreadable)?;
     let node = lifecycle::connect("projector_watch", &end).map_err(Failure::unreadable)?;
     let Some(node) = node else { return Ok(()) };
-    let mut camera = RosCamera::connect(&node, &end, &arguments.camera.topics()).map_err(Failure::Unreadable)?;
+    let mut camera = RosCamera::connect(&node, &end, &arguments.camera.topics(), true).map_err(Failure::Unreadable)?;
     camera.follow_robot().map_err(Failure::unreadable)?;
     camera.set_paused(true);
     let topic = format!("{}/patterns", arguments.stream.trim_end_matches('/'));
