@@ -8,12 +8,13 @@
 //! triangles  │
 //! text       │
 //! cells      ┘
-//! pipeline   what all pipelines have in common, and the fixed state in which they differ
+//! draw       the draws of all kinds, recorded into the passes
+//! pipeline   what all pipelines have in common, and the fixed state and output in which they differ
 //! load       which pictures the CPU draws, because there is too much in them
 //! geometry   what the buffers of geometries have in common
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
-//! target     the picture on the GPU; one for each picture in flight
+//! target     the picture and its depths on the GPU; one for each picture in flight
 //! readback   its way back
 //! stats      how often and how long things were done
 //! ```
@@ -21,7 +22,8 @@
 //! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture
 //! and copy it to memory; from then on it is in flight, and the CPU is free, for example for the next picture's first
 //! half. The second half waits for that one submission and encodes what came back. Nothing is set up during the first
-//! picture: pipelines are built with the device, and buffers and textures are used again.
+//! picture: pipelines are built with the device, and buffers and textures are used again. Depths that are wanted are
+//! passes of their own in the same commands, whose pipelines are built when they are first asked for.
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is closed with an error, and the
@@ -29,6 +31,7 @@
 
 mod cells;
 mod device;
+mod draw;
 mod geometry;
 mod hardware;
 mod lines;
@@ -52,17 +55,18 @@ use std::time::{Duration, Instant};
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
 
-use self::cells::{CellPipelines, CellsDraw};
+use self::cells::CellPipelines;
 use self::device::Device;
-use self::lines::{LinePipelines, LinesDraw};
+use self::draw::{record, Draw};
+use self::lines::LinePipelines;
 use self::load::LoadRule;
 use self::pipeline::{ByPass, Output, Pass};
-use self::points::{PointPipelines, PointsDraw};
+use self::points::PointPipelines;
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
 use self::target::{Target, Targets};
-use self::text::{TextDraw, TextPipelines};
-use self::triangles::{TrianglePipelines, TrianglesDraw};
+use self::text::TextPipelines;
+use self::triangles::TrianglePipelines;
 use self::uniforms::Uniforms;
 use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
@@ -138,15 +142,6 @@ struct LensView {
 
 /// One picture is drawn while others are prepared and encoded; as many as a node usually has cameras.
 const PICTURES_AT_ONCE: usize = 4;
-
-/// One drawable in one picture.
-enum Draw {
-    Points(PointsDraw),
-    Lines(LinesDraw),
-    Triangles(TrianglesDraw),
-    Text(TextDraw),
-    Cells(CellsDraw),
-}
 
 /// The part common to all drawables of a picture.
 struct Viewpoint<'a> {
@@ -449,49 +444,10 @@ impl Submitted {
     }
 }
 
-impl Draw {
-    fn pipelines(&self) -> &ByPass<wgpu::RenderPipeline> {
-        match self {
-            Self::Points(draw) => &draw.pipelines,
-            Self::Lines(draw) => &draw.pipelines,
-            Self::Triangles(draw) => &draw.pipelines,
-            Self::Text(draw) => &draw.pipelines,
-            Self::Cells(draw) => &draw.pipelines,
-        }
-    }
-}
-
 /// What a display's drawables write in each pass.
 fn outputs(request: &DepthRequest<'_>, display: DisplayId) -> ByPass<Output> {
     let object = request.objects_of.map(|displays| Output::ObjectDepth { is_listed: displays.shows(display) });
     [Some(Output::Color), request.opaque.then_some(Output::OpaqueDepth), object]
-}
-
-/// Records those of the draws that have a part in a pass.
-fn record(
-    draws: &[Draw],
-    kind: Pass,
-    pass: &mut wgpu::RenderPass<'_>,
-    (uniforms, instances): (&wgpu::BindGroup, &wgpu::Buffer),
-) {
-    let (mut last_pipeline, mut previous) = (None, None);
-    for draw in draws {
-        let Some(pipeline) = &draw.pipelines()[kind as usize] else { continue };
-        if last_pipeline.replace(pipeline) != Some(pipeline) {
-            pass.set_pipeline(pipeline);
-        }
-        match draw {
-            Draw::Points(draw) => draw.record(pass, uniforms),
-            Draw::Lines(draw) => draw.record(pass, uniforms),
-            Draw::Triangles(draw) => draw.record(pass, uniforms, instances, previous),
-            Draw::Text(draw) => draw.record(pass, uniforms),
-            Draw::Cells(draw) => draw.record(pass, uniforms),
-        }
-        previous = match draw {
-            Draw::Triangles(draw) => Some(draw),
-            _ => None,
-        };
-    }
 }
 
 impl Viewpoint<'_> {
