@@ -90,13 +90,10 @@ fn write_row(points: &Projected, directions: Directions, y: usize, codes: &mut [
     let [below, half_below] = [REACH, REACH / 2].map(|rows| at(row_at(y + rows) + REACH));
     for (i, code) in codes.iter_mut().enumerate() {
         let limit_m = EDGE * jump_m(own.z[i]);
-        let between = |from: &Strip<'_>, half: &Strip<'_>, to: &Strip<'_>| {
-            let is_edge = (half.z[i] - from.z[i]).abs() > limit_m || (to.z[i] - half.z[i]).abs() > limit_m;
-            let w = if is_edge { f32::NAN } else { to.w[i] - from.w[i] };
-            Slope { x: to.u[i] - from.u[i], y: to.v[i] - from.v[i], w }
-        };
-        let across = flatter(between(&left, &half_left, &own), between(&own, &half_right, &right));
-        let down = flatter(between(&above, &half_above, &own), between(&own, &half_below, &below));
+        let across =
+            flatter(slope([&left, &half_left, &own], i, limit_m), slope([&own, &half_right, &right], i, limit_m));
+        let down =
+            flatter(slope([&above, &half_above, &own], i, limit_m), slope([&own, &half_below, &below], i, limit_m));
         *code = code_of(cosine(directions, [own.u[i], own.v[i], own.w[i]], [across, down]));
     }
 }
@@ -110,10 +107,18 @@ struct Strip<'a> {
     z: &'a [f32],
 }
 
+/// Slope from the first to the last of three points; NaN over an edge.
+#[inline(always)]
+fn slope([from, half, to]: [&Strip<'_>; 3], i: usize, limit_m: f32) -> Slope {
+    let is_edge = ((half.z[i] - from.z[i]).abs() > limit_m) | ((to.z[i] - half.z[i]).abs() > limit_m);
+    let w = if is_edge { f32::NAN } else { to.w[i] - from.w[i] };
+    Slope { x: to.u[i] - from.u[i], y: to.v[i] - from.v[i], w }
+}
+
 #[inline(always)]
 fn flatter(one: Slope, other: Slope) -> Slope {
     // A slope over an edge is NaN.
-    let is_one = one.w.abs() <= other.w.abs() || other.w.is_nan();
+    let is_one = (one.w.abs() <= other.w.abs()) | other.w.is_nan();
     let pick = |one: f32, other: f32| if is_one { one } else { other };
     Slope { x: pick(one.x, other.x), y: pick(one.y, other.y), w: pick(one.w, other.w) }
 }

@@ -19,6 +19,14 @@ const NEAREST_M: f32 = 0.01;
 /// [`Projected::z`] of a pixel on a side wall: nothing is measured there.
 const BRIDGE: f32 = -1.0;
 
+/// Pixels that are skipped at once where none is missing.
+const CHUNK: usize = 16;
+
+#[inline(always)]
+fn has_missing(z: &[f32]) -> bool {
+    z.iter().fold(false, |has, z| has | z.is_nan())
+}
+
 /// Difference of two neighbours' depths above which they are two surfaces, metres. It grows like the noise and the
 /// steps of a depth camera.
 #[inline(always)]
@@ -61,7 +69,6 @@ impl Projected {
         [self.width, self.height] = grid.size_px.map(|side| side as usize);
         let count = self.width * self.height;
         for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
-            plane.clear();
             plane.resize(count, f32::NAN);
         }
         let rows = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| cells_from_sensor[(row, column)] as f32));
@@ -91,17 +98,29 @@ impl Projected {
     /// Closes the small holes that begin in this row below a point.
     fn close_columns_from(&mut self, y: usize) {
         let (width, begin) = (self.width, y * self.width);
-        for x in 0..if y == 0 { 0 } else { width } {
-            let above = begin + x - width;
-            if !(self.z[begin + x].is_nan() && self.z[above] > 0.0) {
+        if y == 0 {
+            return;
+        }
+        for first in (begin..begin + width).step_by(CHUNK) {
+            let end = (first + CHUNK).min(begin + width);
+            if !has_missing(&self.z[first..end]) {
                 continue;
             }
-            let below = (1..=HOLE_PX)
-                .map(|rows| begin + x + rows * width)
-                .find(|index| self.z.get(*index).is_some_and(|z| *z > 0.0));
-            if let Some(below) = below.filter(|below| self.are_one_surface(above, *below)) {
-                self.connect(above, below, width, false);
+            for index in first..end {
+                if self.z[index].is_nan() && self.z[index - width] > 0.0 {
+                    self.close_column(index);
+                }
             }
+        }
+    }
+
+    /// Closes the hole that begins here, below a point, if it is small.
+    fn close_column(&mut self, index: usize) {
+        let above = index - self.width;
+        let others = (1..=HOLE_PX).map(|rows| index + rows * self.width);
+        let below = others.take_while(|index| *index < self.z.len()).find(|index| self.z[*index] > 0.0);
+        if let Some(below) = below.filter(|below| self.are_one_surface(above, *below)) {
+            self.connect(above, below, self.width, false);
         }
     }
 
@@ -109,15 +128,22 @@ impl Projected {
     fn close_row(&mut self, y: usize) {
         let (begin, end) = (y * self.width, (y + 1) * self.width);
         let mut last = None;
-        for index in begin..end {
-            if self.z[index].is_nan() {
-                continue;
+        for first in (begin..end).step_by(CHUNK) {
+            let end = (first + CHUNK).min(end);
+            let is_whole = !has_missing(&self.z[first..end]);
+            for index in first..if is_whole { first + 1 } else { end } {
+                if self.z[index].is_nan() {
+                    continue;
+                }
+                if let Some(last) = last.filter(|last| last + 1 < index) {
+                    let is_surface = index - last <= HOLE_PX + 1 && self.are_one_surface(last, index);
+                    self.connect(last, index, 1, !is_surface);
+                }
+                last = Some(index);
             }
-            if let Some(last) = last.filter(|last| last + 1 < index) {
-                let is_surface = index - last <= HOLE_PX + 1 && self.are_one_surface(last, index);
-                self.connect(last, index, 1, !is_surface);
+            if is_whole {
+                last = Some(end - 1);
             }
-            last = Some(index);
         }
     }
 

@@ -11,6 +11,9 @@ pub(crate) const NOTHING: u32 = f32::INFINITY.to_bits();
 /// millimetre at 2 m.
 const DEPTH_BITS: u32 = !0xff;
 
+/// A column or row that no image has.
+const FARTHEST_CELL: f32 = 4e4;
+
 /// Largest distance of the last from the first column or row of a quad that covers its bounding box.
 const SMALL: i32 = 3;
 
@@ -46,20 +49,25 @@ impl QuadRow {
     }
 }
 
-/// Two rows of one plane of the points, from the upper left corner of the first quad on.
-type RowPair<'a> = [&'a [f32]; 2];
-
-/// Row `y` and the next one.
+/// The corners of the quads below a row, in one plane of the points: above left and right, below left and right. Of equal
+/// lengths, so that loops over them need no checks.
 #[inline(always)]
-fn two_rows(plane: &[f32], y: usize, width: usize) -> RowPair<'_> {
-    let (above, below) = plane[y * width..(y + 2) * width].split_at(width);
-    [above, below]
+fn corners(plane: &[f32], y: usize, width: usize) -> [&[f32]; 4] {
+    let count = width - 1;
+    let begin = y * width;
+    [begin, begin + 1, begin + width, begin + width + 1].map(|begin| &plane[begin..begin + count])
 }
 
-/// The four corners of a quad.
+/// First cell whose centre is not before a place.
 #[inline(always)]
-fn corners([above, below]: RowPair<'_>, i: usize) -> [f32; 4] {
-    [above[i], above[i + 1], below[i], below[i + 1]]
+fn first(least: f32) -> i32 {
+    (least - 0.5).max(0.0).min(FARTHEST_CELL).ceil() as i32
+}
+
+/// Last cell whose centre is not behind a place, among `count`.
+#[inline(always)]
+fn last(most: f32, count: f32) -> i32 {
+    (most - 0.5).max(-1.0).min(count - 1.0).floor() as i32
 }
 
 #[inline(always)]
@@ -185,23 +193,23 @@ impl QuadRow {
     #[inline(always)]
     fn place(&mut self, points: &Projected, y: usize, codes: &[u32], [columns, rows]: [usize; 2]) {
         let (width, count) = (points.width, self.depth.len());
-        let [us, vs] = [&points.u, &points.v].map(|plane| two_rows(plane, y, width));
-        let [ws, zs] = [&points.w, &points.z].map(|plane| two_rows(plane, y, width));
+        let [u0, u1, u2, u3] = corners(&points.u, y, width).map(|plane| &plane[..count]);
+        let [v0, v1, v2, v3] = corners(&points.v, y, width).map(|plane| &plane[..count]);
+        let [w0, w1, w2, w3] = corners(&points.w, y, width).map(|plane| &plane[..count]);
+        let [z0, z1, z2, z3] = corners(&points.z, y, width).map(|plane| &plane[..count]);
         let (last_column, last_row) = (columns as f32, rows as f32);
         let codes = &codes[..count];
         let (left, right) = (&mut self.left[..count], &mut self.right[..count]);
         let (top, bottom) = (&mut self.top[..count], &mut self.bottom[..count]);
         let (depth, is_wall) = (&mut self.depth[..count], &mut self.is_wall[..count]);
         for i in 0..count {
-            let (u, v, w, z) = (corners(us, i), corners(vs, i), corners(ws, i), corners(zs, i));
-            let [a, b, c, d] = w;
-            let sum = a + b + c + d;
+            let (u, v) = ([u0[i], u1[i], u2[i], u3[i]], [v0[i], v1[i], v2[i], v3[i]]);
+            let (w, z) = ([w0[i], w1[i], w2[i], w3[i]], [z0[i], z1[i], z2[i], z3[i]]);
+            let sum = w[0] + w[1] + w[2] + w[3];
             // Not where a corner is missing: its NaN is in the sum.
             let is_whole = sum > 0.0;
             let (z_least, z_most) = (least(z), most(z));
             let jumps = z_least < 0.0 || z_most - z_least > jump_m(z_least);
-            let first = |least: f32| (least - 0.5).max(0.0).min(4e4).ceil() as i32;
-            let last = |most: f32, count: f32| (most - 0.5).max(-1.0).min(count - 1.0).floor() as i32;
             left[i] = first(least(u));
             right[i] = if is_whole { last(most(u), last_column) } else { -1 };
             top[i] = first(least(v));
