@@ -78,13 +78,13 @@ impl FramePolicy {
     }
 
     /// The policy with the surface that confirms its light. What is dark for the sake of eyes stays so for that reason.
-    fn checked(self, state: AgeState, surface: Option<SurfaceCheck>) -> Self {
-        let dark = match &state {
+    fn checked(self, state: &AgeState, surface: Option<SurfaceCheck>) -> Self {
+        let dark = match state {
             AgeState::Stale(why) => Some(DarkReason::new(DarkCause::Surface, why.clone())),
             AgeState::Undated | AgeState::Current(_) => None,
         };
         let until = match state {
-            AgeState::Current(until) => until,
+            AgeState::Current(until) => *until,
             AgeState::Undated | AgeState::Stale(_) => None,
         };
         // The first in the table.
@@ -248,7 +248,7 @@ impl Safety {
             self.surfaces.observe(lit, scene);
             let surface = self.surfaces.state(lit, &source, now);
             let check = self.surfaces.check(&lit.view.name, scene.displays());
-            policies.push(self.policy(lit, mask, &spheres).checked(surface, check));
+            policies.push(self.policy(lit, mask, &spheres).checked(&surface, check));
         }
         policies
     }
