@@ -88,13 +88,10 @@ pub(super) struct ScanArguments {
 /// A printed board in place of the room.
 #[derive(Debug, Clone, Args)]
 struct BoardArguments {
-    /// Scan a printed chessboard in several poses instead of the room, for cameras without depth: its inner corners and
-    /// the length of a square's side. Camera and projector stay, the board moves, as the log says, until the verdict is
-    /// good. --output gets a folder for each pose. The camera may be without CameraInfo
+    /// Scan a printed chessboard in several poses, without depth; the log says how to hold it
     #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
     board: Option<Chessboard>,
-    /// With --board: take pictures that exist. DIR has a folder for each pose, each a picture for each pattern, sorted by
-    /// the numbers in their names; white and black come first or last
+    /// With --board: take the pictures in DIR, a folder for each pose
     #[arg(long, value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
     pictures: Option<PathBuf>,
     /// With --pictures: the camera's file, if it is calibrated

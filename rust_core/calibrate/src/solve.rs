@@ -36,7 +36,7 @@ Examples: projector_calibrate solve points.csv --size 1280x800 -o projector.yaml
           projector_calibrate solve boards --board chessboard:10x7:25mm --size 1280x800 -o projector.yaml \\
               --camera camera.yaml --report report")]
 pub(super) struct SolveArguments {
-    /// Files of points, or capture folders. With --board, capture folders or a folder of them
+    /// Files of points, capture folders or, with --board, a folder of them
     #[arg(value_name = "FILE", required = true)]
     points: Vec<PathBuf>,
     /// Width and height of the projector's picture, pixels
@@ -45,14 +45,13 @@ pub(super) struct SolveArguments {
     /// The projector's file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// The poses are those of a printed chessboard, see `scan --board`: its inner corners and the length of a square's side.
-    /// Camera and projector were in the same place in all of them
+    /// The printed board of `scan --board`
     #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard)]
     board: Option<Chessboard>,
-    /// With --board: the camera's file to write, as camera_calibration does
+    /// With --board: the camera's file to write
     #[arg(long, value_name = "FILE", requires = "board")]
     camera: Option<PathBuf>,
-    /// With --board: solve for the camera's lens even if it has a CameraInfo
+    /// With --board: ignore the camera's CameraInfo
     #[arg(long, requires = "board")]
     solve_camera: bool,
     /// A folder for report.yaml and report.html

@@ -37,7 +37,7 @@ Exit codes: 0 written; 1 not written; 2 invalid arguments
 
 Example: projector_calibrate board -o board.pdf")]
 pub(crate) struct BoardArguments {
-    /// The board: its inner corners, where four squares meet, and the length of a square's side
+    /// Inner corners, where four squares meet, and a square's side
     #[arg(long, value_name = "chessboard:CxR:SIDE", default_value = "chessboard:10x7:25mm", value_parser = chessboard)]
     board: Chessboard,
     /// The file to write
