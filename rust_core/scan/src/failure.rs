@@ -11,8 +11,8 @@ use crate::recorded::sequence::PatternSequenceError;
 pub enum ScanFailure {
     /// White and black look the same; the screen's name.
     #[error(
-        "the camera does not see the projector's light on {0}: is the projector on, does the camera look at what \
-         it lights, and is the room dark enough?"
+        "the camera does not see the projector's light on {0}: is the projector on and not blacked out, does the \
+         camera look at what it lights, and is the room dark enough?"
     )]
     NoLight(String),
     /// Brightness changes under the same picture; by this share of the projector's light.
