@@ -55,7 +55,7 @@ pub const ROS_NAMES: &[RosName] = &[
         "`watch`: spots, for the node with the screen (`--stream`)",
     ),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "`watch`: the drift, `drift_px`"),
-    serves("~verify", "std_srvs/Trigger", "`watch`: measures, and answers with the drift"),
+    serves("~verify", "std_srvs/Trigger", "`watch`: measures the drift, for `/diagnostics`"),
 ];
 
 /// Calibrates a projector: writes the file that the program projector publishes.

@@ -23,9 +23,9 @@ const IDLE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Verifies a projector on request, or while there is nothing to show, and publishes its drift
 ///
-/// A node: ~verify measures the reprojection error as verify does, on the screen of a camera_stream, and answers with
-/// it. With --every, it measures by itself, but only while that node's images are dark because there is nothing to
-/// show. /diagnostics has the drift in pixels, a warning beyond --limit. It changes nothing: refine mends.
+/// A node: the service ~verify measures the reprojection error as verify does, on the screen of a camera_stream. With
+/// --every, it measures by itself, but only while that node's images are dark because there is nothing to show.
+/// /diagnostics has the drift in pixels, a warning beyond --limit. It changes nothing: refine mends.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "\
 Topics subscribed to: as verify. Topics published: /diagnostics, and ~patterns of the camera_stream
@@ -96,8 +96,9 @@ impl Watch<'_> {
             for call in self.node.calls().wait(POLL_PERIOD) {
                 if let ServiceCall::Trigger { service, reply, .. } = call {
                     if service == verify {
-                        let (is_right, text) = self.measure();
-                        reply.send(is_right, text);
+                        // A caller does not wait for as long as it takes.
+                        reply.send(true, "measuring: /diagnostics tells the drift in some seconds");
+                        self.measure();
                     }
                 }
             }
@@ -127,8 +128,8 @@ impl Watch<'_> {
         }
     }
 
-    /// Measures, and sets the status. Returns whether the error is within the limit, and the status's text.
-    fn measure(&mut self) -> (bool, String) {
+    /// Measures, and sets the status.
+    fn measure(&mut self) {
         self.camera.set_paused(false);
         let drift = self.drift();
         self.camera.set_paused(true);
@@ -149,7 +150,6 @@ impl Watch<'_> {
             Err(error) => (Level::Warn, format!("not measured: {}", rcs_logging::one_line(&error))),
         };
         self.status.set(level, &text, "");
-        (level == Level::Ok, text)
     }
 
     /// RMS and median of the reprojection error, pixels of the projector.

@@ -133,9 +133,8 @@ fn a_watch_tells_the_drift_and_measures_by_itself_only_while_there_is_nothing_to
     // On request, with the true file.
     fs::write(&file, fs::read_to_string(folder.path().join("truth.yaml")).unwrap()).unwrap();
     fixture.python("rospy.wait_for_service('/projector_watch/verify', 60)");
-    fixture.python("answer = rospy.ServiceProxy('/projector_watch/verify', Trigger)()");
-    let answer = fixture.python("(answer.success, answer.message)");
-    assert!(answer.contains("True") && answer.contains("off by 0."), "{answer} {:?}", watch.errors());
+    let answer = fixture.python("rospy.ServiceProxy('/projector_watch/verify', Trigger)().success");
+    assert!(answer.contains("True"), "{answer} {:?}", watch.errors());
     fixture.wait_for("drifts[-1][0] == 0 and float(drifts[-1][2]['drift_px']) < 1");
     // A blackout is no lack of something to show.
     fixture.python("rospy.ServiceProxy('/camera_stream/blackout', SetBool)(True)");
