@@ -33,7 +33,7 @@ pub enum RefinementProblem {
     /// Too few targets.
     #[error(
         "only {spots} places are seen with steady depth where the projector's light arrives, {LEAST_SPOTS} are needed: \
-         do camera and projector look at the same scene?"
+         do camera and projector look at the same scene, and does a mask leave enough of it lit?"
     )]
     FewPlaces {
         /// Number of places for spots.
