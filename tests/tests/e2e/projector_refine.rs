@@ -78,6 +78,70 @@ fn a_bump_is_mended_in_the_file_by_spots() {
     assert_eq!(fs::read_to_string(&file).unwrap(), wrong);
 }
 
+/// A file with comments, a topic, names and a frame in between.
+const OWN: &str = "\
+# the lab's, native resolution
+width: 640   # px
+height: 400
+K: [750, 0, 320, 0, 750, 200, 0, 0, 1]
+frame_id: lab_projector
+camera_info_topic: /lab/camera_info   # ours
+frames:
+  # the bracket
+  - {parent: head_camera_rgb_optical_frame, child: mount, translation: [0.1, 0.2, 0.3]}
+  - {parent: mount, child: lab_projector, translation: [0.02, 0, 0], rotation_rpy: [0, 0, 0]}  # measured
+";
+
+#[test]
+fn a_file_that_is_refined_keeps_comments_topic_names_and_frames_between() {
+    let folder = tempfile::tempdir().unwrap();
+    // The projector has moved by 1 cm to the right and 5 mm back.
+    let mut points = "u_px,v_px,x_m,y_m,z_m\n".to_owned();
+    for number in 0..60_u32 {
+        let (u, v) = (f64::from(number * 97 % 620) + 10.0, f64::from(number * 61 % 380) + 10.0);
+        let z = 0.8 + 0.02 * f64::from(number * 13 % 60);
+        let (x, y) = ((u - 320.0) / 750.0 * z + 0.13, (v - 200.0) / 750.0 * z + 0.2);
+        points += &format!("{u},{v},{x},{y},{}\n", z + 0.295);
+    }
+    let file = |name: &str| folder.path().join(name);
+    let write = |name: &str, text: &str| fs::write(file(name), text).unwrap();
+    write("points.csv", &points);
+    write("own.yaml", OWN);
+    let refine = |more: &[&str]| {
+        let mut command = Command::new(program("projector_calibrate"));
+        command.current_dir(folder.path()).args(["refine", "points.csv", "--projector", "own.yaml"]).args(more);
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let check = |name: &str| {
+        let text = fs::read_to_string(file(name)).unwrap();
+        let changed: Vec<(&str, &str)> = text.lines().zip(OWN.lines()).filter(|(new, old)| new != old).collect();
+        let [(new, _)] = changed[..] else { panic!("{text}") };
+        assert!(
+            new.starts_with("  - {parent: mount, child: lab_projector,") && new.ends_with("}  # measured"),
+            "{new}"
+        );
+        let moved = ProjectorFile::read(&file(name)).unwrap().frames[1].translation_m;
+        assert!((moved[0] - 0.03).abs() < 1e-4 && (moved[2] + 0.005).abs() < 1e-4, "{moved:?}");
+    };
+    assert_eq!(refine(&["-o", "new.yaml"]).0, Some(0));
+    check("new.yaml");
+    // A file that is there keeps what it has.
+    write("there.yaml", &OWN.replace("native resolution", "another comment"));
+    assert_eq!(refine(&["-o", "there.yaml"]).0, Some(0));
+    assert!(fs::read_to_string(file("there.yaml")).unwrap().starts_with("# the lab's, another comment\n"));
+    // One of another lens is not touched.
+    let other = OWN.replace("750", "760");
+    write("other.yaml", &other);
+    let (code, errors) = refine(&["-o", "other.yaml"]);
+    assert!(code == Some(1) && errors.contains("other.yaml has another lens than own.yaml"), "{errors}");
+    assert_eq!(fs::read_to_string(file("other.yaml")).unwrap(), other);
+    // In place, without --output.
+    assert_eq!(fs::read_to_string(file("own.yaml")).unwrap(), OWN);
+    assert_eq!(refine(&[]).0, Some(0));
+    check("own.yaml");
+}
+
 /// `camera_stream` with the robot's projector as its screen, and the node `projector`.
 fn streaming(folder: &Path) -> (RosFixture, Running, Running, PathBuf) {
     let master = RosMaster::start().unwrap();
