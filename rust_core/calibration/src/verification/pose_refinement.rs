@@ -148,7 +148,7 @@ impl PoseRefinement {
         let seen: Vec<(&Spot, SpotLight)> =
             self.spots.iter().zip(found).filter_map(|(spot, found)| Some((spot, found?))).collect();
         let shown = self.spots.len();
-        check_still(seen.iter().map(|(_, light)| light), images.len())?;
+        check_still(&seen, images.len())?;
         let samples: Vec<Sample> = seen.iter().filter_map(|(spot, light)| self.sample(spot, light, &surface)).collect();
         if samples.len() < LEAST_SPOTS || (samples.len() as f64) < LEAST_SEEN * shown as f64 {
             return Err(RefinementProblem::FewSeen { seen: samples.len(), shown });
@@ -193,13 +193,11 @@ fn offsets(light: &SpotLight) -> impl Iterator<Item = (usize, Vector2<f64>)> + '
 }
 
 /// Refuses images among which the spots move: all of them a little, or a part of them farther.
-fn check_still<'a>(
-    lights: impl Iterator<Item = &'a SpotLight> + Clone,
-    images: usize,
-) -> Result<(), RefinementProblem> {
+fn check_still(seen: &[(&Spot, SpotLight)], images: usize) -> Result<(), RefinementProblem> {
     for image in 0..images {
-        let of_image: Vec<Vector2<f64>> =
-            (lights.clone().flat_map(offsets)).filter_map(|(at, offset)| (at == image).then_some(offset)).collect();
+        let of_image: Vec<Vector2<f64>> = (seen.iter().flat_map(|(_, light)| offsets(light)))
+            .filter_map(|(at, offset)| (at == image).then_some(offset))
+            .collect();
         if of_image.len() < LEAST_SPOTS / 2 {
             continue;
         }
