@@ -152,7 +152,7 @@ fn programs_read_every_figure() {
 #[test]
 fn the_page_is_one_file_with_everything_in_it() {
     let (report, samples) = report(500, 2);
-    let page = page::page(&report, &samples);
+    let page = page::page(&report, &samples, "");
     for expected in
         ["Usable.", "&lt;tags&gt; &amp; &#39;others&#39;", "camera of scan 1 and its points", "px</small>", ">fixed<"]
     {
@@ -170,7 +170,7 @@ fn the_page_is_one_file_with_everything_in_it() {
 #[test]
 fn drawings_are_well_formed() {
     let (report, samples) = report(2000, 5);
-    let page = page::page(&report, &samples);
+    let page = page::page(&report, &samples, "");
     for svg in page.split("<svg").skip(1) {
         let svg = svg.split("</svg>").next().unwrap();
         assert_eq!(svg.matches('<').count(), svg.matches('>').count() - 1);
@@ -197,7 +197,7 @@ fn both_files_are_written_into_a_new_folder() {
 #[test]
 fn a_calibration_with_nothing_to_show_has_a_page_too() {
     let (mut report, mut samples) = report(0, 0);
-    assert!(page::page(&report, &samples).contains("</html>"));
+    assert!(page::page(&report, &samples, "").contains("</html>"));
     assert_eq!(parsed(&report)["poses"], Value::Sequence(Vec::new()));
     report.solution.estimates.clear();
     report.reasons.clear();
@@ -205,13 +205,13 @@ fn a_calibration_with_nothing_to_show_has_a_page_too() {
     report.solution.rms_px = f64::NAN;
     report.solution.held_out_rms_px = f64::INFINITY;
     assert!(parsed(&report)["rms_px"].as_f64().unwrap().is_nan());
-    let _ = page::page(&report, &samples);
+    let _ = page::page(&report, &samples, "");
     // Residuals without a sample, and numbers that are none.
     let miss = Vector2::new(f64::NAN, 1.0);
     let strange = |sample| Residual { sample, error_px: miss, error_m: miss, depth_m: f64::NAN, is_inlier: true };
     report.solution.residuals = vec![strange(0), strange(1_000_000)];
     samples.push(Sample::new(Point2::new(1e9, f64::NAN), Point3::new(f64::INFINITY, 0.0, 1.0)));
-    let _ = page::page(&report, &samples);
+    let _ = page::page(&report, &samples, "");
 }
 
 proptest! {
@@ -237,6 +237,6 @@ proptest! {
         for (index, reason) in report.reasons.iter().enumerate() {
             prop_assert_eq!(read["reasons"][index].as_str(), Some(reason.as_str()));
         }
-        prop_assert!(page::page(&report, &samples).ends_with("</html>\n"));
+        prop_assert!(page::page(&report, &samples, "").ends_with("</html>\n"));
     }
 }

@@ -89,7 +89,8 @@ fn seen(rig: &Rig, shift_m: f64, tilt: f64) -> Vec<u8> {
 fn a_board_is_scanned_once_it_rests_in_a_new_pose() {
     let rig = Rig::random(3);
     let (first, moving, second) = (seen(&rig, 0.0, 0.1), seen(&rig, 0.02, 0.2), seen(&rig, 0.05, 0.5));
-    let empty = Scan::new(&View::new(&Room::wall(1.9, [0.1, 0.1]), &rig), Conditions::random(7));
+    let wall = View::new(&Room::wall(1.9, [0.1, 0.1]), &rig);
+    let empty = Scan::new(&wall, Conditions::random(7));
     let seconds = Duration::from_secs;
     let start = Instant::now();
     let scenes = vec![
@@ -130,6 +131,7 @@ fn waiting_for_a_board_can_be_interrupted() {
     let mut camera = Film { lens: rig.camera, start, now: start, scenes };
     let options = ScanOptions { projector_px: [1280, 800], step: 1, frames: 1, is_cancelled: &|| true };
     let mut observe = |_: ScanEvent<'_>| {};
-    let mut session = ScanSession::new(&mut AnyScreen, &mut camera, &options, &mut observe);
+    let mut screen = AnyScreen;
+    let mut session = ScanSession::new(&mut screen, &mut camera, &options, &mut observe);
     assert!(matches!(session.wait_for_board(&BOARD, None), Err(ScanFailure::Interrupted)));
 }
