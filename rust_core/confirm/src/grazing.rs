@@ -1,8 +1,8 @@
 //! Angle at which the projector's rays meet the measured surface, and what it adds to the tolerance.
 //!
 //! On a plane the inverse depth is linear over the image: w = a x + b y + c with directions (x, y, 1), and (a, b, c) is
-//! along the normal. The slopes are measured over some pixels, as neighbours differ by noise, and on the flatter side, as
-//! the other one may reach over an edge.
+//! along the normal. The slopes are measured over some pixels, as neighbours differ by noise, and on the flatter side,
+//! as the other one may reach over an edge.
 
 use fearless_simd::{dispatch, Level};
 use rcs_scene::Intrinsics;

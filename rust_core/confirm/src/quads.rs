@@ -49,8 +49,8 @@ impl QuadRow {
     }
 }
 
-/// The corners of the quads below a row, in one plane of the points: above left and right, below left and right. Of equal
-/// lengths, so that loops over them need no checks.
+/// The corners of the quads below a row, in one plane of the points: above left and right, below left and right. Of
+/// equal lengths, so that loops over them need no checks.
 #[inline(always)]
 fn corners(plane: &[f32], y: usize, width: usize) -> [&[f32]; 4] {
     let count = width - 1;
@@ -60,6 +60,7 @@ fn corners(plane: &[f32], y: usize, width: usize) -> [&[f32]; 4] {
 
 /// First cell whose centre is not before a place.
 #[inline(always)]
+#[expect(clippy::manual_clamp, reason = "NaN becomes 0")]
 fn first(least: f32) -> i32 {
     (least - 0.5).max(0.0).min(FARTHEST_CELL).ceil() as i32
 }

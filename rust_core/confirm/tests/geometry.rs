@@ -340,7 +340,11 @@ proptest! {
 
     #[test]
     fn no_grid_and_no_pose_is_too_strange(
-        seed: u64, columns in 0..40_u32, rows in 0..30_u32, offset in prop::array::uniform3(-3.0..3.0), angle in -4.0..4.0,
+        seed: u64,
+        columns in 0..40_u32,
+        rows in 0..30_u32,
+        offset in prop::array::uniform3(-3.0..3.0),
+        angle in -4.0..4.0,
     ) {
         let strange = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 1e-9, 1e30, 0.5, 2.0, 2.01];
         let value = |index: u32| strange[(seed.rotate_left(index % 64) ^ u64::from(index)) as usize % strange.len()];

@@ -94,6 +94,13 @@ impl Room {
         room
     }
 
+    /// The room without checkered surfaces, which may look like a chessboard.
+    #[must_use]
+    pub fn without_checkers(mut self) -> Self {
+        self.solids.iter_mut().for_each(|solid| solid.surface = solid.surface.without_checkers());
+        self
+    }
+
     /// The room with some of its objects of a material that a depth camera does not see.
     #[must_use]
     pub fn with_infrared_black(&self, seed: u64, share: f64) -> Self {

@@ -69,6 +69,12 @@ impl Surface {
         }
     }
 
+    /// The surface with another texture in place of checkers.
+    pub(crate) fn without_checkers(self) -> Self {
+        let texture = if matches!(self.texture, Texture::Checker) { Texture::Noise } else { self.texture };
+        Self { texture, ..self }
+    }
+
     /// Albedo at a point of the solid's frame.
     pub(crate) fn albedo(&self, local: &Point3<f64>) -> f64 {
         let place = local / self.size_m;

@@ -290,7 +290,7 @@ impl CpuRenderer {
 
 /// The depths band by band, of this number of pixels each; without end.
 fn depth_bands(depth: &mut DepthPicture, pixels: usize) -> impl Iterator<Item = &mut [f32]> {
-    depth.depths_m.chunks_mut(pixels.max(1)).chain(std::iter::repeat_with(|| <&mut [f32]>::default()))
+    depth.depths_m.chunks_mut(pixels.max(1)).chain(std::iter::repeat_with(<&mut [f32]>::default))
 }
 
 /// Writes rows of a depth buffer as metres, if these are wanted.
