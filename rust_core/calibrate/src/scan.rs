@@ -67,8 +67,8 @@ pub(super) struct ScanArguments {
     bag: Vec<PathBuf>,
     #[command(flatten)]
     board: BoardArguments,
-    /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that the command
-    /// patterns writes for --size and --step]
+    /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that
+    /// the command patterns writes for --size and --step]
     #[arg(long, value_name = "DIR|FILE")]
     patterns: Option<PathBuf>,
     /// With --bag: leave out what was recorded before, seconds since its beginning

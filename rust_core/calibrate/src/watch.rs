@@ -1,4 +1,4 @@
-//! `projector_calibrate watch`: a node that verifies on request, or while there is nothing to show, and tells the drift.
+//! `projector_calibrate watch`: verifies on request, or while there is nothing to show, and tells the drift.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

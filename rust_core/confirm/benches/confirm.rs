@@ -1,4 +1,5 @@
 //! Time of a depth image of 640×480 pixels for a projector of 1280×800: on one core.
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a benchmark without its scene measures nothing")]
 
 #[path = "../tests/world/mod.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]

@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn a_cell_is_dark_at_once_and_lit_again_after_300_ms_of_agreement() {
         for begin in [1000, 1013, 1037] {
-            let lit = lit(3000, during(Disagreement::SOME, &[begin..1200]));
+            let lit = lit(3000, during(Disagreement::SOME, std::slice::from_ref(&(begin..1200))));
             let first_dark = lit.iter().find(|(_, is_lit)| !is_lit).unwrap().0;
             assert_eq!(first_dark, begin.div_ceil(10) * 10);
             let relit = relit(&lit);

@@ -2,6 +2,7 @@
 //!
 //! A few rooms; 100 with `MANY_SEEDS=1`. `-- --nocapture` prints the figures of each, and
 //! `-- --ignored` draws a room: `ROOM=17 cargo test --release -p rcs_confirm --test rooms -- --ignored`.
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test without its room fails")]
 
 mod world;
 

@@ -327,7 +327,7 @@ fn both_agree(mut drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [
     prop_assert!(differing.len() <= allowed, "{differing:?} of {content} pixels differ, at most {allowed} may");
     depths_agree(
         &scene,
-        [-SHIFT_PX, 0.0, SHIFT_PX].map(|right| [-SHIFT_PX, 0.0, SHIFT_PX].map(|down| shifted(right, down))),
+        &[-SHIFT_PX, 0.0, SHIFT_PX].map(|right| [-SHIFT_PX, 0.0, SHIFT_PX].map(|down| shifted(right, down))),
     )
 }
 
@@ -335,7 +335,7 @@ fn both_agree(mut drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [
 const DISPLAYS: u32 = 2;
 
 /// The GPU's depths at the camera in the middle are those of the CPU there, or at a camera beside it.
-fn depths_agree(scene: &Scene, cameras: [[Camera; 3]; 3]) -> Result<(), TestCaseError> {
+fn depths_agree(scene: &Scene, cameras: &[[Camera; 3]; 3]) -> Result<(), TestCaseError> {
     let (visible, mut listed) = (DisplayMask::all(), DisplayMask::all());
     (1..DISPLAYS).for_each(|display| listed.set(display, false));
     let depths = |renderer: &mut dyn Renderer, camera: &Camera| {

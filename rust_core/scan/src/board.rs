@@ -52,7 +52,7 @@ impl ScanSession<'_> {
                     continue;
                 }
             };
-            is_new = is_new || last.is_some_and(|last| shift_px(last, &corners) > new_px);
+            is_new = is_new || last.is_some_and(|last| change_px(last, &corners) > new_px);
             if is_noted && !is_new {
                 (self.observe)(ScanEvent::Note("the board is still where it was scanned: move it"));
             }
@@ -66,6 +66,27 @@ impl ScanSession<'_> {
             }
         }
     }
+}
+
+/// Largest change of the left, right, upper and lower edge of the board in the image, pixels.
+fn change_px(before: &[BoardCorner], now: &[BoardCorner]) -> f64 {
+    let (before, now) = (edges_px(before), edges_px(now));
+    before.iter().zip(now).map(|(before, now)| (now - before).abs()).fold(0.0, f64::max)
+}
+
+/// Left, right, upper and lower edge of the corners in the image, pixels: by their mean and deviation, which a few
+/// missing corners hardly change.
+fn edges_px(corners: &[BoardCorner]) -> [f64; 4] {
+    let count = corners.len().max(1) as f64;
+    let edges = |axis: usize| {
+        let mean = corners.iter().map(|corner| corner.pixel[axis]).sum::<f64>() / count;
+        let squares = corners.iter().map(|corner| (corner.pixel[axis] - mean).powi(2)).sum::<f64>();
+        // Of an even distribution.
+        let half = (3.0 * squares / count).sqrt();
+        [mean - half, mean + half]
+    };
+    let ([left, right], [top, bottom]) = (edges(0), edges(1));
+    [left, right, top, bottom]
 }
 
 /// Median distance of corners from the nearest ones before, pixels. Their places on the board may be numbered in

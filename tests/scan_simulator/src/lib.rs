@@ -2,7 +2,8 @@
 //!
 //! A [`Room`] of simple solids is lit by the projector of a [`Rig`] and seen by its camera. Rays are cast once
 //! ([`View`]); from these follow the camera's images of patterns ([`Scan`]) under [`Conditions`], and a depth image
-//! ([`DepthCamera`]). An [`Arm`] reaches into the room. [`LightError`] is the error of a calibration over the working volume.
+//! ([`DepthCamera`]). An [`Arm`] reaches into the room. [`LightError`] is the error of a calibration over the working
+//! volume.
 //!
 //! Everything is reproducible by seeds, byte by byte. Frames are those of `rcs_calibration`: optical frames have x
 //! right, y down, z along the view or light; the room's frame has the same axes from the rig, so y points at the floor

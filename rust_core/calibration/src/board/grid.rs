@@ -152,7 +152,7 @@ impl Grown {
             let axis = steps.iamax();
             let sign = if steps[axis] > 0.0 { 1 } else { -1 };
             let off = (steps[axis] - f64::from(sign)).abs().max(steps[1 - axis].abs());
-            // Along columns the bright side is that of rising rows where the square is bright; along rows the other one.
+            // Along columns the bright side is that of rising rows where the square is bright; along rows the other.
             // The edge to the left or up begins at a place of the other parity, and its direction turns its sides.
             let expected = if axis == 0 { parity } else { -parity };
             (off < TOLERANCE && edge.side == expected).then_some((axis, sign, edge.to))

@@ -106,7 +106,8 @@ pub(super) fn pose(scan: &Observations, lens: &Lens, seed: u64) -> Option<Agreed
     polished(&few, &candidates, &Free::poses(1)).into_iter().next()
 }
 
-/// Geometric mean error of all samples with a lens in the best pose, in deviations of their pixels; `None` without a pose.
+/// Geometric mean error of all samples with a lens in the best pose, in deviations of their pixels; `None` without a
+/// pose.
 pub(crate) fn pose_error(samples: &[Sample], lens: &Lens) -> Option<f64> {
     let observations = Observations::new(samples, lens.size_px).ok()?;
     pose(&observations, lens, 0).map(|agreed| agreed.score.mean)

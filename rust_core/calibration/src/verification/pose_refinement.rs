@@ -1,8 +1,8 @@
 //! Pose of a bumped projector with a known lens, by a few images of spots.
 //!
 //! The file's pose need not be right: it only chooses spots that about cover the lit surface. The code tells which spot
-//! landed where, the depth image gives the lit point, and [`solve`] the pose with its deviations. Motion meanwhile shows
-//! in the centroids: each spot is lit in half of the images, and has to be at the same place in all of them.
+//! landed where, the depth image gives the lit point, and [`solve`] the pose with its deviations. Motion meanwhile
+//! shows in the centroids: each spot is lit in half of the images, and has to be at the same place in all of them.
 
 use nalgebra::{Point2, Vector2};
 

@@ -324,12 +324,8 @@ impl CameraOutput {
         let shown = self.buffers.front.as_mut().and_then(|last| last.checked.as_mut());
         self.last_check.update(shown, policy.surface.as_ref());
         self.epoch.follow(&policy.hidden, size_px(&camera));
-        let substitute = substitute::content(
-            (size_px(&camera), &info.header.frame_id),
-            policy.dark_reason.as_ref(),
-            &policy,
-            &operator,
-        );
+        let place = (size_px(&camera), info.header.frame_id.as_str());
+        let substitute = substitute::content(place, policy.dark_reason.as_ref(), &policy, &operator);
         let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
         let is_scene = held.is_none() && substitute.is_none();
         if is_scene && self.buffers.is_outdated {

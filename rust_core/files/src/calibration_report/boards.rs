@@ -6,7 +6,7 @@
 //!   size_px: [1280, 720]
 //!   parameters:
 //!     fx: {value: 1000.2, sigma: 0.9}                   # sigma 0: by its CameraInfo
-//! left_out_rms_px: 0.15                                 # of poses by a calibration without them, in the projector's image
+//! left_out_rms_px: 0.15                                 # of poses by a calibration without them
 //! boards:
 //!   - {name: "pose01", camera_rms_px: 0.11, projector_rms_px: 0.08, left_out_px: 0.14, distance_m: 1.13}
 //! ```

@@ -3,9 +3,14 @@
 use std::collections::HashMap;
 
 use super::device::Device;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
 use crate::depths::least_object_alpha;
 use crate::shading::with_shading;
+
+/// The colour format of all pipelines.
+pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// The depth format of all pipelines.
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 
 /// A shader and what it is bound to.
 #[derive(Clone, Debug)]

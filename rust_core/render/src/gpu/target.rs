@@ -5,14 +5,8 @@
 //! wanted are drawn on textures like the picture's: WebGL 2 does not read depth buffers back.
 
 use super::device::Device;
-use super::pipeline::Pass;
+use super::pipeline::{Pass, COLOR_FORMAT, DEPTH_FORMAT};
 use super::readback::Readback;
-
-/// The colour format of all pipelines.
-pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
-/// The depth format of all pipelines.
-pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 
 /// A target that was not used for so many pictures is dropped.
 const KEPT_FOR_PICTURES: u64 = 64;

@@ -29,7 +29,7 @@ impl ProjectorScreen for AnyScreen {
     }
 }
 
-/// A camera that sees pictures for some time each, the last one for ever.
+/// A camera that sees pictures for some time each.
 struct Film {
     lens: Lens,
     start: Instant,
@@ -64,8 +64,8 @@ impl ScanCamera for Film {
             left = left.saturating_sub(*lasts);
             !is_over
         };
-        let scene = self.scenes.iter().find(is_shown).or(self.scenes.last());
-        let grey = scene.map(|(_, grey)| grey.clone()).unwrap_or_default();
+        let scene = self.scenes.iter().find(is_shown);
+        let grey = scene.map(|(_, grey)| grey.clone()).expect("the board is found before the film ends");
         Ok(CameraFrame { size_px: self.lens.size_px, grey, received: self.now })
     }
 
