@@ -22,9 +22,9 @@ fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// Writes the pictures of a pose in OpenCV's order: white and black last.
-fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], depth_m: f64) {
-    let place = rig.target.coords * (depth_m / rig.target.z);
+/// Writes the pictures of a pose, tilted and beside the middle, in OpenCV's order: white and black last.
+fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], [right_m, down_m, depth_m]: [f64; 3]) {
+    let place = rig.target.coords * (depth_m / rig.target.z) + Vector3::new(right_m, down_m, 0.0);
     let board = Isometry3::new(place, Vector3::new(about_x, about_y, 0.05));
     let view = View::new(&Room::wall(1.9, [0.1, 0.1]).with_board(BOARD, &board), rig);
     let scan = Scan::new(&view, Conditions { flicker: 0.0, ..Conditions::random(5) });
@@ -42,9 +42,15 @@ fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], depth_m: f
 #[test]
 fn folders_of_pictures_calibrate_a_camera_and_a_projector() {
     let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
-    let poses = [([0.1, 0.1], 1.2), ([0.0, 0.5], 1.1), ([-0.1, -0.5], 1.15), ([0.5, 0.0], 1.4), ([-0.5, 0.1], 1.3)];
-    for (index, (tilt, depth_m)) in poses.iter().enumerate() {
-        write_pose(&folder.path().join(format!("photos/p{index}")), &rig, *tilt, *depth_m);
+    let poses = [
+        ([0.1, 0.1], [0.0, 0.0, 1.2]),
+        ([0.0, 0.5], [-0.16, -0.09, 1.1]),
+        ([-0.1, -0.5], [0.16, 0.09, 1.15]),
+        ([0.5, 0.0], [0.18, -0.1, 1.4]),
+        ([-0.5, 0.1], [-0.18, 0.1, 1.3]),
+    ];
+    for (index, (tilt, place)) in poses.into_iter().enumerate() {
+        write_pose(&folder.path().join(format!("photos/p{index}")), &rig, tilt, place);
     }
     let board = ["--board", "chessboard:8x6:45mm", "--size", "1280x800"];
     let scan = |arguments: &[&str]| run(folder.path(), &[&["scan"], &board[..], arguments].concat());
