@@ -11,7 +11,7 @@ use crate::{ObjectDepths, Shares, Unseen};
 /// pixels of the depth image.
 const EDGE_CELLS: usize = 3;
 
-/// What the surface says about a cell.
+/// Result of a cell, by the measured surface.
 #[derive(Debug)]
 struct Verdict;
 

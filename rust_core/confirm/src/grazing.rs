@@ -50,7 +50,7 @@ pub(crate) struct Directions {
 }
 
 impl Directions {
-    /// Those of a camera; its skews are left out.
+    /// Directions of a camera without its skew.
     pub(crate) fn new(intrinsics: &Intrinsics) -> Self {
         let cell = CELL_PX as f64;
         Self {

@@ -38,7 +38,7 @@ impl Disagreement {
 pub(crate) struct HoldTimes {
     /// Agreement that a cell needs until it is lit.
     waits: Vec<u8>,
-    /// What is left of [`WINDOW`] since it was lit again.
+    /// Remaining part of [`WINDOW`] since it was lit again.
     recents: Vec<u8>,
     /// Uninterrupted disagreement; at least [`LASTING`] if something was in the way.
     runs: Vec<u8>,

@@ -1,4 +1,4 @@
-//! What is to be confirmed, and what came of it.
+//! Depths of the objects to be confirmed, and shares of the results.
 
 /// Depths of what the listed displays light in an image that is about to be shown.
 #[derive(Clone, Copy, Debug)]

@@ -21,7 +21,7 @@ pub struct Depths {
     /// The first surface that hides what is behind it, of any display, as a depth camera sees it. Translucent faces and
     /// text do not count.
     pub opaque: DepthPicture,
-    /// What the displays of [`DepthRequest::objects_of`] light, by translucent faces and text, too: the fragment of
+    /// Depths that the displays of [`DepthRequest::objects_of`] light, translucent and text included: the fragment of
     /// theirs that was drawn last. NaN where they light nothing, as where an opaque fragment of another display is in
     /// front. A translucent one of another display leaves the depth below it, unless its alpha is at least 254/255.
     pub objects: DepthPicture,

@@ -101,7 +101,7 @@ pub struct RefinedPose {
     pub solution: Solution,
     /// Number of projected spots.
     pub shown: usize,
-    /// What is known about the zoom.
+    /// Finding about the zoom.
     pub zoom: Zoom,
 }
 

@@ -1,4 +1,4 @@
-//! What a verification and a refinement know beforehand.
+//! Prior knowledge of a verification and a refinement.
 
 use nalgebra::Isometry3;
 

@@ -12,7 +12,7 @@ use rcs_scene::DepthPicture;
 use crate::safety::surface::SurfaceCheck;
 use crate::safety::FramePolicy;
 
-/// What a frame lights, and what the surface said about it.
+/// Depths that a frame lights, with the mask of the surface that they were compared with.
 pub(crate) struct CheckedLight {
     /// Depths of what the listed displays light.
     objects: DepthPicture,

@@ -351,8 +351,7 @@ impl CameraOutput {
         }
         self.health.projection.check(scene, &view, self.context.model);
         let depth = self.wants_depth().then_some(self.context.depth_encoding);
-        let begun = Instant::now();
-        let keeps_drawn = spec.protects_eyes;
+        let (begun, keeps_drawn) = (Instant::now(), spec.protects_eyes);
         let check = policy.surface.map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
         Ok(Some(DueFrame { spec, view, visible, camera, depth, check, keeps_drawn, begun }))
     }

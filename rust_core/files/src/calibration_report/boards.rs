@@ -1,4 +1,4 @@
-//! What a calibration with a board adds to both files: the camera's lens, and the errors of each of the board's poses.
+//! Part of both files on a calibration with a board: the camera's lens, and the errors of each of the board's poses.
 //!
 //! ```yaml
 //! camera:

@@ -154,7 +154,7 @@ struct Viewpoint<'a> {
     clip_from_fixed_gl: Matrix4<f64>,
     /// Unit vector towards the light, in the view frame.
     to_light: Option<[f32; 3]>,
-    /// What the drawable at hand writes in each pass.
+    /// Outputs of the drawable at hand in each pass.
     outputs: ByPass<Output>,
 }
 
@@ -444,7 +444,7 @@ impl Submitted {
     }
 }
 
-/// What a display's drawables write in each pass.
+/// Outputs of a display's drawables in each pass.
 fn outputs(request: &DepthRequest<'_>, display: DisplayId) -> ByPass<Output> {
     let object = request.objects_of.map(|displays| Output::ObjectDepth { is_listed: displays.shows(display) });
     [Some(Output::Color), request.opaque.then_some(Output::OpaqueDepth), object]

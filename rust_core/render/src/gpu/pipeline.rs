@@ -42,7 +42,7 @@ pub(super) struct FixedState {
     pub(super) bias: DepthBias,
 }
 
-/// What the drawables of a picture are drawn on, in passes one after the other.
+/// Target of a pass over the drawables of a picture; the passes follow one another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
     Picture,

@@ -194,7 +194,7 @@ impl Surfaces {
         state
     }
 
-    /// What a camera's frames are checked against; `None` if nothing has to be confirmed.
+    /// Surface that a camera's frames are checked against; `None` if nothing has to be confirmed.
     pub(super) fn check(&self, camera: &str, displays: &DisplaySet) -> Option<SurfaceCheck> {
         let surface = self.cameras.get(camera).filter(|_| self.has(camera))?;
         Some(SurfaceCheck {

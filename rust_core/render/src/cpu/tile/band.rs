@@ -124,7 +124,7 @@ pub(in crate::cpu) struct Band<'a> {
     depth: &'a mut [f32],
     /// The depth of each pixel's object, where these are wanted.
     objects: Option<&'a mut [f32]>,
-    /// What is drawn is an object.
+    /// `true` while objects are drawn.
     is_listed: bool,
     /// The rank of the face that each pixel shows, from the first run of ranks on.
     ranks: &'a mut Vec<u32>,
