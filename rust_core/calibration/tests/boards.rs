@@ -35,7 +35,7 @@ fn room_from_board(rig: &Rig, pose: usize, random: &mut Random) -> Isometry3<f64
     Isometry3::from_parts(place, turn)
 }
 
-/// What a scan of a pose gives.
+/// Result of the scan of a pose.
 fn scanned(rig: &Rig, seed: u64, pose: usize) -> BoardView {
     let random = &mut Random::new(&[seed, pose as u64, 0x424f_4152]);
     let room = Room::wall(1.9, [0.1, -0.1]).with_board(BOARD, &room_from_board(rig, pose, random));

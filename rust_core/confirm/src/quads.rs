@@ -84,7 +84,7 @@ fn most([a, b, c, d]: [f32; 4]) -> f32 {
 }
 
 impl Quads {
-    /// Empties the buffers for so many columns and rows of cells.
+    /// Empties the buffers for this number of columns and rows of cells.
     pub(crate) fn reset(&mut self, size: [usize; 2]) {
         self.size = size;
         for cells in [&mut self.surfaces, &mut self.walls] {

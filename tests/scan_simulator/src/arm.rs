@@ -43,7 +43,7 @@ impl Arm {
         Some(Self { room_from_palm: Isometry3::from_parts(Translation3::from(palm.coords), rotation) })
     }
 
-    /// The arm so many steps of 6 cm further in.
+    /// The arm further in by this number of steps of 6 cm.
     #[must_use]
     pub fn moved(&self, steps: f64) -> Self {
         let along = Translation3::new(0.0, 0.0, STEP_M * steps);

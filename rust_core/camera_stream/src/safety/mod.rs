@@ -61,7 +61,7 @@ pub(crate) struct FramePolicy {
     pub(crate) valid_until: Option<Instant>,
     /// Post-processing: masks, keep-out frames, blending, turning.
     pub(crate) post: Arc<LastStep>,
-    /// What the image's light is checked against, if it must be confirmed.
+    /// Surface that the image is checked against, if its light must be confirmed.
     pub(crate) surface: Option<SurfaceCheck>,
     /// `true` if the camera has masks on a topic, keep-out frames, or light that must be confirmed.
     pub(crate) protects_eyes: bool,
