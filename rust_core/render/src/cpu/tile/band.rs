@@ -90,8 +90,7 @@ impl BandBuffers {
             stride,
             color: &mut self.color,
             depth: &mut self.depth,
-            objects: has_objects.then_some(self.object.as_mut_slice()),
-            is_listed: false,
+            objects: has_objects.then_some(Objects { depths: self.object.as_mut_slice(), is_listed: false }),
             ranks: &mut self.rank,
             hiz: &mut self.hiz,
             visible: &mut self.visible,
@@ -122,10 +121,8 @@ pub(in crate::cpu) struct Band<'a> {
     stride: usize,
     color: &'a mut [u32],
     depth: &'a mut [f32],
-    /// The depth of each pixel's object, where these are wanted.
-    objects: Option<&'a mut [f32]>,
-    /// `true` while objects are drawn.
-    is_listed: bool,
+    /// Present where the depths of objects are wanted.
+    objects: Option<Objects<&'a mut [f32]>>,
     /// The rank of the face that each pixel shows, from the first run of ranks on.
     ranks: &'a mut Vec<u32>,
     hiz: &'a mut Hiz,
@@ -135,6 +132,14 @@ pub(in crate::cpu) struct Band<'a> {
     rank: u32,
     /// The first rank that is free.
     next_rank: u32,
+}
+
+/// The depths of the objects that pixels show.
+#[derive(Debug)]
+struct Objects<D> {
+    depths: D,
+    /// `true` while objects are drawn.
+    is_listed: bool,
 }
 
 /// A band's pixels: that in row `y` of the band and column `x` is at `y · stride + x`.
@@ -174,9 +179,8 @@ impl Band<'_> {
             return None;
         }
         let at = row as usize * self.stride + x as usize;
-        let object = self.objects.as_deref_mut().and_then(|objects| objects.get_mut(at));
-        let (color, depth) = (self.color.get_mut(at)?, self.depth.get_mut(at)?);
-        Some(BandPixel { color, depth, object, is_listed: self.is_listed })
+        let objects = self.objects.as_mut().and_then(|objects| objects.part(at, 1));
+        Some(BandPixel { color: self.color.get_mut(at)?, depth: self.depth.get_mut(at)?, objects })
     }
 
     /// All of them.
@@ -196,22 +200,22 @@ impl Band<'_> {
         else {
             return;
         };
-        let (rank, is_listed) = (self.rank, self.is_listed);
-        let mut objects = self.objects.as_deref_mut().and_then(|objects| objects.get_mut(range.clone()));
+        let rank = self.rank;
+        let mut objects = self.objects.as_mut();
         let mut ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
         let mut at = 0;
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
             let ranks = ranks.as_deref_mut().and_then(|ranks| ranks.get_mut(at..)?.first_chunk_mut());
-            let objects = objects.as_deref_mut().and_then(|objects| objects.get_mut(at..)?.first_chunk_mut());
-            work(Window { colors, depths, objects, is_listed, ranks, rank });
+            let objects = objects.as_mut().and_then(|objects| objects.part(start + at, LANES));
+            work(Window { colors, depths, objects, ranks, rank });
             at += self.stride;
         }
     }
 
     /// Draws what is an object, or is none, from now on.
     pub(in crate::cpu) fn set_listed(&mut self, is_listed: bool) {
-        self.is_listed = is_listed;
+        self.objects.iter_mut().for_each(|objects| objects.is_listed = is_listed);
     }
 
     /// True if the depths of objects are wanted.
@@ -334,7 +338,8 @@ impl Band<'_> {
     /// The depths of each row's objects; no rows where these are not wanted.
     pub(in crate::cpu) fn object_rows(&self) -> impl Iterator<Item = &[f32]> + '_ {
         let width = self.width as usize;
-        self.objects.as_deref().unwrap_or_default().chunks_exact(self.stride).map(move |row| &row[..width])
+        let depths = self.objects.as_ref().map_or(&[][..], |objects| &*objects.depths);
+        depths.chunks_exact(self.stride).map(move |row| &row[..width])
     }
 }
 
@@ -344,11 +349,29 @@ pub(in crate::cpu) struct Window<'a> {
     colors: &'a mut [u32; LANES],
     depths: &'a mut [f32; LANES],
     /// Present where the depths of objects are wanted.
-    objects: Option<&'a mut [f32; LANES]>,
-    is_listed: bool,
+    objects: Option<Objects<&'a mut [f32]>>,
     /// Present while faces are drawn by their ranks.
     ranks: Option<&'a mut [u32; LANES]>,
     rank: u32,
+}
+
+impl Objects<&mut [f32]> {
+    #[inline(always)]
+    fn part(&mut self, at: usize, count: usize) -> Option<Objects<&mut [f32]>> {
+        Some(Objects { depths: self.depths.get_mut(at..at + count)?, is_listed: self.is_listed })
+    }
+
+    /// Takes the depths of those fragments that win and are opaque enough. Not a part of each loop over pixels: few
+    /// pictures want these depths.
+    #[inline(never)]
+    fn take(self, wins: u64, depths: &[f32], colors: &[u32], mode: Mode) {
+        let least_alpha = mode.least_object_alpha(self.is_listed);
+        for (lane, (object, (depth, color))) in self.depths.iter_mut().zip(depths.iter().zip(colors)).enumerate() {
+            if wins >> lane & 1 == 1 && color.to_ne_bytes()[3] >= least_alpha {
+                *object = if self.is_listed { *depth } else { FARTHEST };
+            }
+        }
+    }
 }
 
 impl Window<'_> {
@@ -382,10 +405,7 @@ impl Window<'_> {
             wins.select(depths, behind).store_array(self.depths);
         }
         if let Some(objects) = self.objects {
-            let least_alpha = u32::from(mode.least_object_alpha(self.is_listed));
-            let takes = wins & ((colors >> channel_shift(3)) & 255).simd_ge(least_alpha);
-            let object = if self.is_listed { depths } else { F::splat(simd, FARTHEST) };
-            takes.select(object, F::load_array_ref(simd, objects)).store_array(objects);
+            objects.take(wins.to_bitmask(), &depths.to_array(), &colors.to_array(), mode);
         }
         let there = U::load_array_ref(simd, self.colors);
         let colors = if mode.blend { blend_lanes(there, colors) } else { colors };
@@ -406,9 +426,7 @@ pub(in crate::cpu) struct BandPixel<'a> {
     color: &'a mut u32,
     /// Its depth.
     pub depth: &'a mut f32,
-    /// Present where the depths of objects are wanted.
-    object: Option<&'a mut f32>,
-    is_listed: bool,
+    objects: Option<Objects<&'a mut [f32]>>,
 }
 
 impl BandPixel<'_> {
@@ -426,8 +444,8 @@ impl BandPixel<'_> {
         if mode.depth_write {
             *self.depth = depth;
         }
-        if let Some(object) = self.object.filter(|_| color[3] >= mode.least_object_alpha(self.is_listed)) {
-            *object = if self.is_listed { depth } else { FARTHEST };
+        if let Some(objects) = self.objects {
+            objects.take(1, &[depth], &[pack(color)], mode);
         }
         *self.color = if mode.blend { blend(*self.color, color) } else { pack(color) };
     }
@@ -537,7 +555,7 @@ mod tests {
                 let expected = blended_by_channel(behind, color);
                 prop_assert_eq!(blend(behind, color.to_ne_bytes()), expected);
                 let (mut pixel, mut depth) = (behind, 1.0);
-                let there = BandPixel { color: &mut pixel, depth: &mut depth, object: None, is_listed: false };
+                let there = BandPixel { color: &mut pixel, depth: &mut depth, objects: None };
                 there.meet(0.5, color.to_ne_bytes(), Mode::TRANSLUCENT);
                 prop_assert_eq!((pixel, depth), (expected, 1.0));
             }
