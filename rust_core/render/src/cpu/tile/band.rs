@@ -201,14 +201,16 @@ impl Band<'_> {
             return;
         };
         let rank = self.rank;
-        let mut objects = self.objects.as_mut();
-        let mut ranks = if rank == IN_ORDER { None } else { self.ranks.get_mut(range) };
+        let mut more = (rank != IN_ORDER || self.objects.is_some()).then_some((&mut *self.ranks, &mut self.objects));
         let mut at = 0;
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
-            let ranks = ranks.as_deref_mut().and_then(|ranks| ranks.get_mut(at..)?.first_chunk_mut());
-            let objects = objects.as_mut().and_then(|objects| objects.part(start + at, LANES));
-            work(Window { colors, depths, objects, ranks, rank });
+            let more = more.as_mut().map(|(ranks, objects)| {
+                let ranks = if rank == IN_ORDER { None } else { ranks.get_mut(start + at..) };
+                let objects = objects.as_mut().and_then(|objects| objects.part(start + at, LANES));
+                More { ranks: ranks.and_then(|ranks| ranks.first_chunk_mut()), rank, objects }
+            });
+            work(Window { colors, depths, more });
             at += self.stride;
         }
     }
@@ -348,11 +350,17 @@ impl Band<'_> {
 pub(in crate::cpu) struct Window<'a> {
     colors: &'a mut [u32; LANES],
     depths: &'a mut [f32; LANES],
-    /// Present where the depths of objects are wanted.
-    objects: Option<Objects<&'a mut [f32]>>,
+    more: Option<More<'a>>,
+}
+
+/// What only some pictures keep for [`LANES`] pixels.
+#[derive(Debug)]
+struct More<'a> {
     /// Present while faces are drawn by their ranks.
     ranks: Option<&'a mut [u32; LANES]>,
     rank: u32,
+    /// Present where the depths of objects are wanted.
+    objects: Option<Objects<&'a mut [f32]>>,
 }
 
 impl Objects<&mut [f32]> {
@@ -391,21 +399,23 @@ impl Window<'_> {
         let behind = F::load_array_ref(simd, self.depths);
         // NaN is in front of nothing.
         let mut wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
-        if let Some(ranks) = &self.ranks {
-            wins &= depths.simd_lt(behind) | U::load_array_ref(simd, *ranks).simd_le(self.rank);
+        if let Some(More { ranks: Some(ranks), rank, .. }) = &self.more {
+            wins &= depths.simd_lt(behind) | U::load_array_ref(simd, *ranks).simd_le(*rank);
         }
         if !wins.any_true() {
             return false;
         }
         let (wins, colors) = shade(wins);
-        if let Some(ranks) = self.ranks {
-            wins.select(U::splat(simd, self.rank), U::load_array_ref(simd, ranks)).store_array(ranks);
+        if let Some(More { ranks, rank, objects }) = self.more {
+            if let Some(ranks) = ranks {
+                wins.select(U::splat(simd, rank), U::load_array_ref(simd, ranks)).store_array(ranks);
+            }
+            if let Some(objects) = objects {
+                objects.take(wins.to_bitmask(), &depths.to_array(), &colors.to_array(), mode);
+            }
         }
         if mode.depth_write {
             wins.select(depths, behind).store_array(self.depths);
-        }
-        if let Some(objects) = self.objects {
-            objects.take(wins.to_bitmask(), &depths.to_array(), &colors.to_array(), mode);
         }
         let there = U::load_array_ref(simd, self.colors);
         let colors = if mode.blend { blend_lanes(there, colors) } else { colors };
