@@ -474,19 +474,13 @@ impl<'a, S: Simd> Fragments<'a, S> {
             let columns = self.columns(begin);
             let mask = columns.simd_lt(span.end as f32);
             let depths = self.depths(columns, row);
-            band.for_windows(
-                y..y + 1,
-                begin,
+            let Some(window) = band.window(begin, y) else { return };
+            window.meet(
+                mask,
+                depths,
+                self.surface.mode,
                 #[inline(always)]
-                |window| {
-                    window.meet(
-                        mask,
-                        depths,
-                        self.surface.mode,
-                        #[inline(always)]
-                        |seen| self.colors(columns, row, seen),
-                    );
-                },
+                |seen| self.colors(columns, row, seen),
             );
         }
     }

@@ -194,25 +194,45 @@ impl Band<'_> {
     #[inline(always)]
     pub(in crate::cpu) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
         let Some(down) = (rows.end - rows.start).checked_sub(1).filter(|down| *down >= 0) else { return };
+        let has_more = self.has_more();
         let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
         let range = start..start + down as usize * self.stride + LANES;
         let (Some(colors), Some(depths)) = (self.color.get_mut(range.clone()), self.depth.get_mut(range.clone()))
         else {
             return;
         };
-        let rank = self.rank;
-        let mut more = (rank != IN_ORDER || self.objects.is_some()).then_some((&mut *self.ranks, &mut self.objects));
-        let mut at = 0;
-        while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
-            let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
-            let more = more.as_mut().map(|(ranks, objects)| {
-                let ranks = if rank == IN_ORDER { None } else { ranks.get_mut(start + at..) };
-                let objects = objects.as_mut().and_then(|objects| objects.part(start + at, LANES));
-                More { ranks: ranks.and_then(|ranks| ranks.first_chunk_mut()), rank, objects }
-            });
-            work(Window { colors, depths, more });
-            at += self.stride;
+        let pixels = (colors, depths, self.stride);
+        if !has_more {
+            return each_window(
+                pixels,
+                #[inline(always)]
+                |_, colors, depths| work(Window { colors, depths, more: None }),
+            );
         }
+        each_window(
+            pixels,
+            #[inline(always)]
+            |at, colors, depths| {
+                let more = More::new(self.rank, self.ranks, &mut self.objects, start + at);
+                work(Window { colors, depths, more: Some(more) });
+            },
+        );
+    }
+
+    /// [`LANES`] pixels of a row of the band; those behind its last are of no use.
+    #[inline(always)]
+    pub(in crate::cpu) fn window(&mut self, x: i32, y: i32) -> Option<Window<'_>> {
+        let (has_more, at) = (self.has_more(), (y - self.first_row) as usize * self.stride + x as usize);
+        let colors = self.color.get_mut(at..at + LANES)?.first_chunk_mut()?;
+        let depths = self.depth.get_mut(at..at + LANES)?.first_chunk_mut()?;
+        let more = has_more.then(|| More::new(self.rank, self.ranks, &mut self.objects, at));
+        Some(Window { colors, depths, more })
+    }
+
+    /// True if more than colours and depths are kept.
+    #[inline(always)]
+    fn has_more(&self) -> bool {
+        self.rank != IN_ORDER || self.objects.is_some()
     }
 
     /// Draws what is an object, or is none, from now on.
@@ -345,6 +365,20 @@ impl Band<'_> {
     }
 }
 
+/// Passes on [`LANES`] pixels at the beginning of each row, with the place of the first.
+#[inline(always)]
+fn each_window(
+    (colors, depths, stride): (&mut [u32], &mut [f32], usize),
+    mut work: impl FnMut(usize, &mut [u32; LANES], &mut [f32; LANES]),
+) {
+    let mut at = 0;
+    while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
+        let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
+        work(at, colors, depths);
+        at += stride;
+    }
+}
+
 /// [`LANES`] pixels side by side.
 #[derive(Debug)]
 pub(in crate::cpu) struct Window<'a> {
@@ -361,6 +395,15 @@ struct More<'a> {
     rank: u32,
     /// Present where the depths of objects are wanted.
     objects: Option<Objects<&'a mut [f32]>>,
+}
+
+impl<'a> More<'a> {
+    #[inline(always)]
+    fn new(rank: u32, ranks: &'a mut [u32], objects: &'a mut Option<Objects<&mut [f32]>>, at: usize) -> Self {
+        let ranks = if rank == IN_ORDER { None } else { ranks.get_mut(at..) };
+        let objects = objects.as_mut().and_then(|objects| objects.part(at, LANES));
+        Self { ranks: ranks.and_then(|ranks| ranks.first_chunk_mut()), rank, objects }
+    }
 }
 
 impl Objects<&mut [f32]> {
