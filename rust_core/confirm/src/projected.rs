@@ -73,9 +73,10 @@ impl Projected {
         }
         let rows = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| cells_from_sensor[(row, column)] as f32));
         dispatch!(Level::new(), _simd => self.project(&rows, &grid.points));
+        let sensor = [rows[0][3], rows[1][3], rows[2][3]];
         for y in 0..self.height {
             self.close_columns_from(y);
-            self.close_row(y);
+            self.close_row(y, sensor);
         }
     }
 
@@ -120,12 +121,13 @@ impl Projected {
         let others = (1..=HOLE_PX).map(|rows| index + rows * self.width);
         let below = others.take_while(|index| *index < self.z.len()).find(|index| self.z[*index] > 0.0);
         if let Some(below) = below.filter(|below| self.are_one_surface(above, *below)) {
-            self.connect(above, below, self.width, false);
+            self.connect(above, below, self.width);
         }
     }
 
     /// Closes all holes between points of a row: small ones as surface, others as side walls.
-    fn close_row(&mut self, y: usize) {
+    /// `sensor` is the sensor's place times depth, and depth.
+    fn close_row(&mut self, y: usize, sensor: [f32; 3]) {
         let (begin, end) = (y * self.width, (y + 1) * self.width);
         let mut last = None;
         for first in (begin..end).step_by(CHUNK) {
@@ -136,8 +138,11 @@ impl Projected {
                     continue;
                 }
                 if let Some(last) = last.filter(|last| last + 1 < index) {
-                    let is_surface = index - last <= HOLE_PX + 1 && self.are_one_surface(last, index);
-                    self.connect(last, index, 1, !is_surface);
+                    if index - last <= HOLE_PX + 1 && self.are_one_surface(last, index) {
+                        self.connect(last, index, 1);
+                    } else {
+                        self.bridge(last, index, sensor);
+                    }
                 }
                 last = Some(index);
             }
@@ -153,7 +158,7 @@ impl Projected {
     }
 
     /// Fills the pixels between two points, which are `step` apart in memory.
-    fn connect(&mut self, from: usize, to: usize, step: usize, is_bridge: bool) {
+    fn connect(&mut self, from: usize, to: usize, step: usize) {
         let share_of_one = step as f32 / (to - from) as f32;
         for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
             let (first, last) = (plane[from], plane[to]);
@@ -161,8 +166,22 @@ impl Projected {
                 plane[index] = first + (last - first) * share_of_one * (count + 1) as f32;
             }
         }
-        if is_bridge {
-            self.z[from + 1..to].fill(BRIDGE);
+    }
+
+    /// Fills the pixels between two points of a row with side walls: from the nearer point away from the sensor to the
+    /// depth of the farther one, and from there to that.
+    fn bridge(&mut self, from: usize, to: usize, sensor: [f32; 3]) {
+        let (near, far, next) = if self.z[from] < self.z[to] { (from, to, from + 1) } else { (to, from, to - 1) };
+        let scale = self.z[far] / self.z[near];
+        let ahead = |of_sensor: f32, of_near: f32| of_sensor + scale * (of_near / self.w[near] - of_sensor);
+        let depth = ahead(sensor[2], 1.0);
+        if depth > NEAREST_M {
+            let place = [ahead(sensor[0], self.u[near]), ahead(sensor[1], self.v[near])];
+            (self.u[next], self.v[next], self.w[next]) = (place[0] / depth, place[1] / depth, 1.0 / depth);
+            self.connect(next.min(far), next.max(far), 1);
+        } else {
+            self.connect(from, to, 1);
         }
+        self.z[from + 1..to].fill(BRIDGE);
     }
 }

@@ -37,7 +37,7 @@ fn beside(x: f64, y: f64, z: f64) -> Isometry3<f64> {
     Translation3::new(x, y, z).into()
 }
 
-/// What a sensor measures of sheets that are parallel to its image, too.
+/// Points that a sensor measures on sheets; they are parallel to its image, too.
 fn measured(sheets: &[Sheet], projector_from_sensor: &Isometry3<f64>) -> PointGrid {
     let point = |index: u32| {
         let [u, v] = [index % SENSOR_PX[0], index / SENSOR_PX[0]].map(f64::from);
@@ -197,6 +197,23 @@ fn small_holes_are_closed_and_large_ones_are_unseen() {
     }
 }
 
+#[test]
+fn a_hole_beside_a_hand_hides_nothing_that_is_measured() {
+    // The sensor is below the projector and misses the wall right of the hand.
+    let from_sensor = beside(0.0, 0.3, 0.0);
+    let mut grid = measured(&[WALL, HAND], &from_sensor);
+    for index in (14..34).flat_map(|v| (108..129).map(move |u| v * 200 + u)) {
+        grid.points[index] = [f32::NAN; 3];
+    }
+    let light = confirmed(&camera(), &from_sensor, &grid, 2.0);
+    // A straight line from the hand to the wall behind the hole would be before this part of the wall.
+    for y in [-0.14, -0.12, -0.1] {
+        assert!(is_lit(&light, pixel([0.224, y, 2.0])), "{y}");
+    }
+    // Behind the hole and behind the hand nothing is measured.
+    assert!(!is_lit(&light, pixel([0.224, -0.3, 2.0])) && !is_lit(&light, pixel([0.0, -0.3, 2.0])));
+}
+
 /// Pixel of the projector at a place of the sensor's middle row on the wall.
 fn wall_pixel_of_sensor(u: f64, from_sensor: &Isometry3<f64>) -> [f64; 2] {
     let at = from_sensor * Point3::new(2.0 * (u - 99.5) / SENSOR_FOCAL_PX, 0.0, 2.0);
@@ -334,6 +351,23 @@ fn light_comes_back_a_while_after_the_hand_has_left() {
     };
     assert!(lit_at(&[WALL], 0) && !lit_at(&[WALL, HAND], 30) && !lit_at(&[WALL], 60) && !lit_at(&[WALL], 300));
     assert!(lit_at(&[WALL], 400));
+}
+
+#[test]
+fn an_object_that_is_away_twice_for_a_moment_is_lit_again_after_2_s() {
+    let from_sensor = beside(0.2, 0.0, 0.0);
+    let mut confirmer = Confirmer::new(ConfirmSettings::default());
+    let depths_m = vec![2.0; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
+    let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false };
+    let farther = Sheet { center: [0.0, 0.0, 2.5], ..WALL };
+    let mut lit_at = |ms: u64| {
+        let wall = if matches!(ms, 1000..1100 | 2000..2100) { farther } else { WALL };
+        confirmer.observe(&camera(), &from_sensor, &measured(&[wall], &from_sensor));
+        is_lit(&confirmer.confirm(&objects, Duration::from_millis(ms)), [160.0, 100.0])
+    };
+    let lit: Vec<(u64, bool)> = (0..100).map(|image| image * 50).map(|ms| (ms, lit_at(ms))).collect();
+    let relit: Vec<u64> = lit.windows(2).filter(|pair| !pair[0].1 && pair[1].1).map(|pair| pair[1].0).collect();
+    assert!(matches!(relit[..], [1350..=1450, 4050..=4150]), "{relit:?}");
 }
 
 proptest! {
