@@ -36,7 +36,7 @@ pub(crate) struct Comparison {
     verdicts: Vec<u8>,
     /// 1 where something is in the way, or next to that.
     in_the_way: Vec<u8>,
-    /// 1 where something is in the way, and not only with its edge.
+    /// 1 where no cell around is confirmed: more than the edge of something disagrees.
     insides: Vec<u8>,
     disagreements: Vec<u8>,
     depth_scratch: WindowScratch<f32>,
@@ -113,9 +113,6 @@ impl Comparison {
         for ((flag, nearest), far) in self.in_the_way.iter_mut().zip(&self.nearest).zip(&surface.farthest) {
             *flag = u8::from(*far < *nearest) & u8::from(*nearest < f32::INFINITY);
         }
-        // Its edge moves with the noise, its inside does not.
-        self.insides.copy_from_slice(&self.in_the_way);
-        window(&mut self.insides, self.size[0], EDGE_CELLS, 1, &mut self.flag_scratch, u8::min);
         window(&mut self.in_the_way, self.size[0], margin, 0, &mut self.flag_scratch, u8::max);
     }
 
@@ -125,14 +122,23 @@ impl Comparison {
             Unseen::Dark => Verdict::CONFIRMED,
             Unseen::Light => Verdict::UNSEEN,
         };
+        dispatch!(Level::new(), _simd => self.find_disagreements(confirmed_unseen));
+        &self.disagreements
+    }
+
+    #[inline(always)]
+    fn find_disagreements(&mut self, confirmed_unseen: u8) {
+        let is_confirmed = |verdict: u8| verdict == Verdict::CONFIRMED || verdict == confirmed_unseen;
+        // An edge moves with the noise, an inside does not.
+        self.insides.iter_mut().zip(&self.verdicts).for_each(|(to, verdict)| *to = u8::from(!is_confirmed(*verdict)));
+        window(&mut self.insides, self.size[0], EDGE_CELLS, 1, &mut self.flag_scratch, u8::min);
         let cells = self.verdicts.iter().zip(&self.in_the_way).zip(&self.insides);
         for (disagreement, ((verdict, in_the_way), inside)) in self.disagreements.iter_mut().zip(cells) {
-            let agrees = (*verdict <= Verdict::CONFIRMED || *verdict == confirmed_unseen) && *in_the_way == 0;
+            let agrees = is_confirmed(*verdict) && *in_the_way == 0;
             let other = if agrees { Disagreement::NONE } else { Disagreement::SOME };
-            let lit = if *inside != 0 { Disagreement::IN_THE_WAY } else { other };
+            let lit = if *inside != 0 { Disagreement::WIDE } else { other };
             *disagreement = if *verdict == Verdict::UNLIT { Disagreement::NONE } else { lit };
         }
-        &self.disagreements
     }
 
     /// Shares of the pixels with an object.

@@ -2,8 +2,7 @@
 //!
 //! Dark comes at once. Light comes back after [`SHORT`] of agreement, or after [`LONG`] where the cell went dark again
 //! within [`WINDOW`] of coming back. Noise at an edge goes dark for a moment only: such a cell comes back once within
-//! [`WINDOW`]. What lasts for [`LASTING`], or was in the way with more than
-//! its edge, is no noise.
+//! [`WINDOW`]. What lasts for [`LASTING`], or disagrees with more than its edge, is no noise.
 
 use std::time::Duration;
 
@@ -29,8 +28,8 @@ impl Disagreement {
     pub(crate) const NONE: u8 = 0;
     /// The surface is not at the object's depth.
     pub(crate) const SOME: u8 = 1;
-    /// Something is in the way, and not only with its edge.
-    pub(crate) const IN_THE_WAY: u8 = 2;
+    /// The surface is not at the object's depth, nor is it in the cells around.
+    pub(crate) const WIDE: u8 = 2;
 }
 
 /// Times of all cells, in [`TICK`]s.
@@ -40,7 +39,7 @@ pub(crate) struct HoldTimes {
     waits: Vec<u8>,
     /// Remaining part of [`WINDOW`] since it was lit again.
     recents: Vec<u8>,
-    /// Uninterrupted disagreement; at least [`LASTING`] if something was in the way.
+    /// Uninterrupted disagreement; at least [`LASTING`] if it was wide.
     runs: Vec<u8>,
     last_tick: Option<u128>,
 }
@@ -67,7 +66,7 @@ impl HoldTimes {
         for (((now, wait), recent), run) in disagreements.iter().zip(waits).zip(recents).zip(runs) {
             let is_dark = *now != Disagreement::NONE;
             let left = recent.saturating_sub(passed);
-            let least = if *now == Disagreement::IN_THE_WAY { LASTING } else { 0 };
+            let least = if *now == Disagreement::WIDE { LASTING } else { 0 };
             let lasted = if is_dark { run.saturating_add(passed).max(least) } else { 0 };
             let again = if lasted < LASTING { left.max(LONG) } else { LONG };
             let hold = if left == 0 { SHORT } else { again };
@@ -129,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_cell_that_was_covered_twice_is_lit_again_after_2_s() {
-        let hand = relit(&lit(9000, during(Disagreement::IN_THE_WAY, &[1000..1100, 2000..2100])));
+        let hand = relit(&lit(9000, during(Disagreement::WIDE, &[1000..1100, 2000..2100])));
         assert!(hand.len() == 2 && (4080..=4160).contains(&hand[1]), "{hand:?}");
         let gone = relit(&lit(9000, during(Disagreement::SOME, &[1000..1100, 2000..3200])));
         assert!(gone.len() == 2 && (5180..=5260).contains(&gone[1]), "{gone:?}");
@@ -138,7 +137,7 @@ mod tests {
     #[test]
     fn a_hand_that_leaves_with_its_edge_is_still_a_hand() {
         let twice = |ms: u64| match ms {
-            1000..1100 | 2000..2050 => Disagreement::IN_THE_WAY,
+            1000..1100 | 2000..2050 => Disagreement::WIDE,
             2050..2100 => Disagreement::SOME,
             _ => Disagreement::NONE,
         };
