@@ -1,4 +1,4 @@
-//! What is dark and what is lit in simulated rooms, while arms reach into them and objects are taken away.
+//! Light in simulated rooms while arms reach into them and objects are taken away: where it is dark, and where it is not.
 //!
 //! A few rooms; 100 with `MANY_SEEDS=1`. `-- --nocapture` prints the figures of each, and
 //! `-- --ignored` draws a room: `ROOM=17 cargo test --release -p rcs_confirm --test rooms -- --ignored`.
@@ -16,8 +16,8 @@ use world::{tolerance_m, World};
 const STEP_PX: usize = 3;
 /// Largest share of right and observed light that may be dark by what each depth image alone shows.
 const AT_ONCE: f64 = 0.01;
-/// The same where light that flipped at an edge is held back, too: 1.24 % in 100 rooms, more than the 1 % aimed at.
-const WITH_HOLD_TIMES: f64 = 0.015;
+/// Largest share of right and observed light that may be dark, with the light that is held back after a flip.
+const WITH_HOLD_TIMES: f64 = 0.01;
 /// Depth images before something happens.
 const STILL: u32 = 12;
 /// Time between two depth images.
@@ -70,7 +70,8 @@ fn truth(world: &World, view: &View, images: &[Vec<f32>], pixel: usize) -> Truth
     }
     match now - object {
         nearer if nearer < -tolerance_m(object) => Truth::OnObstacle,
-        farther if farther > tolerance_m(object) => Truth::Gone,
+        // On what is there instead, the tolerance is as wide as the angle makes it.
+        farther if farther > tolerance_m(object) * world.widening(view.room(), pixel) => Truth::Gone,
         _ => Truth::Undecided,
     }
 }
@@ -152,7 +153,7 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// What a confirmer says that has seen nothing but this image.
+/// Confirmation by a single depth image, without hold times.
 fn at_once(world: &World, depths_m: &[f32]) -> Confirmation {
     world.confirm(&mut Confirmer::new(ConfirmSettings::default()), depths_m, Duration::ZERO)
 }

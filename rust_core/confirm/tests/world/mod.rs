@@ -6,7 +6,7 @@ use std::time::Duration;
 use nalgebra::{Isometry3, Point2, Point3, Vector3};
 use rayon::prelude::*;
 use rcs_confirm::{Confirmation, Confirmer, ObjectDepths, PointGrid};
-use rcs_scan_simulator::{DepthCamera, Rig, Room, View};
+use rcs_scan_simulator::{DepthCamera, Hit, Rig, Room, View};
 use rcs_scene::{Camera, Intrinsics, PixelMap};
 
 /// Share of the objects that a depth camera does not see.
@@ -83,7 +83,14 @@ impl World {
         room.hit(&lamp, &self.rays[pixel]).map_or(f64::NAN, |hit| hit.distance)
     }
 
-    /// What the depth camera sees of a room, without its errors.
+    /// Factor of the tolerance by the angle at which a pixel's light meets a room.
+    pub(crate) fn widening(&self, room: &Room, pixel: usize) -> f64 {
+        let lamp = Point3::from(self.rig.room_from_projector.translation.vector);
+        let cosine = |hit: Hit| hit.normal.dot(&self.rays[pixel].normalize()).abs();
+        room.hit(&lamp, &self.rays[pixel]).map(cosine).filter(|cosine| *cosine < 0.3).map_or(1.0, |cosine| 1.0 / cosine)
+    }
+
+    /// A room as an error-free depth camera sees it.
     pub(crate) fn view(&self, room: &Room) -> View {
         View::for_depth(room, &self.rig)
     }
