@@ -18,6 +18,8 @@ const MOST: f32 = 10.0;
 const STEPS: f32 = 16.0;
 /// Pixels over which slopes are measured, to either side.
 const REACH: usize = 4;
+/// Points whose codes are found at once, so that the compiler uses SIMD.
+const CHUNK: usize = 32;
 /// Jumps over half of that, above which it is an edge: less than the tolerance, so that nothing in the way is a slope.
 const EDGE: f32 = 1.5;
 
@@ -60,51 +62,60 @@ impl Directions {
     }
 }
 
-/// Writes the [codes](widening) of a row's points.
+/// Writes the [codes](widening) of a row's points. Near the row's ends, and in a depth image of less than 40 columns,
+/// they are those of a surface that is seen from the front.
 pub(crate) fn write_codes(points: &Projected, directions: Directions, y: usize, codes: &mut Vec<u32>) {
     codes.clear();
     codes.resize(points.width, 0);
-    if points.width > 2 * REACH {
-        dispatch!(Level::new(), _simd => write_row(points, directions, y, &mut codes[REACH..points.width - REACH]));
-    }
+    dispatch!(Level::new(), _simd => write_row(points, directions, y, codes));
 }
 
 #[inline(always)]
 fn write_row(points: &Projected, directions: Directions, y: usize, codes: &mut [u32]) {
-    let row_at = |y: usize| y.min(points.height - 1) * points.width;
-    let row = row_at(y);
-    let count = codes.len();
-    let at = |begin: usize| {
-        let range = begin..begin + count;
-        Strip {
-            u: &points.u[range.clone()],
-            v: &points.v[range.clone()],
-            w: &points.w[range.clone()],
-            z: &points.z[range],
+    let Some(last) = points.width.checked_sub(REACH + CHUNK).filter(|last| *last >= REACH) else { return };
+    for begin in (REACH..last).step_by(CHUNK).chain([last]) {
+        if let Some(found) = codes_of(points, directions, [begin, y]) {
+            codes[begin..begin + CHUNK].copy_from_slice(&found);
         }
-    };
-    let own = at(row + REACH);
-    let (left, half_left, half_right, right) =
-        (at(row), at(row + REACH / 2), at(row + REACH + REACH / 2), at(row + 2 * REACH));
-    let [above, half_above] = [REACH, REACH / 2].map(|rows| at(row_at(y.saturating_sub(rows)) + REACH));
-    let [below, half_below] = [REACH, REACH / 2].map(|rows| at(row_at(y + rows) + REACH));
+    }
+}
+
+/// Codes of the points from column x of row y on.
+#[inline(always)]
+fn codes_of(points: &Projected, directions: Directions, [x, y]: [usize; 2]) -> Option<[u32; CHUNK]> {
+    let at = |x: usize, y: usize| Strip::new(points, y.min(points.height - 1) * points.width + x);
+    let (own, half) = (at(x, y)?, REACH / 2);
+    let (left, half_left) = (at(x - REACH, y)?, at(x - half, y)?);
+    let (half_right, right) = (at(x + half, y)?, at(x + REACH, y)?);
+    let (above, half_above) = (at(x, y.saturating_sub(REACH))?, at(x, y.saturating_sub(half))?);
+    let (half_below, below) = (at(x, y + half)?, at(x, y + REACH)?);
+    let mut codes = [0; CHUNK];
     for (i, code) in codes.iter_mut().enumerate() {
         let limit_m = EDGE * jump_m(own.z[i]);
-        let across =
-            flatter(slope([&left, &half_left, &own], i, limit_m), slope([&own, &half_right, &right], i, limit_m));
-        let down =
-            flatter(slope([&above, &half_above, &own], i, limit_m), slope([&own, &half_below, &below], i, limit_m));
+        let slope = |strips: [&Strip<'_>; 3]| slope(strips, i, limit_m);
+        let across = flatter(slope([&left, &half_left, &own]), slope([&own, &half_right, &right]));
+        let down = flatter(slope([&above, &half_above, &own]), slope([&own, &half_below, &below]));
         *code = code_of(cosine(directions, [own.u[i], own.v[i], own.w[i]], [across, down]));
     }
+    Some(codes)
 }
 
 /// Part of a row.
 #[derive(Clone, Copy)]
 struct Strip<'a> {
-    u: &'a [f32],
-    v: &'a [f32],
-    w: &'a [f32],
-    z: &'a [f32],
+    u: &'a [f32; CHUNK],
+    v: &'a [f32; CHUNK],
+    w: &'a [f32; CHUNK],
+    z: &'a [f32; CHUNK],
+}
+
+impl<'a> Strip<'a> {
+    #[inline(always)]
+    fn new(points: &'a Projected, begin: usize) -> Option<Self> {
+        let Projected { u, v, w, z, .. } = points;
+        let chunk = |plane: &'a [f32]| plane.get(begin..)?.first_chunk();
+        Some(Self { u: chunk(u)?, v: chunk(v)?, w: chunk(w)?, z: chunk(z)? })
+    }
 }
 
 /// Slope from the first to the last of three points; NaN over an edge.

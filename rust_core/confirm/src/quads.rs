@@ -17,6 +17,18 @@ const FARTHEST_CELL: f32 = 4e4;
 /// Largest distance of the last from the first column or row of a quad that covers its bounding box.
 const SMALL: i32 = 3;
 
+/// How a quad is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum QuadKind {
+    /// Surface of at most 2×2 cells, or of none: as most quads are.
+    #[default]
+    Tiny,
+    /// Larger surface.
+    Surface,
+    /// Side wall, or points without a surface.
+    Wall,
+}
+
 /// The depth buffers. The bits of positive numbers are ordered like the numbers.
 #[derive(Debug, Default)]
 pub(crate) struct Quads {
@@ -36,7 +48,7 @@ struct QuadRow {
     bottom: Vec<i32>,
     /// Depth: the mean one of a surface with the code of its angle, the farthest one of a side wall.
     depth: Vec<u32>,
-    is_wall: Vec<bool>,
+    kind: Vec<QuadKind>,
 }
 
 impl QuadRow {
@@ -45,7 +57,7 @@ impl QuadRow {
             plane.resize(count, 0);
         }
         self.depth.resize(count, 0);
-        self.is_wall.resize(count, false);
+        self.kind.resize(count, QuadKind::Tiny);
     }
 }
 
@@ -109,25 +121,49 @@ impl Quads {
         self.row.resize(count);
         let size = self.size;
         dispatch!(Level::new(), _simd => self.row.place(points, y, codes, size));
+        let (row, surfaces) = (&self.row, &mut self.surfaces[..]);
+        let columns = row.left.iter().zip(&row.right);
+        let rows = row.top.iter().zip(&row.bottom);
+        for (((columns, rows), depth), kind) in columns.zip(rows).zip(&row.depth).zip(&row.kind) {
+            if *kind != QuadKind::Tiny {
+                continue;
+            }
+            let (left, right) = (*columns.0 as usize, *columns.1 as usize);
+            let (top, bottom) = (*rows.0 as usize * size[0], *rows.1 as usize * size[0]);
+            // Some are the same. All are read before the first is written, so that none waits for another.
+            let cells = [top + left, top + right, bottom + left, bottom + right];
+            let depths = cells.map(|cell| surfaces[cell].min(*depth));
+            for (cell, depth) in cells.into_iter().zip(depths) {
+                surfaces[cell] = depth;
+            }
+        }
         for i in 0..count {
-            if self.row.is_wall[i] {
-                self.draw_edge_points(points, y, i, codes);
+            if self.row.kind[i] != QuadKind::Tiny {
+                self.draw_other(points, y, i, codes);
             }
-            let (left, right, top, bottom) = (self.row.left[i], self.row.right[i], self.row.top[i], self.row.bottom[i]);
-            if left > right || top > bottom {
-                continue;
-            }
-            if right - left > SMALL || bottom - top > SMALL {
-                self.draw_large(points, y, i, codes);
-                continue;
-            }
-            let cells = if self.row.is_wall[i] { &mut self.walls } else { &mut self.surfaces };
-            let depth = self.row.depth[i];
-            for y in top..=bottom {
-                let begin = y as usize * size[0];
-                for cell in &mut cells[begin + left as usize..=begin + right as usize] {
-                    *cell = depth.min(*cell);
-                }
+        }
+    }
+
+    /// Draws a quad that is not tiny.
+    fn draw_other(&mut self, points: &Projected, y: usize, i: usize, codes: &[u32]) {
+        let is_wall = self.row.kind[i] == QuadKind::Wall;
+        if is_wall {
+            self.draw_edge_points(points, y, i, codes);
+        }
+        let (left, right, top, bottom) = (self.row.left[i], self.row.right[i], self.row.top[i], self.row.bottom[i]);
+        if left > right || top > bottom {
+            return;
+        }
+        if right - left > SMALL || bottom - top > SMALL {
+            self.draw_large(points, y, i, codes);
+            return;
+        }
+        let cells = if is_wall { &mut self.walls } else { &mut self.surfaces };
+        let depth = self.row.depth[i];
+        for y in top..=bottom {
+            let begin = y as usize * self.size[0];
+            for cell in &mut cells[begin + left as usize..=begin + right as usize] {
+                *cell = depth.min(*cell);
             }
         }
     }
@@ -151,8 +187,9 @@ impl Quads {
         let begin = y * points.width + i;
         let corner = |index: usize| [points.u[index], points.v[index], points.w[index]];
         let [a, b, c, d] = [begin, begin + 1, begin + points.width, begin + points.width + 1].map(corner);
-        let cells = if self.row.is_wall[i] { &mut self.walls } else { &mut self.surfaces };
-        let code = if self.row.is_wall[i] { None } else { Some(codes[i]) };
+        let is_wall = self.row.kind[i] == QuadKind::Wall;
+        let cells = if is_wall { &mut self.walls } else { &mut self.surfaces };
+        let code = if is_wall { None } else { Some(codes[i]) };
         let box_of = [self.row.left[i], self.row.right[i], self.row.top[i], self.row.bottom[i]];
         for triangle in [[a, b, c], [d, c, b]] {
             draw_triangle(&triangle, box_of, |column, row, w| {
@@ -202,7 +239,7 @@ impl QuadRow {
         let codes = &codes[..count];
         let (left, right) = (&mut self.left[..count], &mut self.right[..count]);
         let (top, bottom) = (&mut self.top[..count], &mut self.bottom[..count]);
-        let (depth, is_wall) = (&mut self.depth[..count], &mut self.is_wall[..count]);
+        let (depth, kind) = (&mut self.depth[..count], &mut self.kind[..count]);
         for i in 0..count {
             let (u, v) = ([u0[i], u1[i], u2[i], u3[i]], [v0[i], v1[i], v2[i], v3[i]]);
             let (w, z) = ([w0[i], w1[i], w2[i], w3[i]], [z0[i], z1[i], z2[i], z3[i]]);
@@ -211,15 +248,27 @@ impl QuadRow {
             let is_whole = sum > 0.0;
             let (z_least, z_most) = (least(z), most(z));
             let jumps = z_least < 0.0 || z_most - z_least > jump_m(z_least);
-            left[i] = first(least(u));
-            right[i] = if is_whole { last(most(u), last_column) } else { -1 };
-            top[i] = first(least(v));
-            bottom[i] = last(most(v), last_row);
+            let across = [first(least(u)), if is_whole { last(most(u), last_column) } else { -1 }];
+            let down = [first(least(v)), last(most(v), last_row)];
             let surface = (4.0 / sum).to_bits() & DEPTH_BITS | codes[i];
             let wall = (1.0 / least(w)).to_bits();
-            depth[i] = if jumps { wall } else { surface };
             // Of an incomplete quad only the points are drawn.
-            is_wall[i] = jumps || !is_whole;
+            let is_wall = jumps | !is_whole;
+            let is_empty = (across[0] > across[1]) | (down[0] > down[1]);
+            let is_tiny = (across[1] - across[0] <= 1) & (down[1] - down[0] <= 1) & !is_wall;
+            // A tiny quad without cells writes nothing into the first one.
+            let is_none = is_empty & !is_wall;
+            depth[i] = if is_none {
+                NOTHING
+            } else if jumps {
+                wall
+            } else {
+                surface
+            };
+            [left[i], right[i]] = if is_none { [0, 0] } else { across };
+            [top[i], bottom[i]] = if is_none { [0, 0] } else { down };
+            let of_surface = if is_tiny | is_none { QuadKind::Tiny } else { QuadKind::Surface };
+            kind[i] = if is_wall { QuadKind::Wall } else { of_surface };
         }
     }
 }
