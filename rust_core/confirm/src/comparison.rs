@@ -36,7 +36,7 @@ pub(crate) struct Comparison {
     verdicts: Vec<u8>,
     /// 1 where something is in the way, or next to that.
     in_the_way: Vec<u8>,
-    /// 1 where no cell around is confirmed: more than the edge of something disagrees.
+    /// 1 where neither the cell nor any cell around is confirmed: more than an edge disagrees.
     insides: Vec<u8>,
     disagreements: Vec<u8>,
     depth_scratch: WindowScratch<f32>,
@@ -116,7 +116,7 @@ impl Comparison {
         window(&mut self.in_the_way, self.size[0], margin, 0, &mut self.flag_scratch, u8::max);
     }
 
-    /// What keeps each cell dark, see [`Disagreement`].
+    /// Reasons for which cells are dark, see [`Disagreement`].
     pub(crate) fn disagreements(&mut self, unseen: Unseen) -> &[u8] {
         let confirmed_unseen = match unseen {
             Unseen::Dark => Verdict::CONFIRMED,

@@ -2,7 +2,7 @@
 //!
 //! Dark comes at once. Light comes back after [`SHORT`] of agreement, or after [`LONG`] where the cell went dark again
 //! within [`WINDOW`] of coming back. Noise at an edge goes dark for a moment only: such a cell comes back once within
-//! [`WINDOW`]. What lasts for [`LASTING`], or disagrees with more than its edge, is no noise.
+//! [`WINDOW`]. Disagreement for [`LASTING`], or of all cells around as well, is no noise.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ const WINDOW: u8 = 200 + 1;
 /// 1 s.
 const LASTING: u8 = 20;
 
-/// What keeps a cell dark.
+/// Reason for which a cell is dark.
 #[derive(Debug)]
 pub(crate) struct Disagreement;
 

@@ -1,4 +1,4 @@
-//! What counts as agreement between the scene and the measured surface.
+//! Settings of confirmed light: agreement between the scene and the measured surface.
 
 /// Part of the tolerance that grows with the distance, metres per metre.
 pub(crate) const TOLERANCE_PER_METRE: f32 = 0.01;

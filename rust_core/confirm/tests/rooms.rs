@@ -12,7 +12,7 @@ use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer};
 use rcs_scan_simulator::{has_many_seeds, seeds, Arm, View};
 use world::{tolerance_m, World};
 
-/// Every so manieth pixel of a row and a column is looked at.
+/// Distance between sampled pixels along rows and columns.
 const STEP_PX: usize = 3;
 /// Largest share of right and observed light that may be dark by what each depth image alone shows.
 const AT_ONCE: f64 = 0.01;
@@ -47,7 +47,7 @@ impl std::fmt::Display for Tally {
     }
 }
 
-/// What light is by ray casting.
+/// Ray-cast classification of a pixel's light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Truth {
     /// It meets its object, which the depth images measure there; the depth camera sees its whole way.
@@ -111,7 +111,7 @@ struct Figures {
 }
 
 impl Figures {
-    /// Adds an image's; what counts as observed is so in all of the depth images.
+    /// Adds an image's pixels. A pixel is observed if all of the depth images measure its surface.
     fn add(&mut self, world: &World, view: &View, images: &[Vec<f32>], confirmation: &Confirmation) {
         let mask = confirmation.mask.as_ref().unwrap();
         for pixel in sampled(world.size_px()) {
