@@ -155,16 +155,16 @@ impl PoseRefinement {
         }
         let lens = self.projector.lens;
         let zoom = zoom::check(&samples, &lens);
-        if let Zoom::Changed { change, sigma } = zoom {
+        if let Some(Zoom::Changed { change, sigma }) = zoom {
             return Err(RefinementProblem::ZoomChanged { change, sigma });
         }
         let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
         let solution = solve(&samples, &options).map_err(unsolvable)?;
         let agreeing = solution.inliers as f64 / samples.len() as f64;
-        if agreeing < LEAST_AGREEING {
-            return Err(RefinementProblem::Inconsistent(100.0 * agreeing));
+        match zoom {
+            Some(zoom) if agreeing >= LEAST_AGREEING => Ok(RefinedPose { samples, solution, shown, zoom }),
+            _ => Err(RefinementProblem::Inconsistent(100.0 * agreeing)),
         }
-        Ok(RefinedPose { samples, solution, shown, zoom })
     }
 
     /// Point that a spot lights; `None` where it is unsteady, or depth is missing or has an edge.

@@ -1,27 +1,29 @@
-//! Whether a projector still has the zoom of its file.
+//! Check that a projector still has the zoom of its file.
 //!
-//! A zoom scales the image, and so does a motion along the axis, at one depth. They differ in how much farther and
-//! nearer points move; where depth hardly varies, nothing can tell them apart.
+//! A zoom scales the image, and so does a motion along the axis, at one depth. They differ in the motion of farther and
+//! nearer points. Where depth hardly varies, and on a tilted plane, where a turn does the same, they look alike.
 
 use rayon::prelude::*;
 
 use crate::solve::pose_error;
 use crate::statistics::{median, quantile};
-use crate::{solve, DistortionTerms, FocalLengths, Lens, Parameter, Sample, Solution, SolveOptions};
+use crate::{solve, DistortionTerms, FocalLengths, Lens, Parameter, Refusal, Sample, SolveOptions};
 
 /// Minimum variation of depth that tells a zoom from a motion, as a share of the depth.
 const LEAST_VARIATION: f64 = 0.15;
 /// Shares of the points that are nearer and farther than the range that counts as the variation.
 const ENDS: [f64; 2] = [0.05, 0.95];
-/// Changes of the focal length that are no change: deviations, and a share.
+/// Maximum change of the focal length of an unchanged zoom: in deviations, and as a share.
 const SURE: f64 = 4.0;
 const NEGLIGIBLE: f64 = 0.01;
-/// Minimum share of spots that agree with the lens's own zoom, roughly: with a wrong one, only those of one depth do.
+/// Maximum deviation of the focal length of an unchanged zoom, as a share.
+const MOST_SIGMA: f64 = 0.005;
+/// Minimum share of samples that agree with the lens's own zoom: with a wrong one, only those at one depth do.
 const AGREEING: f64 = 0.85;
-/// Else the focal lengths to start from, half a percent of the lens's each.
+/// Zooms to search if fewer agree, each half a percent of the lens's focal length.
 const STARTS: std::ops::Range<i32> = 156..256;
 
-/// Zoom of a projector, compared with its file.
+/// Projector's zoom compared with that of its file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Zoom {
     /// It is as in the file, within this deviation: a share of the focal length.
@@ -36,39 +38,60 @@ pub enum Zoom {
         /// Standard deviation of that.
         sigma: f64,
     },
-    /// Depths vary too little to tell.
+    /// The scene is too flat to tell.
     Undecidable {
         /// Variation of depth, as a share of the depth.
         variation: f64,
     },
 }
 
-/// Compares the zoom with that of a lens.
-pub(super) fn check(samples: &[Sample], lens: &Lens) -> Zoom {
+/// Compares the zoom with that of a lens. `None` if the samples fit no zoom of it.
+pub(super) fn check(samples: &[Sample], lens: &Lens) -> Option<Zoom> {
     let mut depths: Vec<f64> = samples.iter().map(|sample| sample.point.z).collect();
     let [near, far] = ENDS.map(|share| quantile(&mut depths, share));
     let variation = (far - near) / median(&mut depths);
     let undecidable = Zoom::Undecidable { variation };
     if variation.is_nan() || variation < LEAST_VARIATION {
-        return undecidable;
+        return Some(undecidable);
     }
-    focal_change(samples, lens).map_or(undecidable, |[change, sigma]| {
-        if change.abs() > NEGLIGIBLE.max(SURE * sigma) {
-            Zoom::Changed { change, sigma }
-        } else {
-            Zoom::Unchanged { sigma }
-        }
+    let [change, sigma] = match focal_change(samples, lens) {
+        Ok(found) => found?,
+        // A tilted plane: a turn looks like a zoom there.
+        Err(Refusal::Undetermined { .. } | Refusal::Flat) => return Some(undecidable),
+        Err(_) => return None,
+    };
+    Some(if change.abs() > NEGLIGIBLE.max(SURE * sigma) {
+        Zoom::Changed { change, sigma }
+    } else if sigma > MOST_SIGMA {
+        undecidable
+    } else {
+        Zoom::Unchanged { sigma }
     })
 }
 
 /// Change of the focal length and its deviation, as shares, with everything else of the lens as it is.
-fn focal_change(samples: &[Sample], lens: &Lens) -> Option<[f64; 2]> {
+fn focal_change(samples: &[Sample], lens: &Lens) -> Result<Option<[f64; 2]>, Refusal> {
+    let of_lens = from_zoom(samples, lens, 1.0);
+    if of_lens.as_ref().is_ok_and(|(_, agreeing)| *agreeing > AGREEING) {
+        return of_lens.map(|(change, _)| change);
+    }
+    let errors = STARTS.into_par_iter().map(|half_percent| 0.005 * f64::from(half_percent)).map(|zoom| {
+        let error = pose_error(samples, &zoomed(lens, zoom)).unwrap_or(f64::INFINITY);
+        (zoom, error)
+    });
+    let best = errors.min_by(|(_, one), (_, other)| one.total_cmp(other));
+    best.map_or(Ok(None), |(zoom, _)| from_zoom(samples, lens, zoom).map(|(change, _)| change))
+}
+
+/// Solves for the focal length from a zoom: its change as in [`focal_change`], and the share of samples that agree.
+fn from_zoom(samples: &[Sample], lens: &Lens, zoom: f64) -> Result<(Option<[f64; 2]>, f64), Refusal> {
     // Without distortion, whatever its model, and with one focal length.
-    let focal_px = (lens.focal_px.x * lens.focal_px.y).sqrt();
-    let planes = samples.iter().map(|sample| lens.plane(sample.pixel));
-    let planes: Vec<_> = planes.map(|plane| plane.map(|plane| plane * focal_px)).collect();
-    let known = || planes.iter().flatten();
-    let extreme = |axis: usize, of: fn(f64, f64) -> f64, start: f64| known().map(|at| at[axis]).fold(start, of);
+    let start = zoomed(lens, zoom);
+    let focal_px = (start.focal_px.x * start.focal_px.y).sqrt();
+    let planes: Vec<_> = samples.iter().map(|sample| start.plane(sample.pixel).map(|plane| plane * focal_px)).collect();
+    let extreme = |axis: usize, of: fn(f64, f64) -> f64, first: f64| {
+        planes.iter().flatten().map(|at| at[axis]).fold(first, of)
+    };
     let least = [0, 1].map(|axis| extreme(axis, f64::min, f64::INFINITY).floor());
     let size_px = [0, 1].map(|axis| (extreme(axis, f64::max, f64::NEG_INFINITY) - least[axis]).ceil() as u32 + 1);
     let center_px = least.map(|least| -least);
@@ -77,27 +100,20 @@ fn focal_change(samples: &[Sample], lens: &Lens) -> Option<[f64; 2]> {
         Some(Sample { pixel, ..*sample })
     });
     let ideal: Vec<Sample> = ideal.collect();
-    let scaled = |by: f64| Lens::pinhole(size_px, [by * focal_px; 2], center_px);
-    let solve_from = |start: f64| {
-        let options = SolveOptions {
-            focal: FocalLengths::One,
-            distortion: DistortionTerms::None,
-            fixed: vec![(Parameter::Cx, center_px[0]), (Parameter::Cy, center_px[1])],
-            initial: Some(scaled(start)),
-            ..SolveOptions::new(size_px)
-        };
-        solve(&ideal, &options).ok()
+    let options = SolveOptions {
+        focal: FocalLengths::One,
+        distortion: DistortionTerms::None,
+        fixed: vec![(Parameter::Cx, center_px[0]), (Parameter::Cy, center_px[1])],
+        initial: Some(Lens::pinhole(size_px, [focal_px; 2], center_px)),
+        ..SolveOptions::new(size_px)
     };
-    let agrees = |solution: &Solution| solution.inliers as f64 > AGREEING * ideal.len() as f64;
-    let searched = || {
-        let errors = STARTS.into_par_iter().map(|half_percent| 0.005 * f64::from(half_percent)).map(|by| {
-            let error = pose_error(&ideal, &scaled(by)).unwrap_or(f64::INFINITY);
-            (by, error)
-        });
-        let (best, _) = errors.min_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        solve_from(best)
-    };
-    let solution = solve_from(1.0).filter(agrees).or_else(searched)?;
-    let focal = solution.estimates.iter().find(|estimate| estimate.parameter == Parameter::Fx)?;
-    Some([focal.value / focal_px - 1.0, focal.sigma / focal_px])
+    let solution = solve(&ideal, &options)?;
+    let focal = solution.estimates.iter().find(|estimate| estimate.parameter == Parameter::Fx);
+    let change = focal.map(|focal| [zoom * focal.value / focal_px - 1.0, zoom * focal.sigma / focal_px]);
+    Ok((change, solution.inliers as f64 / ideal.len() as f64))
+}
+
+/// The lens with another focal length; distortion scales with the image.
+fn zoomed(lens: &Lens, zoom: f64) -> Lens {
+    Lens { focal_px: lens.focal_px * zoom, ..*lens }
 }
