@@ -1,4 +1,4 @@
-//! A refinement: a brief look, at most eight images of spots, and the pose of a projector that was bumped.
+//! Refinement of a bumped projector's pose: a brief look at its light, then at most eight images of spots.
 
 use std::time::Duration;
 
@@ -7,26 +7,26 @@ use rcs_calibration::patterns::Pattern;
 use rcs_calibration::{Lens, LightMap, PoseRefinement, RefinedPose, VerificationScene};
 
 use crate::failure::ScanFailure;
-use crate::session::{ScanEvent, ScanSession};
+use crate::session::ScanSession;
 
-/// Least depth images that spots are chosen by. More come while they are shown.
+/// Minimum number of depth images to choose spots by. More come while the spots are shown.
 const MIN_DEPTHS: u32 = 3;
 
-/// The result of a refinement.
+/// Refined pose and duration.
 #[derive(Debug)]
 pub struct Refinement {
-    /// The pose.
+    /// Pose with its samples.
     pub refined: RefinedPose,
-    /// Time that it took.
+    /// Duration from the first look to the pose.
     pub elapsed: Duration,
 }
 
 impl ScanSession<'_> {
-    /// Finds the pose of a projector with a known lens and leaves it dark. By its file it is at
-    /// `projector_from_camera`, from which it may be off by some degrees and centimetres.
+    /// Finds the pose of a projector with a known lens, and leaves it dark. The true pose may differ from
+    /// `projector_from_camera`, that of the projector's file, by a few degrees and centimetres.
     ///
     /// # Errors
-    /// [`ScanFailure`]: as for a scan, or the spots do not tell the pose.
+    /// [`ScanFailure`]: as for a scan, or the spots do not determine the pose.
     pub fn refine(
         mut self,
         projector: &Lens,
@@ -56,16 +56,7 @@ impl ScanSession<'_> {
             depth_m: &depth_m,
             light: &LightMap::new(&white, &black, camera.size_px[0], light.noise),
         })?;
-        let pictures = refinement.pictures();
-        (self.observe)(ScanEvent::Delay(light.delay, pictures.len()));
-        let mut seen: Vec<Vec<u8>> = Vec::new();
-        for picture in pictures {
-            let shown = self.show_picture(picture)?;
-            let last = seen.last().unwrap_or(&white);
-            let grey = self.capture_shown(shown, &light, Some(last))?;
-            seen.push(grey);
-            (self.observe)(ScanEvent::Captured { pictures: &[], readable: 1.0 });
-        }
+        let seen = self.capture_pictures(refinement.pictures(), &light, &white)?;
         self.check_unchanged(&white, &light)?;
         let refined = refinement.refine(&seen, &self.depth.depth_m())?;
         Ok(Refinement { refined, elapsed: self.camera.now().saturating_duration_since(started) })

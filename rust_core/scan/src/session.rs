@@ -1,4 +1,4 @@
-//! A session with a projector's screen and a camera: what a scan and a verification do with them.
+//! Session with a projector's screen and a camera: the steps that scan, verification and refinement share.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use rcs_files::capture::PatternPicture;
 use crate::depth_average::DepthAverage;
 use crate::devices::{CameraFrame, ProjectorScreen, ScanCamera};
 use crate::failure::{check_size, ScanFailure};
-use crate::light::Delay;
+use crate::light::{Delay, Illumination};
 
 /// Timeout of the camera's frames.
 const FRAME_TIMEOUT: Duration = Duration::from_secs(5);
@@ -46,7 +46,7 @@ pub enum ScanEvent<'a> {
     Warning(&'a str),
 }
 
-/// A session that has not begun.
+/// Session with a screen and a camera, used up by one scan, verification or refinement.
 pub struct ScanSession<'a> {
     pub(crate) screen: &'a mut dyn ProjectorScreen,
     pub(crate) camera: &'a mut dyn ScanCamera,
@@ -83,6 +83,24 @@ impl<'a> ScanSession<'a> {
             Ok(()) => Ok(shown),
             Err(reason) => Err(ScanFailure::Screen { screen: self.screen.name(), reason }),
         }
+    }
+
+    /// Shows pictures one after the other and returns the camera's image of each. `last` is the image before the first.
+    pub(crate) fn capture_pictures(
+        &mut self,
+        pictures: Vec<Vec<u8>>,
+        light: &Illumination,
+        last: &[u8],
+    ) -> Result<Vec<Vec<u8>>, ScanFailure> {
+        (self.observe)(ScanEvent::Delay(light.delay, pictures.len()));
+        let mut seen: Vec<Vec<u8>> = Vec::new();
+        for picture in pictures {
+            let shown = self.show_picture(picture)?;
+            let grey = self.capture_shown(shown, light, Some(seen.last().map_or(last, Vec::as_slice)))?;
+            seen.push(grey);
+            (self.observe)(ScanEvent::Captured { pictures: &[], readable: 1.0 });
+        }
+        Ok(seen)
     }
 
     /// The camera's first frame that was received after a time. Depth images that come meanwhile are averaged.

@@ -6,19 +6,19 @@ use rcs_calibration::patterns::Pattern;
 use rcs_calibration::{Lens, LightMap, VerificationPlan, VerificationResult, VerificationScene};
 
 use crate::failure::ScanFailure;
-use crate::session::{ScanEvent, ScanSession};
+use crate::session::ScanSession;
 
-/// Least depth images that the surface is the mean of.
+/// Minimum number of depth images to average for the surface.
 const MIN_DEPTHS: u32 = 10;
 
-/// The result of a verification.
+/// Measured errors with the camera's image.
 #[derive(Debug)]
 pub struct Verification {
-    /// The errors of spots and outlines.
+    /// Errors of spots and outlines.
     pub result: VerificationResult,
-    /// The camera's image of white: grey levels, row by row.
+    /// Camera's image of white: grey levels, row by row.
     pub white: Vec<u8>,
-    /// Width and height of that, pixels.
+    /// Width and height of the image, pixels.
     pub camera_px: [u32; 2],
 }
 
@@ -45,16 +45,7 @@ impl ScanSession<'_> {
             depth_m: &depth_m,
             light: &LightMap::new(&white, &black, camera.size_px[0], light.noise),
         })?;
-        let pictures = plan.pictures();
-        (self.observe)(ScanEvent::Delay(light.delay, pictures.len()));
-        let mut seen: Vec<Vec<u8>> = Vec::new();
-        for picture in pictures {
-            let shown = self.show_picture(picture)?;
-            let last = seen.last().unwrap_or(&black);
-            let grey = self.capture_shown(shown, &light, Some(last))?;
-            seen.push(grey);
-            (self.observe)(ScanEvent::Captured { pictures: &[], readable: 1.0 });
-        }
+        let seen = self.capture_pictures(plan.pictures(), &light, &black)?;
         self.check_unchanged(&white, &light)?;
         let result = plan.measure(&seen)?;
         self.show_picture(plan.overview())?;
