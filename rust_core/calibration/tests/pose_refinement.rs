@@ -118,29 +118,39 @@ fn a_bump_is_mended() {
 
 #[test]
 fn a_changed_zoom_is_refused_where_depths_vary() {
-    let (mut named, mut rooms) = (0, 0);
+    let [mut named, mut inconsistent, mut undecidable] = [0; 3];
     for seed in seeds(200, 4, 100) {
         let world = World::new(seed, &Room::cluttered(seed));
         let by = if seed % 2 == 0 { 1.02 } else { 0.97 };
         let lens = zoomed(&world.view.rig().projector, by);
-        rooms += 1;
         match world.refine(&lens, &world.before(&bump(seed))) {
             Err(RefinementProblem::ZoomChanged { change, sigma }) => {
                 assert!((change - (1.0 / by - 1.0)).abs() < 0.002 + 4.0 * sigma, "seed {seed}: {change} {sigma}");
                 named += 1;
             }
-            Err(RefinementProblem::Inconsistent(percent)) => println!("seed {seed}: {percent:.0} % agree"),
+            // Its text names the zoom, too.
+            Err(RefinementProblem::Inconsistent(percent)) => {
+                println!("seed {seed}: {percent:.0} % agree");
+                inconsistent += 1;
+            }
+            Ok(RefinedPose { zoom: Zoom::Undecidable { variation }, .. }) => {
+                println!("seed {seed}: depths vary by {:.1} %", 100.0 * variation);
+                assert!(variation < 0.15, "seed {seed}: {variation}");
+                undecidable += 1;
+            }
             Err(problem) => panic!("seed {seed}: {problem}"),
             Ok(refined) => panic!("seed {seed}: {:?}", refined.zoom),
         }
     }
-    println!("a changed zoom is refused in {rooms} rooms, in {named} by its name");
-    assert!(named * 10 >= rooms * 9);
+    println!(
+        "a changed zoom: {named} rooms refused as such, {inconsistent} as inconsistent, {undecidable} undecidable"
+    );
+    assert!(named >= 9 * (inconsistent + undecidable));
 }
 
 #[test]
 fn a_changed_zoom_is_undecidable_before_a_wall() {
-    let (mut undecidable, mut walls) = (0, 0);
+    let [mut undecidable, mut walls, mut refused] = [0; 3];
     for seed in seeds(300, 4, 100) {
         // Seen at a slant, a wall has depths that vary.
         let tilt = [0.05, -0.04].map(|tilt| tilt * (seed % 3) as f64);
@@ -151,19 +161,18 @@ fn a_changed_zoom_is_undecidable_before_a_wall() {
         };
         walls += 1;
         match (refine(1.0), refine(1.04)) {
+            // A plane that is slanted more is too flat, too.
             (Ok(Zoom::Undecidable { variation }), Ok(Zoom::Undecidable { variation: of_zoomed })) => {
-                assert!(variation < 0.15 && of_zoomed < 0.15, "seed {seed}: {variation} {of_zoomed}");
+                assert!(variation < 0.25 && of_zoomed < 0.25, "seed {seed}: {variation} {of_zoomed}");
                 undecidable += 1;
             }
-            (Ok(Zoom::Unchanged { .. }), Err(RefinementProblem::ZoomChanged { .. })) => {}
+            (Ok(_), Err(RefinementProblem::ZoomChanged { .. })) => refused += 1,
             // Near the limit, the spots that are seen decide.
-            (Ok(Zoom::Undecidable { variation }), Err(RefinementProblem::ZoomChanged { .. })) => {
-                assert!(variation > 0.14, "seed {seed}: {variation}");
-            }
+            (Ok(_), Ok(Zoom::Undecidable { variation })) => assert!(variation < 0.15, "seed {seed}: {variation}"),
             zooms => panic!("seed {seed}: {zooms:?}"),
         }
     }
-    println!("zoom undecidable before {undecidable} of {walls} walls");
+    println!("zoom undecidable before {undecidable} of {walls} walls, refused before {refused}");
     assert!(undecidable * 4 > walls);
 }
 
@@ -183,15 +192,48 @@ fn refine_moving(seed: u64, motion: Motion, moving_columns: usize) -> Result<f64
     refined.map(|refined| world.error_px(&refined.solution.poses[0].projector_from_camera).max_px)
 }
 
+/// A motion between two of the images of spots, by a distance in this range, camera pixels.
+fn motion(seed: u64, [least_px, most_px]: [f64; 2]) -> Motion {
+    let random = &mut Random::new(&[seed, 0x6d6f_7665]);
+    let angle = random.uniform(0.0, std::f64::consts::TAU);
+    let shift_px = Vector2::new(angle.cos(), angle.sin()) * random.uniform(least_px, most_px);
+    // The second of eight images is the fourth of all.
+    Motion { from_picture: 3 + (seed % 7) as u32, shift_px }
+}
+
+#[test]
+fn a_motion_of_less_than_a_pixel_is_refused_or_harmless() {
+    let (mut most, mut refused) = (Vec::new(), 0);
+    for seed in seeds(500, 4, 100) {
+        let motion = motion(seed, [0.1, 1.0]);
+        for moving_columns in [640, 320] {
+            match refine_moving(seed, motion, moving_columns) {
+                Err(RefinementProblem::Moved { .. }) => refused += 1,
+                Ok(error_px) => {
+                    println!(
+                        "seed {seed}, {:.2} px of {moving_columns} columns: {error_px:.2} px",
+                        motion.shift_px.norm()
+                    );
+                    most.push(error_px);
+                }
+                Err(problem) => panic!("seed {seed}, {motion:?}: {problem}"),
+            }
+        }
+    }
+    let worst_px = most.iter().copied().fold(0.0, f64::max);
+    println!(
+        "small motions: {refused} refused, {} accepted; largest error in a room: median {:.2} px, worst {worst_px:.2} px",
+        most.len(),
+        median(&mut most)
+    );
+    assert!(worst_px < 1.0);
+}
+
 #[test]
 fn motion_while_spots_are_shown_is_refused() {
     let (mut refused_parts, mut rooms) = (0, 0);
     for seed in seeds(400, 4, 100) {
-        let random = &mut Random::new(&[seed, 0x6d6f_7665]);
-        let angle = random.uniform(0.0, std::f64::consts::TAU);
-        let shift_px = Vector2::new(angle.cos(), angle.sin()) * random.uniform(1.0, 3.0);
-        // The second of eight images is the fourth of all.
-        let motion = Motion { from_picture: 3 + (seed % 7) as u32, shift_px };
+        let motion = motion(seed, [1.0, 3.0]);
         let refused = refine_moving(seed, motion, 640);
         assert!(matches!(refused, Err(RefinementProblem::Moved { .. })), "seed {seed}, {motion:?}: {refused:?}");
         // A part that moves is refused, or has so few spots that they do no harm.

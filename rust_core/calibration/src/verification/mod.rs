@@ -16,6 +16,7 @@ mod pose_refinement;
 mod rims;
 mod scene;
 mod spots;
+mod stillness;
 mod surface;
 mod zoom;
 

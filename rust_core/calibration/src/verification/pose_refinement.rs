@@ -4,26 +4,18 @@
 //! landed where, the depth image gives the lit point, and [`solve`] the pose with its deviations. Motion meanwhile
 //! shows in the centroids: each spot is lit in half of the images, and has to be at the same place in all of them.
 
-use nalgebra::{Point2, Vector2};
-
 use super::light_map::LightMap;
 use super::scene::VerificationScene;
 use super::spots::{self, Spot, SpotLight, LEAST_SPOTS};
+use super::stillness;
 use super::surface::{DepthSurface, PosedProjector, ShadowMap};
 use super::zoom::{self, Zoom};
-use crate::statistics::median;
 use crate::{solve, Lens, Refusal, Sample, Solution, SolveOptions};
 
 /// Minimum share of spots that must be detected: a bump moves some of them out of view or onto edges.
 const LEAST_SEEN: f64 = 0.25;
 /// Minimum share of the detected spots that must agree with the pose.
 const LEAST_AGREEING: f64 = 0.7;
-/// Maximum median distance between the centroids in one image and in all, camera pixels.
-const MOST_MOTION_PX: f64 = 0.35;
-/// Maximum distance of a single spot's centroids from their mean, camera pixels.
-const STEADY_PX: f64 = 0.5;
-/// Maximum share of an image's spots beyond that.
-const MOST_UNSTEADY: f64 = 0.25;
 /// Standard deviation of a centroid, camera pixels.
 const SIGMA_CAMERA_PX: f64 = 0.1;
 
@@ -148,7 +140,10 @@ impl PoseRefinement {
         let seen: Vec<(&Spot, SpotLight)> =
             self.spots.iter().zip(found).filter_map(|(spot, found)| Some((spot, found?))).collect();
         let shown = self.spots.len();
-        check_still(&seen, images.len())?;
+        let lights: Vec<&SpotLight> = seen.iter().map(|(_, light)| light).collect();
+        if let Some(px) = stillness::motion_px(&lights, images.len()) {
+            return Err(RefinementProblem::Moved { px });
+        }
         let samples: Vec<Sample> = seen.iter().filter_map(|(spot, light)| self.sample(spot, light, &surface)).collect();
         if samples.len() < LEAST_SPOTS || (samples.len() as f64) < LEAST_SEEN * shown as f64 {
             return Err(RefinementProblem::FewSeen { seen: samples.len(), shown });
@@ -169,7 +164,7 @@ impl PoseRefinement {
 
     /// Point that a spot lights; `None` where it is unsteady, or depth is missing or has an edge.
     fn sample(&self, spot: &Spot, light: &SpotLight, surface: &DepthSurface) -> Option<Sample> {
-        if !is_steady(light) {
+        if !stillness::is_steady(light) {
             return None;
         }
         let camera = &self.camera;
@@ -179,36 +174,4 @@ impl PoseRefinement {
         let sigma_px = SIGMA_CAMERA_PX * by_camera_px.determinant().sqrt();
         Some(Sample { sigma_px, ..Sample::new(spot.pixel, point) })
     }
-}
-
-fn is_steady(light: &SpotLight) -> bool {
-    offsets(light).all(|(_, offset)| offset.norm() <= STEADY_PX)
-}
-
-/// Offsets of a spot's centroid in each of its images from their mean, camera pixels.
-fn offsets(light: &SpotLight) -> impl Iterator<Item = (usize, Vector2<f64>)> + '_ {
-    let count = light.in_images.len().max(1) as f64;
-    let mean = light.in_images.iter().map(|(_, at)| at.coords).sum::<Vector2<f64>>() / count;
-    light.in_images.iter().map(move |(image, at)| (*image, at - Point2::from(mean)))
-}
-
-/// Refuses images among which the spots move: all of them a little, or a part of them farther.
-fn check_still(seen: &[(&Spot, SpotLight)], images: usize) -> Result<(), RefinementProblem> {
-    for image in 0..images {
-        let of_image: Vec<Vector2<f64>> = (seen.iter().flat_map(|(_, light)| offsets(light)))
-            .filter_map(|(at, offset)| (at == image).then_some(offset))
-            .collect();
-        if of_image.len() < LEAST_SPOTS / 2 {
-            continue;
-        }
-        let [x, y] = [0, 1].map(|axis| median(&mut of_image.iter().map(|offset| offset[axis]).collect::<Vec<_>>()));
-        let mut far: Vec<f64> = of_image.iter().map(|offset| offset.norm()).filter(|px| *px > STEADY_PX).collect();
-        if x.hypot(y) > MOST_MOTION_PX {
-            return Err(RefinementProblem::Moved { px: x.hypot(y) });
-        }
-        if far.len() >= LEAST_SPOTS / 2 && far.len() as f64 > MOST_UNSTEADY * of_image.len() as f64 {
-            return Err(RefinementProblem::Moved { px: median(&mut far) });
-        }
-    }
-    Ok(())
 }

@@ -89,9 +89,8 @@ fn from_zoom(samples: &[Sample], lens: &Lens, zoom: f64) -> Result<(Option<[f64;
     let start = zoomed(lens, zoom);
     let focal_px = (start.focal_px.x * start.focal_px.y).sqrt();
     let planes: Vec<_> = samples.iter().map(|sample| start.plane(sample.pixel).map(|plane| plane * focal_px)).collect();
-    let extreme = |axis: usize, of: fn(f64, f64) -> f64, first: f64| {
-        planes.iter().flatten().map(|at| at[axis]).fold(first, of)
-    };
+    let extreme =
+        |axis: usize, of: fn(f64, f64) -> f64, first: f64| planes.iter().flatten().map(|at| at[axis]).fold(first, of);
     let least = [0, 1].map(|axis| extreme(axis, f64::min, f64::INFINITY).floor());
     let size_px = [0, 1].map(|axis| (extreme(axis, f64::max, f64::NEG_INFINITY) - least[axis]).ceil() as u32 + 1);
     let center_px = least.map(|least| -least);
