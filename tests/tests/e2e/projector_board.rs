@@ -1,4 +1,4 @@
-//! `projector_calibrate` with a printed board: from folders of pictures to both files and the report.
+//! `projector_calibrate` with a printed board: from folders of pictures and from topics to the files.
 
 use nalgebra::{Isometry3, Vector3};
 use rcs_calibration::board::Chessboard;
@@ -8,6 +8,8 @@ use rcs_files::projector::ProjectorFile;
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
 use rcs_scene::{Encoding, Picture};
 use rcs_tests::programs::program;
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -106,4 +108,45 @@ fn a_board_is_written_to_print() {
     assert!(code == Some(0) && errors.contains("print it on A4 at 100 %"), "{errors}");
     assert!(fs::read(folder.path().join("board.pdf")).unwrap().starts_with(b"%PDF-1.4\n"));
     assert_eq!(run(folder.path(), &["board", "-o", "board.pdf", "--board", "circles:4x5:1cm"]).0, Some(2));
+}
+
+/// Waits for a line on a program's standard error with all of these texts.
+fn wait_for(running: &Running, texts: &[&str]) {
+    let is_said = || running.errors().iter().any(|line| texts.iter().all(|text| line.contains(text)));
+    assert!(wait_until(PATIENCE, is_said), "{texts:?}: {:?}", running.errors());
+}
+
+#[test]
+fn a_live_scan_says_how_to_hold_the_board_and_takes_a_pose_each_time_it_rests() {
+    let (master, folder) = (RosMaster::start().unwrap(), tempfile::tempdir().unwrap());
+    let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_simulate_scan")));
+    let robot =
+        Running::start(command.args(["--seed", "3", "robot", "--small", "--board"]).arg(folder.path())).unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("rospy.wait_for_service('/simulated_robot/next_view', 300)").unwrap();
+    let mut command = master.environment(Command::new(program("projector_calibrate")));
+    command.current_dir(folder.path()).args(["scan", "--board", "chessboard:8x6:45mm", "--size", "640x400"]);
+    command.args(["--show-on", "/projector/patterns", "--step", "4", "--frames", "1", "-o", "boards"]);
+    let mut scan = Running::start(&mut command).unwrap();
+    wait_for(&scan, &["pose 1: hold the board so that camera and projector see all of it"]);
+    wait_for(&scan, &["pose01: ", " corners"]);
+    wait_for(&scan, &["pose 2: tilt the board to the left: its left side away from the camera"]);
+    assert!(python.run("trigger('/simulated_robot/next_view')").unwrap().contains("True"), "{:?}", robot.errors());
+    wait_for(&scan, &["pose02: ", " corners"]);
+    wait_for(&scan, &["pose 3: tilt the board to the right"]);
+    python.run("trigger('/simulated_robot/next_view')").unwrap();
+    wait_for(&scan, &["pose03: ", " corners"]);
+    wait_for(&scan, &["verdict: "]);
+    wait_for(&scan, &["pose 4: tilt the board back"]);
+    // Three poses are enough to end.
+    let status = scan.end("INT").unwrap();
+    assert_eq!(status.code(), Some(0), "{:?}", scan.errors());
+    wait_for(&scan, &["written: 3 poses in boards"]);
+
+    let solve = ["solve", "boards", "--board", "chessboard:8x6:45mm", "--size", "640x400", "--in-camera-frame"];
+    let (code, errors) = run(folder.path(), &[&solve[..], &["-o", "projector.yaml"]].concat());
+    assert_eq!(code, Some(0), "{errors}");
+    let lens = |name: &str| ProjectorFile::read(&folder.path().join(name)).unwrap().lens().unwrap();
+    let (found, truth) = (lens("projector.yaml"), lens("truth.yaml"));
+    assert!((found.focal_px.x / truth.focal_px.x - 1.0).abs() < 0.02, "{found:?} instead of {truth:?}");
 }

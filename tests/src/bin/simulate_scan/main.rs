@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{bail, Context, Result};
 use clap::{Parser, Subcommand};
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
+use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
 use rcs_files::canvas::Canvas;
@@ -22,6 +23,15 @@ use rcs_scene::Picture;
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
+const BOARD: Chessboard = Chessboard { corners: [8, 6], square_m: 0.045 };
+/// Tilts of the board about x and y, radians; and places right of and below the middle, and depths, metres.
+const BOARD_POSES: [([f64; 2], [f64; 3]); 5] = [
+    ([0.1, 0.1], [0.0, 0.0, 1.2]),
+    ([0.0, 0.5], [-0.16, -0.09, 1.1]),
+    ([-0.1, -0.5], [0.16, 0.09, 1.15]),
+    ([0.5, 0.0], [0.18, -0.1, 1.4]),
+    ([-0.5, 0.1], [-0.18, 0.1, 1.3]),
+];
 
 /// Simulates a scan of a cluttered table by a projector and an RGB-D camera
 #[derive(Debug, Parser)]
@@ -52,6 +62,10 @@ enum Command {
         /// Camera and projector have a quarter of the pixels: 320×240 and 640×400
         #[arg(long)]
         small: bool,
+        /// A printed chessboard:8x6:45mm is held before a wall, in another pose after each call of
+        /// /simulated_robot/next_view
+        #[arg(long)]
+        board: bool,
     },
     /// Draws where the light of a projector's file lands: green crosses are what is to be lit, orange dots the light
     Light {
@@ -76,11 +90,13 @@ fn main() -> Result<()> {
             }
             write_projectors(folder, &rig, arguments.seed)
         }
-        Command::Robot { folder, small } => {
+        Command::Robot { folder, small, board } => {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
             let rig = if *small { robot::small(&rig) } else { rig };
             write_projectors(folder, &rig, arguments.seed)?;
-            robot::run(&View::new(&room, &rig), arguments.seed)
+            let rooms = if *board { with_board(&rig) } else { vec![room] };
+            let views: Vec<View> = rooms.iter().map(|room| View::new(room, &rig)).collect();
+            robot::run(&views, arguments.seed)
         }
         Command::Light { projector, output } => {
             let file = ProjectorFile::read(projector)?;
@@ -92,6 +108,15 @@ fn main() -> Result<()> {
             Ok(picture_file::write(output, &picture)?)
         }
     }
+}
+
+/// A room for each of [`BOARD_POSES`].
+fn with_board(rig: &Rig) -> Vec<Room> {
+    let room = |([about_x, about_y], [right_m, down_m, depth_m]): ([f64; 2], [f64; 3])| {
+        let place = rig.target.coords * (depth_m / rig.target.z) + Vector3::new(right_m, down_m, 0.0);
+        Room::wall(1.9, [0.1, 0.1]).with_board(BOARD, &Isometry3::new(place, Vector3::new(about_x, about_y, 0.05)))
+    };
+    BOARD_POSES.into_iter().map(room).collect()
 }
 
 /// What a scan from this place leaves behind.

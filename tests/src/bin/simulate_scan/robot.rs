@@ -11,7 +11,7 @@ use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_ros::{NodeEvent, Publisher, RosNode};
+use rcs_ros::{NodeEvent, Publisher, RosNode, ServiceCall};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Scan, View};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
@@ -33,8 +33,25 @@ pub(crate) fn small(rig: &Rig) -> Rig {
     Rig { camera: halved(&rig.camera), projector: halved(&rig.projector), ..rig.clone() }
 }
 
-/// Runs the robot until a signal comes or ROS asks it to end.
-pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
+/// What the camera sees of one scene, and of its depths.
+struct Seen<'a> {
+    scan: Scan<'a>,
+    depths: Vec<Vec<f32>>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(view: &'a View, seed: u64) -> Self {
+        let depth = |seed| DepthCamera::kinect(seed).capture(view);
+        Self {
+            scan: Scan::new(view, Conditions { interreflection: 0.0, ..Conditions::random(seed) }),
+            depths: (seed..seed + DEPTHS).map(depth).collect(),
+        }
+    }
+}
+
+/// Runs the robot until a signal comes or ROS asks it to end. The camera sees the first view, and the next one after
+/// each call of the service `~next_view`.
+pub(crate) fn run(views: &[View], seed: u64) -> Result<()> {
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [SIGTERM, SIGINT] {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
@@ -42,13 +59,13 @@ pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
     let is_ended = || ended.load(Ordering::Relaxed);
     let node = RosNode::connect("simulated_robot", &is_ended).context("ROS")?;
     let shown = node.subscribe(SHOWN, MessageKind::Image, 1)?;
-    let camera = HeadCamera::new(&node, view.rig().camera)?;
-    let scan = Scan::new(view, Conditions { interreflection: 0.0, ..Conditions::random(seed) });
-    let depth = |seed| DepthCamera::kinect(seed).capture(view);
-    let depths: Vec<Vec<f32>> = (seed..seed + DEPTHS).map(depth).collect();
-    let [width, height] = view.rig().projector.size_px;
-    let black = vec![0; width as usize * height as usize];
-    let mut light = scan.light_of(&black);
+    let seen: Vec<Seen<'_>> = views.iter().map(|view| Seen::new(view, seed)).collect();
+    let rig = views.first().context("no view")?.rig();
+    let camera = HeadCamera::new(&node, rig.camera)?;
+    node.serve_trigger("~next_view")?;
+    let (size_px, mut index) = (rig.projector.size_px, 0);
+    let mut levels = vec![0; size_px[0] as usize * size_px[1] as usize];
+    let mut light = seen[index].scan.light_of(&levels);
     let mut due = Instant::now();
     for frame in 0.. {
         due += PERIOD;
@@ -56,7 +73,8 @@ pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
             for event in node.events().wait(due.saturating_duration_since(Instant::now())) {
                 match event {
                     NodeEvent::Message { topic, message: AnyMessage::Image(image), .. } if topic == *shown.topic() => {
-                        light = scan.light_of(picture(&image, [width, height])?);
+                        levels = picture(&image, size_px)?.to_vec();
+                        light = seen[index].scan.light_of(&levels);
                     }
                     _ => {}
                 }
@@ -65,6 +83,14 @@ pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
         if is_ended() || node.is_asked_to_end() {
             break;
         }
+        for call in node.calls().wait(Duration::ZERO) {
+            if let ServiceCall::Trigger { reply, .. } = call {
+                index = (index + 1) % seen.len();
+                light = seen[index].scan.light_of(&levels);
+                reply.send(true, "moved");
+            }
+        }
+        let Seen { scan, depths } = &seen[index];
         camera.send(scan.expose(&light, frame), &depths[frame as usize % depths.len()])?;
     }
     node.shutdown();
