@@ -176,6 +176,10 @@ fn camera_stream_shows_the_spots_and_the_running_projector_takes_the_pose() {
     assert_mended(&file);
     // The scene comes back: nothing.
     fixture.wait_for("trigger('/camera_stream/is_idle')[0]");
+    // A pattern of another size is not ignored silently.
+    fixture
+        .python("send('/camera_stream/patterns', Image(width=4, height=2, encoding='mono8', step=4, data=bytes(8)))");
+    fixture.wait_for_log("not shown: a pattern of 4x2 pixels fits no camera, which take 640x400 pixels").unwrap();
 }
 
 #[test]

@@ -270,6 +270,12 @@ impl CameraOutput {
         self.connections.outputs.window.iter().for_each(|window| window.set_view(operator.window_view()));
     }
 
+    /// Optical frame, and width and height of the published images. `None` without a CameraInfo.
+    pub(crate) fn frame_and_size<'a>(&self, scene: &'a SceneState) -> Option<(&'a str, [u32; 2])> {
+        let info = scene.camera_info(self.view())?;
+        Some((&info.header.frame_id, self.policy.post.orientation.size_px([info.width, info.height])))
+    }
+
     /// Applies what the operator has changed. The image of a blackout goes out here, whatever is being drawn.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
-use rcs_messages::{AnyMessage, MessageKind};
+use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeEvent, TopicSubscription};
 use rcs_rviz_config::Config;
@@ -250,9 +250,8 @@ impl SceneThread {
             NodeEvent::Message { topic, message: AnyMessage::Image(image), received, .. }
                 if topic == self.patterns.topic() =>
             {
-                match Pattern::new(image, *received) {
-                    Ok(pattern) => self.shared.control.show_pattern(pattern),
-                    Err(why) => log::warn!("{topic}: not shown: {why}"),
+                if let Err(why) = self.take_pattern(image, *received) {
+                    log::warn!("{topic}: not shown: {why}");
                 }
             }
             NodeEvent::Message { topic, message, received, .. } => {
@@ -276,6 +275,21 @@ impl SceneThread {
             _ => {}
         }
         self.scene.apply(event, self.now());
+    }
+
+    /// Shows a pattern of a calibration.
+    ///
+    /// # Errors
+    /// It cannot be read, or fits no camera.
+    fn take_pattern(&self, image: &Image, received: Instant) -> Result<(), String> {
+        let pattern = Pattern::new(image, received)?;
+        let place = |camera: &CameraOutput| camera.frame_and_size(&self.scene.state);
+        let places: Vec<_> = self.shared.cameras().iter().filter_map(place).collect();
+        match pattern.misfit(&places) {
+            Some(why) => return Err(why),
+            None => self.shared.control.show_pattern(pattern),
+        }
+        Ok(())
     }
 
     /// Draws and publishes the frames that are due. As many are submitted as the renderer works on at once, and each is
