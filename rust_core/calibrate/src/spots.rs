@@ -1,4 +1,4 @@
-//! `projector_calibrate refine --spots`: spots that the projector shows, and what becomes of the pose.
+//! `projector_calibrate refine --spots`: the pose of a bumped projector, by spots of light that a camera sees.
 
 use std::path::{Path, PathBuf};
 
@@ -18,12 +18,12 @@ use super::placing::CameraPose;
 use super::solve::Solved;
 use super::Failure;
 
-/// The topic of a file without `camera_info_topic`, like the node projector's.
+/// Default CameraInfo topic of a projector's file, as of the node `projector`.
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
-/// Difference of a file's pose and that of a running projector that are the same, metres and radians.
+/// Maximum difference of equal poses, metres and radians.
 const SAME_POSE: f64 = 1e-6;
 
-/// What `refine --spots` needs.
+/// Arguments of `refine --spots`.
 #[derive(Debug, Clone, Args)]
 pub(super) struct SpotsArguments {
     /// Show spots and find them with the camera; nothing may move meanwhile. A running projector gets the pose and

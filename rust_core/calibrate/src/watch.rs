@@ -1,4 +1,4 @@
-//! `projector_calibrate watch`: verifies on request, or while there is nothing to show, and tells the drift.
+//! `projector_calibrate watch`: publishes a projector's drift, measured on request or while there is nothing to show.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -16,9 +16,9 @@ use super::known_projector::KnownProjector;
 use super::live::{CameraArguments, ImageTopic, RosCamera, TopicScreen};
 use super::Failure;
 
-/// Time between two checks for calls and the end.
+/// Period of checks for service calls and the end.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
-/// Timeout of the question whether there is nothing to show.
+/// Timeout of the call of `is_idle`.
 const IDLE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Verifies a projector on request, or while there is nothing to show, and publishes its drift
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
     watch.serve()
 }
 
-/// The node at work.
+/// Running watch node.
 struct Watch<'a> {
     arguments: &'a WatchArguments,
     node: &'a RosNode,
@@ -113,7 +113,7 @@ impl Watch<'_> {
         Ok(())
     }
 
-    /// Asks the node with the screen. One that does not answer may be showing something.
+    /// `true` if the node with the screen has nothing to show. One that does not answer may be showing something.
     fn has_nothing_to_show(&self) -> bool {
         let service = format!("{}/is_idle", self.arguments.stream.trim_end_matches('/'));
         match self.node.call::<Trigger>(&service, &TriggerReq {}, IDLE_TIMEOUT) {
@@ -128,7 +128,7 @@ impl Watch<'_> {
         }
     }
 
-    /// Measures, and sets the status.
+    /// Measures the drift and sets the status.
     fn measure(&mut self) {
         self.camera.set_paused(false);
         let drift = self.drift();

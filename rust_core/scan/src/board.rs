@@ -1,4 +1,4 @@
-//! Waits for a chessboard to rest in a new pose, before the scan of that pose.
+//! Wait for a chessboard to rest in a new pose, before the scan of that pose.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use rcs_calibration::statistics::median;
 use crate::failure::ScanFailure;
 use crate::session::{ScanEvent, ScanSession};
 
-/// Time for which the board must rest, and time between two looks.
+/// Time for which the board must rest, and period of looking.
 const REST: Duration = Duration::from_millis(1500);
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 /// Time between two notes on what is missing.

@@ -41,7 +41,7 @@ pub(crate) struct PictureFolders<'a> {
     pub(crate) camera: Option<Lens>,
 }
 
-/// The poses so far, while scanning.
+/// Progress of a board scan: the poses so far, and their verdict.
 struct Guide {
     scan: BoardScan,
     poses: BoardPoses,
@@ -141,7 +141,7 @@ impl Guide {
         count >= MOST_POSES || (count >= ENOUGH_POSES && self.verdict == Some(Verdict::Good))
     }
 
-    /// What to do next.
+    /// Advice for the next pose.
     fn advice(&self) -> BoardAdvice {
         let options = self.poses.options(SolveOptions::new(self.scan.projector_px), false);
         // Good enough to tell how a board is tilted.

@@ -1,4 +1,4 @@
-//! What to do next with the board, by its poses so far.
+//! Advice for the next pose of a board, by its poses so far.
 
 use std::fmt;
 

@@ -19,7 +19,7 @@ const LEAST_AGREEING: f64 = 0.7;
 /// Standard deviation of a centroid, camera pixels.
 const SIGMA_CAMERA_PX: f64 = 0.1;
 
-/// Pose that cannot be refined.
+/// Reason why a pose cannot be refined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RefinementProblem {
     /// Too few targets.
@@ -73,7 +73,7 @@ pub enum RefinementProblem {
     Unsolvable(Refusal),
 }
 
-/// Why there is no solution. Spots that disagree have other causes here than samples of a scan.
+/// Converts a refusal of the solver: spots disagree for other reasons than samples of a scan.
 fn unsolvable(refusal: Refusal) -> RefinementProblem {
     match refusal {
         Refusal::FewInliers { percent, .. } | Refusal::Moved { first_percent: percent, .. } => {
@@ -93,7 +93,7 @@ pub struct RefinedPose {
     pub solution: Solution,
     /// Number of projected spots.
     pub shown: usize,
-    /// Finding about the zoom.
+    /// Zoom compared with the file's.
     pub zoom: Zoom,
 }
 
