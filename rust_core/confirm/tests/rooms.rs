@@ -1,4 +1,4 @@
-//! Light in simulated rooms while arms reach into them and objects are taken away: where it is dark, and where it is not.
+//! Light in simulated rooms while arms reach into them and objects are taken away: where it is dark and where not.
 //!
 //! A few rooms; 100 with `MANY_SEEDS=1`. `-- --nocapture` prints the figures of each, and
 //! `-- --ignored` draws a room: `ROOM=17 cargo test --release -p rcs_confirm --test rooms -- --ignored`.

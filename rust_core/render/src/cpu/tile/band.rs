@@ -90,7 +90,7 @@ impl BandBuffers {
             stride,
             color: &mut self.color,
             depth: &mut self.depth,
-            objects: has_objects.then_some(Objects { depths: self.object.as_mut_slice(), is_listed: false }),
+            objects: has_objects.then_some(ObjectDepths { depths: self.object.as_mut_slice(), is_listed: false }),
             ranks: &mut self.rank,
             hiz: &mut self.hiz,
             visible: &mut self.visible,
@@ -122,7 +122,7 @@ pub(in crate::cpu) struct Band<'a> {
     color: &'a mut [u32],
     depth: &'a mut [f32],
     /// Present where the depths of objects are wanted.
-    objects: Option<Objects<&'a mut [f32]>>,
+    objects: Option<ObjectDepths<&'a mut [f32]>>,
     /// The rank of the face that each pixel shows, from the first run of ranks on.
     ranks: &'a mut Vec<u32>,
     hiz: &'a mut Hiz,
@@ -136,7 +136,7 @@ pub(in crate::cpu) struct Band<'a> {
 
 /// The depths of the objects that pixels show.
 #[derive(Debug)]
-struct Objects<D> {
+struct ObjectDepths<D> {
     depths: D,
     /// `true` while objects are drawn.
     is_listed: bool,
@@ -394,22 +394,22 @@ struct More<'a> {
     ranks: Option<&'a mut [u32; LANES]>,
     rank: u32,
     /// Present where the depths of objects are wanted.
-    objects: Option<Objects<&'a mut [f32]>>,
+    objects: Option<ObjectDepths<&'a mut [f32]>>,
 }
 
 impl<'a> More<'a> {
     #[inline(always)]
-    fn new(rank: u32, ranks: &'a mut [u32], objects: &'a mut Option<Objects<&mut [f32]>>, at: usize) -> Self {
+    fn new(rank: u32, ranks: &'a mut [u32], objects: &'a mut Option<ObjectDepths<&mut [f32]>>, at: usize) -> Self {
         let ranks = if rank == IN_ORDER { None } else { ranks.get_mut(at..) };
         let objects = objects.as_mut().and_then(|objects| objects.part(at, LANES));
         Self { ranks: ranks.and_then(|ranks| ranks.first_chunk_mut()), rank, objects }
     }
 }
 
-impl Objects<&mut [f32]> {
+impl ObjectDepths<&mut [f32]> {
     #[inline(always)]
-    fn part(&mut self, at: usize, count: usize) -> Option<Objects<&mut [f32]>> {
-        Some(Objects { depths: self.depths.get_mut(at..at + count)?, is_listed: self.is_listed })
+    fn part(&mut self, at: usize, count: usize) -> Option<ObjectDepths<&mut [f32]>> {
+        Some(ObjectDepths { depths: self.depths.get_mut(at..at + count)?, is_listed: self.is_listed })
     }
 
     /// Takes the depths of those fragments that win and are opaque enough. Not a part of each loop over pixels: few
@@ -479,7 +479,7 @@ pub(in crate::cpu) struct BandPixel<'a> {
     color: &'a mut u32,
     /// Its depth.
     pub depth: &'a mut f32,
-    objects: Option<Objects<&'a mut [f32]>>,
+    objects: Option<ObjectDepths<&'a mut [f32]>>,
 }
 
 impl BandPixel<'_> {
