@@ -4,19 +4,47 @@ The text between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`
 hand. A section that was not measured stays as it is; one that no page has is printed.
 """
 
+import glob
 import os
 import re
+import shutil
+import subprocess
 
 STYLES = {'Flat Squares': 'Flat Squares 4 mm', 'Points': 'Points 3 px', 'Spheres': 'Spheres 4 mm', 'Boxes': 'Boxes 4 mm'}
 LATENCY = '{latency_ms:.1f} / {latency_p95_ms:.1f}{mark}'
 MARKERS = ('o', 's', '^')
 
 
+def found(pattern, files):
+    """What a pattern captures in the first file that has it."""
+    for name in sorted(glob.glob(files)):
+        with open(name) as file:
+            match = re.search(pattern, file.read(), re.MULTILINE)
+        if match:
+            return match.group(1).strip()
+    return None
+
+
+def gpu():
+    """The GPU, in words; None where there is none."""
+    model = found(r'^Model:\s*(.*)', '/proc/driver/nvidia/gpus/*/information')
+    driver = found(r'^DRIVER=(.*)', '/sys/class/drm/renderD*/device/uevent')
+    return model or (driver and 'a GPU with the driver {}'.format(driver))
+
+
+def opengl():
+    """The OpenGL driver that rviz gets, if glxinfo tells."""
+    if not shutil.which('glxinfo'):
+        return None
+    told = subprocess.run(['glxinfo', '-B'], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True)
+    match = re.search(r'^OpenGL renderer string: (.*)', told.stdout, re.MULTILINE)
+    return match and match.group(1).strip()
+
+
 def machine():
     """The machine, in words."""
-    with open('/proc/cpuinfo') as cpuinfo:
-        model = re.search(r'model name\s*: (.*)', cpuinfo.read())
-    return '{} cores ({})'.format(os.cpu_count(), model.group(1) if model else 'of an unknown model')
+    model = found(r'^model name\s*: (.*)', '/proc/cpuinfo') or 'of an unknown model'
+    return ', '.join(part for part in ('{} cores ({})'.format(os.cpu_count(), model), gpu()) if part)
 
 
 def table(heads, row, rows):
@@ -36,19 +64,20 @@ def slow_note(rows, rate):
     return '† Each cloud was sent after the picture of the previous one, because most were missed at {}.'.format(rate)
 
 
-def has_gpu():
-    return os.path.exists('/dev/dri')
-
-
 def without_software_gpu(result):
     """A section's figures without those of the GPU renderer on a software driver, which nobody should use."""
-    return dict(result, rows=[row for row in result['rows'] if has_gpu() or row['name'] != 'camera_stream, gpu'])
+    return dict(result, rows=[row for row in result['rows'] if gpu() or row['name'] != 'camera_stream, gpu'])
 
 
 def driver_note(rows):
-    if has_gpu() or all(row['name'] != 'rviz' for row in rows):
-        return ''
-    return 'This machine has no GPU: rviz ran on a software driver.'
+    return '' if all(row['name'] != 'rviz' for row in rows) else rviz_note()
+
+
+def rviz_note():
+    """How rviz drew."""
+    if not gpu():
+        return 'This machine has no GPU: rviz ran on a software driver.'
+    return 'rviz drew with {}.'.format(opengl() or 'an OpenGL driver that glxinfo, which is not installed, would name')
 
 
 def styles(given, result):
@@ -178,8 +207,7 @@ def plugin(given, result):
     heads = ['camera in rviz', 'subscribers', 'pictures/s', 'latency ms, median / p95', "rviz's frames/s",
              "main thread's ms per frame", '% of a core']
     row = ['{name}', '{watched}', '{pictures_hz:.1f}', LATENCY, '{frames_hz:.1f}', '{frame_ms:.1f}', '{cpu_percent:.0f}']
-    note = '' if has_gpu() else 'This machine has no GPU: rviz ran on a software driver.'
-    return paragraphs(intro, table(heads, row, result['rows']), note)
+    return paragraphs(intro, table(heads, row, result['rows']), 'rviz ran on a software driver.')
 
 
 def blocks(given, results):
