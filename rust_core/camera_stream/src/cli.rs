@@ -82,7 +82,7 @@ pub struct Cli {
     /// The node's arguments.
     #[command(flatten)]
     pub node: NodeArgs,
-    /// Renderer: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
+    /// Renderer: the faster of the CPU and a hardware GPU (auto); the CPU (cpu); or any GPU driver (gpu)
     #[arg(long, global = true, value_name = "auto|cpu|gpu", default_value = "auto")]
     pub renderer: RendererChoice,
     /// How CameraInfos become pictures.

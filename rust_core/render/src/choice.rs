@@ -7,7 +7,7 @@ use crate::{CpuRenderer, GpuRenderer, RenderError, Renderer};
 /// The renderer that a user asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum RendererChoice {
-    /// A hardware GPU where there is one, else the CPU.
+    /// A hardware GPU where there is one, else the CPU. The node measures both.
     #[default]
     Auto,
     /// The CPU.

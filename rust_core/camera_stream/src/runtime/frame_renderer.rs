@@ -9,6 +9,7 @@ use rcs_displays::DisplaySet;
 use rcs_render::{CpuRenderer, Depths, RenderError, Renderer, RendererChoice};
 use rcs_scene::{DisplayId, Picture, Scene};
 
+use super::auto_renderer::AutoRenderer;
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
 use crate::scene::status_tree::path_text;
 
@@ -32,7 +33,10 @@ impl FrameRenderer {
     /// # Errors
     /// It is a GPU, and none works.
     pub(super) fn new(choice: RendererChoice) -> Result<Self> {
-        let renderer = rcs_render::create(choice)?;
+        let renderer = match choice {
+            RendererChoice::Auto => Box::new(AutoRenderer::start()),
+            RendererChoice::Cpu | RendererChoice::Gpu => rcs_render::create(choice)?,
+        };
         Ok(Self { renderer, choice, buffers: SharedBuffers::default(), costs: Costs::default() })
     }
 
