@@ -294,6 +294,9 @@ impl Comparison {
 mod tests {
     use std::sync::mpsc::{channel, Sender};
 
+    use nalgebra::Isometry3;
+    use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Scene};
+
     use super::*;
 
     const MS: Duration = Duration::from_millis(1);
@@ -384,16 +387,27 @@ mod tests {
         }
     }
 
-    fn draw(renderer: &mut AutoRenderer) {
-        use nalgebra::Isometry3;
-        use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Scene};
+    /// Draws an empty scene of this background.
+    fn draw(renderer: &mut AutoRenderer, background: [u8; 3]) -> Picture {
         let p = [50.0, 0.0, 4.0, 0.0, 0.0, 50.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let camera = Camera::new(Intrinsics::from_p(8, 6, &p).unwrap(), &Isometry3::identity(), 0.01);
-        let (scene, visible) = (Scene::default(), DisplayMask::all());
-        let (background, encoding) = ([0; 3], Encoding::Rgb8);
-        let view = View { scene: &scene, camera: &camera, visible: &visible, background, encoding };
-        renderer.submit(&view).unwrap();
-        assert_eq!(renderer.finish(&mut Picture::default()).unwrap(), Finished::Drawn);
+        let (scene, visible, encoding) = (Scene::default(), DisplayMask::all(), Encoding::Rgb8);
+        let mut picture = Picture::default();
+        renderer.submit(&View { scene: &scene, camera: &camera, visible: &visible, background, encoding }).unwrap();
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
+        picture
+    }
+
+    #[test]
+    fn real_renderers_take_turns_without_losing_an_image() {
+        let mut renderer = AutoRenderer::new(Box::new(CpuRenderer::new()), || Ok(Box::new(GpuRenderer::new(false)?)));
+        let mut backgrounds = (0..=255).cycle().map(|level| [level, 7, 9]);
+        while renderer.opening.is_some() || renderer.comparison.measurement.is_some() {
+            let background = backgrounds.next().unwrap();
+            assert_eq!(draw(&mut renderer, background).data, background.repeat(8 * 6));
+        }
+        assert!(renderer.gpu.is_some(), "there is no Vulkan driver, not even a software one");
+        assert!(renderer.comparison.due > Instant::now() && renderer.in_flight.is_empty());
     }
 
     #[test]
@@ -402,12 +416,12 @@ mod tests {
         let (open, opening) = channel::<Opened>();
         let cpu = || Box::new(Named("cpu", MS * 50, sender.clone()));
         let mut renderer = AutoRenderer::new(cpu(), move || opening.recv().unwrap());
-        (0..12).for_each(|_| draw(&mut renderer));
+        (0..12).for_each(|_| drop(draw(&mut renderer, [0; 3])));
         assert!(drawn.try_iter().all(|name| name == "cpu") && renderer.describe() == "cpu");
         open.send(Ok(Box::new(Named("gpu", Duration::ZERO, sender.clone())))).unwrap();
         let mut images = 0;
         while renderer.describe() != "gpu" || renderer.comparison.measurement.is_some() {
-            draw(&mut renderer);
+            draw(&mut renderer, [0; 3]);
             images += 1;
             assert!(images < 10_000, "the GPU is never taken");
         }
@@ -415,7 +429,7 @@ mod tests {
 
         let reason = "none".to_owned();
         let mut renderer = AutoRenderer::new(cpu(), || Err(RenderError::NoAdapter { reason }));
-        (0..12).for_each(|_| draw(&mut renderer));
+        (0..12).for_each(|_| drop(draw(&mut renderer, [0; 3])));
         assert!(drawn.try_iter().all(|name| name == "cpu") && renderer.opening.is_none());
     }
 }
