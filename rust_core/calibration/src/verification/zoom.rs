@@ -38,7 +38,7 @@ pub enum Zoom {
         /// Standard deviation of that.
         sigma: f64,
     },
-    /// The scene is too flat to tell.
+    /// The scene is too flat to tell, or there are too few samples.
     Undecidable {
         /// Variation of depth, as a share of the depth.
         variation: f64,
@@ -56,8 +56,10 @@ pub(super) fn check(samples: &[Sample], lens: &Lens) -> Option<Zoom> {
     }
     let [change, sigma] = match focal_change(samples, lens) {
         Ok(found) => found?,
-        // A tilted plane: a turn looks like a zoom there.
-        Err(Refusal::Undetermined { .. } | Refusal::Flat) => return Some(undecidable),
+        // Too few samples, or a tilted plane: a turn looks like a zoom there.
+        Err(Refusal::TooFew { .. } | Refusal::BadlySpread(_) | Refusal::Undetermined { .. } | Refusal::Flat) => {
+            return Some(undecidable);
+        }
         Err(_) => return None,
     };
     Some(if change.abs() > NEGLIGIBLE.max(SURE * sigma) {
