@@ -301,8 +301,7 @@ mod tests {
 
     const MS: Duration = Duration::from_millis(1);
 
-    /// Draws images one by one, which take so many milliseconds on the CPU and on the GPU, until that is decided.
-    /// Returns the decision and the images drawn by each.
+    /// Decision between a CPU and a GPU that take these milliseconds an image, and the number of images drawn by each.
     fn decide(comparison: &mut Comparison, [cpu, gpu]: [u32; 2], now: Instant) -> (Option<Decision>, [u32; 2]) {
         let mut drawn = [0; 2];
         comparison.begin_if_due(now);

@@ -33,7 +33,7 @@ pub(crate) fn small(rig: &Rig) -> Rig {
     Rig { camera: halved(&rig.camera), projector: halved(&rig.projector), ..rig.clone() }
 }
 
-/// What the camera sees of one scene, and of its depths.
+/// Images of a simulated camera of one scene, and their depths.
 struct Seen<'a> {
     scan: Scan<'a>,
     depths: Vec<Vec<f32>>,
