@@ -83,13 +83,11 @@ impl World {
         room.hit(&lamp, &self.rays[pixel]).map_or(f64::NAN, |hit| hit.distance)
     }
 
-    /// Factor of the tolerance by the angle at which a pixel's light meets a room: from a cosine of 0.3 on, and of 0.35
-    /// because the measured angle is uncertain.
+    /// Factor of the tolerance by the angle at which a pixel's light meets a room.
     pub(crate) fn widening(&self, room: &Room, pixel: usize) -> f64 {
         let lamp = Point3::from(self.rig.room_from_projector.translation.vector);
         let cosine = |hit: Hit| hit.normal.dot(&self.rays[pixel].normalize()).abs();
-        let grazing = room.hit(&lamp, &self.rays[pixel]).map(cosine).filter(|cosine| *cosine < 0.35);
-        grazing.map_or(1.0, |cosine| 1.0 / cosine.min(0.3))
+        room.hit(&lamp, &self.rays[pixel]).map(cosine).filter(|cosine| *cosine < 0.3).map_or(1.0, |cosine| 1.0 / cosine)
     }
 
     /// A room as an error-free depth camera sees it.
