@@ -3,6 +3,7 @@
 //! A zoom scales the image, and so does a motion along the axis, at one depth. They differ in the motion of farther and
 //! nearer points. Where depth hardly varies, and on a tilted plane, where a turn does the same, they look alike.
 
+use nalgebra::{Matrix3, Vector2, Vector3};
 use rayon::prelude::*;
 
 use crate::solve::pose_error;
@@ -40,7 +41,7 @@ pub enum Zoom {
     },
     /// The scene is too flat to tell, or there are too few samples.
     Undecidable {
-        /// Variation of depth, as a share of the depth.
+        /// Variation of depth as a share of it, or that about the plane that fits best, if it is less.
         variation: f64,
     },
 }
@@ -50,7 +51,7 @@ pub(super) fn check(samples: &[Sample], lens: &Lens) -> Option<Zoom> {
     let mut depths: Vec<f64> = samples.iter().map(|sample| sample.point.z).collect();
     let [near, far] = ENDS.map(|share| quantile(&mut depths, share));
     let variation = (far - near) / median(&mut depths);
-    let undecidable = Zoom::Undecidable { variation };
+    let undecidable = Zoom::Undecidable { variation: variation.min(variation_off_plane(samples)) };
     if variation.is_nan() || variation < LEAST_VARIATION {
         return Some(undecidable);
     }
@@ -69,6 +70,23 @@ pub(super) fn check(samples: &[Sample], lens: &Lens) -> Option<Zoom> {
     } else {
         Zoom::Unchanged { sigma }
     })
+}
+
+/// Variation of depth about the plane that fits best, as a share of the depth. On a plane, inverse depth is linear in
+/// the image.
+fn variation_off_plane(samples: &[Sample]) -> f64 {
+    let rows: Vec<(Vector3<f64>, f64)> =
+        samples.iter().map(|sample| (sample.point.coords / sample.point.z, 1.0 / sample.point.z)).collect();
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (row, inverse) in &rows {
+        normal += row * row.transpose();
+        right += row * *inverse;
+    }
+    // Fewer than three samples have a plane.
+    let Some(plane) = normal.try_inverse().map(|inverse| inverse * right) else { return 0.0 };
+    let mut shares: Vec<f64> = rows.iter().map(|(row, inverse)| row.dot(&plane) / inverse - 1.0).collect();
+    let [near, far] = ENDS.map(|share| quantile(&mut shares, share));
+    far - near
 }
 
 /// Change of the focal length and its deviation, as shares, with everything else of the lens as it is.
@@ -97,7 +115,7 @@ fn from_zoom(samples: &[Sample], lens: &Lens, zoom: f64) -> Result<(Option<[f64;
     let size_px = [0, 1].map(|axis| (extreme(axis, f64::max, f64::NEG_INFINITY) - least[axis]).ceil() as u32 + 1);
     let center_px = least.map(|least| -least);
     let ideal = samples.iter().zip(&planes).filter_map(|(sample, plane)| {
-        let pixel = (*plane)? - nalgebra::Vector2::from(least);
+        let pixel = (*plane)? - Vector2::from(least);
         Some(Sample { pixel, ..*sample })
     });
     let ideal: Vec<Sample> = ideal.collect();
