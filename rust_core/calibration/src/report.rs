@@ -43,6 +43,38 @@ const NOTABLE_SMOOTH_ERROR: f64 = 0.0007;
 /// Number of scans from different camera poses that average the smooth depth error.
 const ENOUGH_SCANS: usize = 5;
 
+/// What improves a calibration, in words for the person who scans.
+struct Advice {
+    fit: &'static str,
+    inliers: &'static str,
+    motion: &'static str,
+    certainty: &'static str,
+    picture: &'static str,
+    depth: &'static str,
+    /// `None` where no depth camera measures.
+    smooth_depth: Option<&'static str>,
+}
+
+const SCAN_ADVICE: Advice = Advice {
+    fit: "keep camera, projector and scene at rest, and check that the depth is registered to the image",
+    inliers: "remove mirrors and glossy objects, darken the room",
+    motion: "the camera may have moved",
+    certainty: "add scans of objects at more different depths, from other camera poses",
+    picture: "move the camera, or put objects at the dark sides",
+    depth: "put objects nearer to the projector and farther off",
+    smooth_depth: Some("average 5 scans from different places"),
+};
+
+const BOARD_ADVICE: Advice = Advice {
+    fit: "keep camera and projector fixed to each other, and the board flat and at rest",
+    inliers: "use a flat board, avoid reflections on it, darken the room",
+    motion: "the board may have moved",
+    certainty: "add poses of the board at more different distances and tilts",
+    picture: "hold the board at the dark sides, too",
+    depth: "hold the board nearer to the projector and farther off, too",
+    smooth_depth: None,
+};
+
 /// Verdict on a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -96,8 +128,17 @@ pub struct Report {
 }
 
 impl Report {
-    /// Judges a solution of samples.
+    /// Judges a solution of samples of a depth camera.
     pub fn new(samples: &[Sample], solution: Solution) -> Self {
+        Self::judged(samples, solution, &SCAN_ADVICE)
+    }
+
+    /// Judges a solution of the corners of printed boards.
+    pub(crate) fn of_boards(samples: &[Sample], solution: Solution) -> Self {
+        Self::judged(samples, solution, &BOARD_ADVICE)
+    }
+
+    fn judged(samples: &[Sample], solution: Solution, advice: &Advice) -> Self {
         let inliers = || solution.residuals.iter().filter(|residual| residual.is_inlier);
         let rms_m = root_mean_square(inliers().map(|residual| residual.error_m.norm()));
         let mut report = Self {
@@ -109,11 +150,11 @@ impl Report {
             reasons: Vec::new(),
             solution,
         };
-        report.judge_fit();
+        report.judge_fit(advice);
         report.judge_lens();
-        report.judge_certainty();
-        report.judge_coverage();
-        report.judge_depth();
+        report.judge_certainty(advice);
+        report.judge_coverage(advice);
+        report.judge_depth(advice);
         report
     }
 
@@ -125,13 +166,11 @@ impl Report {
         self.reasons.push(reason);
     }
 
-    fn judge_fit(&mut self) {
+    fn judge_fit(&mut self, advice: &Advice) {
         let (rms_px, held_out_px) = (self.solution.rms_px, self.solution.held_out_rms_px);
         let held_out = format!("the held-out RMS error is {held_out_px:.2} px");
         if held_out_px > GOOD_HELD_OUT_PX {
-            let advice =
-                "keep camera, projector and scene at rest, and check that the depth is registered to the image";
-            self.say(held_out_px > AGAIN_HELD_OUT_PX, format!("{held_out}: {advice}"));
+            self.say(held_out_px > AGAIN_HELD_OUT_PX, format!("{held_out}: {}", advice.fit));
         }
         let expected_px = self.expected_held_out_px();
         // The ratio says nothing about nearly exact data.
@@ -142,15 +181,12 @@ impl Report {
         }
         let share = self.solution.inliers as f64 / self.points.max(1) as f64;
         if share < GOOD_INLIERS {
-            let (percent, advice) = (100.0 * share, "remove mirrors and glossy objects, darken the room");
-            self.say(
-                share < AGAIN_INLIERS,
-                format!("only {percent:.0} % of the points agree with the solution: {advice}"),
-            );
+            let agreeing = format!("only {:.0} % of the points agree with the solution", 100.0 * share);
+            self.say(share < AGAIN_INLIERS, format!("{agreeing}: {}", advice.inliers));
         }
         if let Some(SuspectedMotion { scan, apart_px }) = self.solution.motion {
             let motion = format!("some samples of scan {scan} are {apart_px:.2} px off the others");
-            self.say(false, format!("the camera may have moved: {motion}: scan again with everything at rest"));
+            self.say(false, format!("{}: {motion}: scan again with everything at rest", advice.motion));
         }
     }
 
@@ -173,39 +209,37 @@ impl Report {
         }
     }
 
-    fn judge_certainty(&mut self) {
+    fn judge_certainty(&mut self, advice: &Advice) {
         let (sigma_px, far_m) = (self.solution.prediction_sigma_px, self.coverage.depth_m[1]);
         let sigma_m = sigma_px / self.solution.lens.focal_px.min() * far_m;
         if sigma_px < GOOD_PREDICTION_PX && sigma_m < GOOD_PREDICTION_M {
             return;
         }
         let sigma = format!("{sigma_px:.2} px ({:.1} mm at {far_m:.1} m)", 1000.0 * sigma_m);
-        let advice = "add scans of objects at more different depths, from other camera poses";
         let is_certain = sigma_px < AGAIN_PREDICTION_PX;
-        self.say(!is_certain, format!("the prediction uncertainty is {sigma}: {advice}"));
+        self.say(!is_certain, format!("the prediction uncertainty is {sigma}: {}", advice.certainty));
     }
 
-    fn judge_coverage(&mut self) {
+    fn judge_coverage(&mut self, advice: &Advice) {
         // The pose of a known lens needs no coverage.
         if self.solution.estimates.iter().all(|estimate| estimate.sigma == 0.0) {
             return;
         }
         let Coverage { picture, depth_m: [near, far], .. } = self.coverage;
         if picture < GOOD_PICTURE {
-            let (percent, advice) = (100.0 * picture, "move the camera, or put objects at the dark sides");
-            self.say(picture < AGAIN_PICTURE, format!("points cover {percent:.0} % of the picture: {advice}"));
+            let covered = format!("points cover {:.0} % of the picture", 100.0 * picture);
+            self.say(picture < AGAIN_PICTURE, format!("{covered}: {}", advice.picture));
         }
         if far < GOOD_DEPTH_RATIO * near {
-            let advice = "put objects nearer to the projector and farther off";
-            self.say(false, format!("points lie between {near:.2} m and {far:.2} m only: {advice}"));
+            self.say(false, format!("points lie between {near:.2} m and {far:.2} m only: {}", advice.depth));
         }
     }
 
-    fn judge_depth(&mut self) {
+    fn judge_depth(&mut self, advice: &Advice) {
+        let Some(advice) = advice.smooth_depth else { return };
         let [near, far] = self.coverage.depth_m;
         let (error_m, error_mm) = (self.smooth_depth_error_m, 1000.0 * self.smooth_depth_error_m);
         if error_m > NOTABLE_SMOOTH_ERROR * (near * far).sqrt() && self.coverage.scans < ENOUGH_SCANS {
-            let advice = format!("average {ENOUGH_SCANS} scans from different places");
             self.say(false, format!("the depth camera's smooth error seems to be {error_mm:.1} mm RMS: {advice}"));
         }
     }

@@ -154,5 +154,9 @@ fn a_board_is_found_in_a_cluttered_room_and_nowhere_else() {
         assert!(20 * wrong.len() <= corners.len(), "seed {seed}: {wrong:?} of {}", corners.len());
         let other = Chessboard { corners: [14, 11], ..BOARD };
         assert!(find_chessboard(&grey, size_px, &other).is_err(), "seed {seed}");
+        // Seen as a whole, a board with more corners is another one.
+        let smaller = Chessboard { corners: [6, 5], ..BOARD };
+        let larger = find_chessboard(&grey, size_px, &smaller);
+        assert!(matches!(larger, Err(BoardRefusal::LargerGrid { corners: 36.., .. })), "seed {seed}: {larger:?}");
     }
 }

@@ -21,7 +21,7 @@ const RADIUS_PX: [f64; 2] = [3.0, 12.0];
 /// Finds the board's corners in an image: grey levels, row by row.
 ///
 /// # Errors
-/// [`BoardRefusal::NoBoard`]: less than half of it is seen.
+/// [`BoardRefusal::NoBoard`]: less than half of it is seen. [`BoardRefusal::LargerGrid`]: another checkered surface is.
 pub fn find_chessboard(grey: &[u8], size_px: [u32; 2], board: &Chessboard) -> Result<Vec<BoardCorner>, BoardRefusal> {
     let needed = (LEAST_SHARE * board.count() as f64).ceil() as usize;
     let refusal = |found| BoardRefusal::NoBoard { found, needed, board: board.corners };
@@ -39,6 +39,9 @@ pub fn find_chessboard(grey: &[u8], size_px: [u32; 2], board: &Chessboard) -> Re
             Some(BoardCorner { place: *place, pixel, lit_by: None })
         })
         .collect();
+    if corners.len() < needed && grid.larger > 0 {
+        return Err(BoardRefusal::LargerGrid { corners: grid.larger, board: board.corners });
+    }
     if corners.len() < needed {
         return Err(refusal(corners.len()));
     }

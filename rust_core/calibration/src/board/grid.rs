@@ -23,6 +23,8 @@ const EVENNESS: f64 = 0.3;
 const LEAST_CONTRAST: f64 = 4.0;
 /// Tolerance of a step along the grid, in steps.
 const TOLERANCE: f64 = 0.35;
+/// Maximum number of corners beyond the board, such as those of reflections, as a share of its shorter side.
+const BEYOND: f64 = 0.5;
 /// Maximum number of seeds that are tried.
 const SEEDS: usize = 400;
 
@@ -31,6 +33,8 @@ const SEEDS: usize = 400;
 pub(super) struct Grid {
     /// Index of the candidate at each column and row.
     pub(super) places: BTreeMap<[i32; 2], usize>,
+    /// Number of corners of the largest grid that was too large for the board.
+    pub(super) larger: usize,
 }
 
 /// An edge to another candidate.
@@ -50,7 +54,7 @@ struct Grown {
 }
 
 impl Grid {
-    /// The largest grid of at most this number of corners along its sides.
+    /// The largest grid of at most this number of corners along its sides, apart from checkered surfaces with more.
     pub(super) fn largest(grey: &Grey, points: &[Point2<f64>], most: [u32; 2]) -> Self {
         let edges = edges(grey, points);
         let mut is_used = vec![false; points.len()];
@@ -60,10 +64,15 @@ impl Grid {
             if is_used[seed] {
                 continue;
             }
-            let grid = Self::grown(points, &edges, seed).within(most);
-            grid.places.values().for_each(|index| is_used[*index] = true);
+            let grown = Self::grown(points, &edges, seed);
+            grown.places.values().for_each(|index| is_used[*index] = true);
+            let (count, grid) = (grown.places.len(), grown.within(most));
+            if count > grid.places.len() + (BEYOND * f64::from(most[0].min(most[1]))) as usize {
+                largest.larger = largest.larger.max(count);
+                continue;
+            }
             if grid.places.len() > largest.places.len() {
-                largest = grid;
+                largest.places = grid.places;
             }
             if largest.places.len() == complete {
                 break;
@@ -126,7 +135,7 @@ impl Grid {
                 let count = self.places.keys().filter(|place| is_inside(place)).count();
                 if count > best.places.len() {
                     let inside = self.places.iter().filter(|(place, _)| is_inside(place));
-                    best = Self { places: inside.map(|(place, index)| (*place, *index)).collect() };
+                    best.places = inside.map(|(place, index)| (*place, *index)).collect();
                 }
             }
         }

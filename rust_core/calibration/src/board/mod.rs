@@ -119,6 +119,18 @@ pub enum BoardRefusal {
         /// Inner corners.
         board: [u32; 2],
     },
+    /// A larger grid than the board's, such as a tiled floor, and no board.
+    #[error(
+        "a checkered surface with {corners} inner corners is seen, more than a board with {}x{} has: cover it, and check \
+         --board",
+        board[0], board[1]
+    )]
+    LargerGrid {
+        /// Number of corners of the grid.
+        corners: usize,
+        /// Inner corners of the board.
+        board: [u32; 2],
+    },
     /// Too few corners whose projector pixel is known, of the view with this name.
     #[error(
         "{name}: the projector's pixel is known at {corners} corners only: let the projector light the whole board"

@@ -139,7 +139,7 @@ impl Solved {
             camera_rms_px: root_mean_square(poses.iter().map(|pose| pose.camera_rms_px)),
             left_out_px: (!known.is_empty()).then(|| root_mean_square(known.into_iter())),
             poses,
-            report: Report::new(&self.samples, self.solution),
+            report: Report::of_boards(&self.samples, self.solution),
             samples: self.samples,
         };
         solution.judge();
