@@ -17,6 +17,9 @@ import threading
 import time
 
 import numpy
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import TimeReference
 
 from bench_probe import NEWEST, SIZE_PX, Drain, Program, Usage, colour_of_pixels, picture_topic
 
@@ -26,6 +29,9 @@ LIGHT = 'light'
 PERIOD_S = 0.0002
 # Half the side of the region that is read in the middle, pixels.
 REACH_PX = 12
+
+# The steps that the node measures itself.
+STEPS = ['received to decoded', 'decoded to drawn', 'drawn to published']
 
 # A route from the node to the screen: name, command, further arguments of the node, command of a viewer if it has one.
 Route = collections.namedtuple('Route', 'name node arguments viewer')
@@ -92,6 +98,31 @@ class Usages:
         return sum(usage.peak_mb() for usage in self.usages)
 
 
+class Steps:
+    """The node's own figures of where the time goes: on /diagnostics, and beside the image when each was on the screen."""
+
+    def __init__(self):
+        self.diagnosed_ms, self.shown_ms = {}, []
+        shown = os.path.dirname(picture_topic(0)) + '/shown'
+        self.subscribers = [rospy.Subscriber('/diagnostics', DiagnosticArray, self.take, queue_size=10),
+                            rospy.Subscriber(shown, TimeReference, self.take_shown, queue_size=100)]
+
+    def take(self, message):
+        for value in (value for status in message.status for value in status.values):
+            for step in STEPS:
+                if value.key.startswith(step) and value.value != '-':
+                    self.diagnosed_ms[step] = float(value.value.split('/')[0])
+
+    def take_shown(self, message):
+        self.shown_ms.append(1000 * (message.time_ref - message.header.stamp).to_sec())
+
+    def end(self):
+        """The medians, milliseconds."""
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+        return dict(self.diagnosed_ms, **{'published to shown': float(numpy.median(self.shown_ms))})
+
+
 def routes(programs, rviz):
     """The routes to the screen, rviz's where it can be compared."""
     node = [os.path.join(programs, 'camera_stream'), '--renderer', 'cpu']
@@ -141,10 +172,12 @@ def measure(bench, route, config, cloud):
         stack.callback(watcher.end)
         if not probe.wait_for_colour(60):
             sys.exit('bench: {} shows no image on the screen; log: {}'.format(route.name, bench.log))
+        steps = None if route.viewer else Steps()
         of_server = Usage(server.pid)
         cpu_s = of_server.cpu_s()
         figures = probe.measure(given.hz, given.seconds, Usages([process.pid for process in processes]))
         figures['server_ms'] = 1000 * (of_server.cpu_s() - cpu_s) / max(1, figures['clouds'])
+        figures['steps'] = steps.end() if steps else None
     return dict(figures, mark='')
 
 

@@ -182,7 +182,16 @@ def light(given, result):
     row = ['{name}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_ms:.1f}', '{server_ms:.1f}', '{peak_mb:.0f}']
     heads = ['program', 'pictures/s', 'clouds missed', 'latency to light ms, median / p95', 'CPU ms per picture',
              "the X server's CPU ms per picture", 'peak MB']
-    return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
+    return paragraphs(intro, table(heads, row, result['rows']), *map(light_steps, result['rows'][:1]), driver_note(result['rows']))
+
+
+def light_steps(row):
+    """Where the time of the node's own window goes, by the node's own medians."""
+    steps = row['steps']
+    rest_ms = row['latency_ms'] - sum(steps.values())
+    named = ', '.join('{} {:.1f}'.format(name, ms) for name, ms in steps.items())
+    return ('Of the {latency_ms:.1f} ms of {name}: {named}; {rest:.1f} before it is received and after the X server has read '
+            'it.').format(named=named, rest=rest_ms, **row)
 
 
 def blackout(_, result):
