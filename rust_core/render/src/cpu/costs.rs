@@ -22,6 +22,11 @@ impl WorkerCosts {
         self.last = None;
     }
 
+    /// The time of all jobs.
+    pub(in crate::cpu) fn sum(&self) -> Duration {
+        self.by_job.iter().sum()
+    }
+
     /// What follows is measured.
     #[inline]
     pub(in crate::cpu) fn begin(&mut self) {

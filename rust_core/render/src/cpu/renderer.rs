@@ -18,10 +18,18 @@ use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
 use crate::{DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
+/// Jobs, and time of the last picture, for which one more thread pays: waking it up costs about 0.05 ms.
+const JOBS_PER_WORKER: usize = 6;
+const TIME_PER_WORKER: Duration = Duration::from_micros(500);
+
 /// Draws on the CPU.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     workers: Vec<Worker>,
+    /// Number of workers that draw the picture; the others sleep.
+    pub(super) active: usize,
+    /// All of them draw each picture.
+    uses_all: bool,
     /// By job; some more may be left of other pictures.
     outcomes: Vec<Outcome>,
     caches: Caches,
@@ -79,15 +87,20 @@ struct Worker {
 }
 
 impl CpuRenderer {
-    /// A renderer that uses all cores.
+    /// A renderer that uses as many cores as pay for a picture.
     pub fn new() -> Self {
-        Self::with_threads(rayon::current_num_threads())
+        Self::with_up_to(rayon::current_num_threads())
+    }
+
+    /// A renderer that uses at most this many threads.
+    pub(super) fn with_up_to(threads: usize) -> Self {
+        Self { uses_all: false, ..Self::with_threads(threads) }
     }
 
     /// A renderer that uses this many threads (at least one). The picture does not depend on it.
     pub fn with_threads(threads: usize) -> Self {
         let workers = (0..threads.max(1)).map(|_| Worker::default()).collect();
-        Self { workers, ..Self::default() }
+        Self { workers, uses_all: true, ..Self::default() }
     }
 
     /// Chooses when faces that others hide are looked for; for tests and measurements.
@@ -112,7 +125,7 @@ impl Renderer for CpuRenderer {
     }
 
     fn costs(&self) -> Vec<(DisplayId, Duration)> {
-        costs::by_display(&self.job_displays, self.workers.iter().map(|worker| &worker.costs))
+        costs::by_display(&self.job_displays, self.workers[..self.active].iter().map(|worker| &worker.costs))
     }
 
     /// Draws at once: all cores are busy with one picture.
@@ -153,9 +166,9 @@ impl CpuRenderer {
     ) -> Result<(), RenderError> {
         let result = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, request, drawn)));
         result.unwrap_or_else(|panic| {
-            let (simd_level, culling) = (self.simd_level, self.culling);
+            let (simd_level, culling, uses_all) = (self.simd_level, self.culling, self.uses_all);
             let finished = std::mem::take(&mut self.pictures.finished);
-            *self = Self { simd_level, culling, ..Self::with_threads(self.workers.len()) };
+            *self = Self { simd_level, culling, uses_all, ..Self::with_threads(self.workers.len()) };
             self.pictures.finished = finished;
             Err(RenderError::Panicked { renderer: self.describe(), reason: panic_text(panic.as_ref()).to_owned() })
         })
@@ -204,10 +217,11 @@ impl CpuRenderer {
         }
         let scene = view.scene.seen_from(view.camera);
         let view = &View { scene: &scene, ..*view };
-        let mut screen = Screen::new(width_px, height_px, self.workers.len());
-        screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.caches.forget_dead();
         let mut plan = Plan::new(view, request.objects_of, &mut self.caches, &mut self.memory);
+        self.active = self.paying_workers(plan.jobs.len());
+        let mut screen = Screen::new(width_px, height_px, self.active);
+        screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.prepare(&plan, &screen);
         plan.cull_clouds(&self.outcomes);
         self.list_runs(&plan, &screen);
@@ -215,6 +229,18 @@ impl CpuRenderer {
         std::mem::swap(&mut self.job_displays, &mut plan.job_displays);
         self.memory.keep(plan);
         Ok(())
+    }
+
+    /// The number of workers that shorten a picture of this number of jobs.
+    pub(super) fn paying_workers(&self, jobs: usize) -> usize {
+        let last: Duration = self.workers.iter().map(|worker| worker.costs.sum()).sum();
+        let by_time = last.as_micros() / TIME_PER_WORKER.as_micros();
+        let paying = 1 + (jobs / JOBS_PER_WORKER).max(usize::try_from(by_time).unwrap_or(usize::MAX - 1));
+        if self.uses_all {
+            self.workers.len()
+        } else {
+            self.workers.len().min(paying)
+        }
     }
 
     /// The first step: all jobs.
@@ -228,7 +254,7 @@ impl CpuRenderer {
         let panics = std::mem::take(&mut self.panics_next);
         let context = DrawContext { plan, screen };
         let jobs = plan.jobs.iter().zip(&mut self.outcomes).enumerate();
-        in_parallel(&mut self.workers, jobs, |worker, (index, (job, outcome))| {
+        in_parallel(&mut self.workers[..self.active], jobs, |worker, (index, (job, outcome))| {
             worker.costs.begin();
             #[cfg(test)]
             assert!(!panics, "a test's panic");
@@ -272,7 +298,7 @@ impl CpuRenderer {
         let to_metres = ToMetres::new(view.camera);
         let depths = depth_bands(opaque, width * rows).zip(depth_bands(objects, width * rows));
         let bands = picture.data.chunks_mut(step * rows).zip(depths).enumerate();
-        in_parallel(&mut self.workers, bands, |worker, (index, (rows, (opaque, objects)))| {
+        in_parallel(&mut self.workers[..self.active], bands, |worker, (index, (rows, (opaque, objects)))| {
             let Worker { band, scratch, costs } = worker;
             let mut band = band.begin(context.screen, index, background, has_objects);
             costs.begin();

@@ -1,4 +1,4 @@
-//! A renderer that has panicked.
+//! A renderer that has panicked, and how many threads draw a picture.
 
 use std::sync::Arc;
 
@@ -21,12 +21,32 @@ fn triangle() -> Scene {
     Scene { drawables: vec![drawable], light: None }
 }
 
+fn camera() -> Camera {
+    let p = [20.0, 0.0, 16.0, 0.0, 0.0, 20.0, 12.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    Camera::new(Intrinsics::from_p(32, 24, &p).unwrap(), &Isometry3::identity(), 0.01)
+}
+
+#[test]
+fn a_small_picture_wakes_no_threads() {
+    let (scene, visible, camera) = (triangle(), DisplayMask::all(), camera());
+    let view = View { scene: &scene, camera: &camera, visible: &visible, background: [9; 3], encoding: Encoding::Rgb8 };
+    let draw = |mut renderer: CpuRenderer| {
+        let mut picture = Picture::default();
+        renderer.render(&view, &mut picture).unwrap();
+        (renderer, picture)
+    };
+    let (all, of_all) = draw(CpuRenderer::with_threads(4));
+    let (few, of_few) = draw(CpuRenderer::with_up_to(4));
+    assert_eq!((all.active, few.active), (4, 1));
+    assert_eq!(of_all.data, of_few.data);
+    let few = CpuRenderer::with_up_to(4);
+    assert_eq!([0, 10, 1000].map(|jobs| few.paying_workers(jobs)), [1, 2, 4]);
+}
+
 #[test]
 fn a_panic_is_an_error_and_the_next_picture_is_drawn() {
     for threads in [1, 2] {
-        let p = [20.0, 0.0, 16.0, 0.0, 0.0, 20.0, 12.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        let camera = Camera::new(Intrinsics::from_p(32, 24, &p).unwrap(), &Isometry3::identity(), 0.01);
-        let (scene, visible) = (triangle(), DisplayMask::all());
+        let (scene, visible, camera) = (triangle(), DisplayMask::all(), camera());
         let view =
             View { scene: &scene, camera: &camera, visible: &visible, background: [9; 3], encoding: Encoding::Rgb8 };
         let mut renderer = CpuRenderer::with_threads(threads);
