@@ -102,6 +102,12 @@ impl PointCloud2 {
     }
 }
 
+impl AsRef<[u8]> for PointCloud2 {
+    fn as_ref(&self) -> &[u8] {
+        self.data()
+    }
+}
+
 impl PartialEq for PointCloud2 {
     fn eq(&self, other: &Self) -> bool {
         self.header == other.header

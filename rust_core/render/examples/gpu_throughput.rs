@@ -1,8 +1,8 @@
 //! Measures how many pictures of a cloud the GPU renderer draws in a second, and how long each step takes.
 //!
 //! `cargo run --release -p rcs_render --example gpu_throughput [-- POINTS [PICTURES]]` draws 3,000,000 points at 1280
-//! by 800, with one and with two pictures in flight: a cloud that stays, under a camera that moves, and a new cloud for
-//! each picture. The empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the
+//! by 800, with one and with two pictures in flight: a cloud that stays, under a camera that moves, a new cloud for
+//! each picture, and one in its message's bytes of 16 a point (making it is not in the times but shown apart). The empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the
 //! GPU's drawing. With two in flight, `wait` is only what the other picture's steps do not cover.
 
 use std::error::Error;
@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rcs_render::{GpuRenderer, GpuStats, Renderer, View};
 use rcs_scene::{
-    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Picture, PointBuffer, PointColors, PointStyle,
-    Points, RenderGroup, Scene,
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, PackedColors, PackedPoints, Picture, PointBuffer,
+    PointColors, PointLook, PointStyle, PositionLayout, RenderGroup, Scene, SharedBytes,
 };
 
 const SIZE_PX: [u32; 2] = [1280, 800];
@@ -25,6 +25,12 @@ enum Content {
     Nothing,
     OneCloud,
     NewClouds,
+    PackedClouds,
+}
+
+/// How each style is drawn.
+fn look(style: PointStyle) -> PointLook {
+    PointLook { style, alpha: 1.0, blended: false, auto_size: false }
 }
 
 /// A wavy surface about a metre away that fills the picture. A new one each time: the phase tells them apart.
@@ -41,14 +47,31 @@ fn cloud(points: usize, phase: f64) -> PointBuffer {
     PointBuffer { positions: (0..points).map(place).collect(), colors: PointColors::PerPoint(colors) }
 }
 
-fn scene(buffer: &Arc<PointBuffer>, style: PointStyle) -> Scene {
-    let points = Points { buffer: Arc::clone(buffer), style, alpha: 1.0, blended: false, auto_size: false };
+/// A cloud as the bytes of a message: x, y, z and rgb.
+fn bytes(cloud: &PointBuffer) -> Vec<u8> {
+    let point = |(i, position): (usize, &[f32; 3])| {
+        let [r, g, b, _] = cloud.colors.get(i);
+        let [x, y, z] = position.map(f32::to_le_bytes);
+        [x, y, z, [b, g, r, 0]]
+    };
+    cloud.positions.iter().enumerate().flat_map(point).flatten().collect()
+}
+
+fn packed(bytes: &Arc<Vec<u8>>, style: PointStyle) -> Option<Geometry> {
+    let layout = PositionLayout::new([0, 4, 8], false);
+    let colors = PackedColors::Rgb { offset: 12 };
+    PackedPoints::new(Arc::clone(bytes) as SharedBytes, 16, layout, colors, look(style))
+        .map(Arc::new)
+        .map(Geometry::Packed)
+}
+
+fn scene(geometry: Geometry) -> Scene {
     let drawable = Drawable {
         display: 0,
         fixed_from_object: Matrix4::identity(),
         sort_point: Point3::origin(),
         group: RenderGroup::Main,
-        geometry: Geometry::Points(points),
+        geometry,
     };
     Scene { drawables: vec![drawable], light: None }
 }
@@ -125,19 +148,29 @@ fn main() -> Result<(), Box<dyn Error>> {
     let flat = PointStyle::FlatSquares { side_m: (gap_px / FOCAL_PX) as f32 };
     let round = PointStyle::Points { diameter_px: 3.0 };
     let clouds = [0.0, 1.0, 2.0].map(|phase| Arc::new(cloud(points, phase)));
+    let messages = clouds.each_ref().map(|cloud| Arc::new(bytes(cloud)));
+    let packing = Instant::now();
+    let _ = packed(&messages[0], flat);
+    println!("packing a cloud: {:.2} ms", packing.elapsed().as_secs_f64() * 1e3);
     for (name, content, style) in [
         ("empty", Content::Nothing, flat),
         ("Flat Squares", Content::OneCloud, flat),
         ("Flat Squares, each a new cloud", Content::NewClouds, flat),
+        ("Flat Squares, each a packed cloud", Content::PackedClouds, flat),
         ("Points 3 px", Content::OneCloud, round),
         ("Points 3 px, each a new cloud", Content::NewClouds, round),
+        ("Points 3 px, each a packed cloud", Content::PackedClouds, round),
     ] {
         for in_flight in [1, 2] {
             let next = |i: usize| {
                 let scene = match content {
                     Content::Nothing => Scene::default(),
-                    Content::OneCloud => scene(&clouds[0], style),
-                    Content::NewClouds => scene(&Arc::new(PointBuffer::clone(&clouds[i % clouds.len()])), style),
+                    Content::OneCloud => scene(Geometry::Points(look(style).of(Arc::clone(&clouds[0])))),
+                    Content::NewClouds => {
+                        let cloud = Arc::new(PointBuffer::clone(&clouds[i % clouds.len()]));
+                        scene(Geometry::Points(look(style).of(cloud)))
+                    }
+                    Content::PackedClouds => scene(packed(&messages[i % messages.len()], style).ok_or("not packed")?),
                 };
                 Ok((scene, camera(0.001 * (i % 100) as f64)?))
             };
@@ -158,7 +191,7 @@ fn check(content: Content, pictures: usize, before: &GpuStats, after: &GpuStats)
     if after.pipelines != before.pipelines || after.targets != before.targets {
         println!("  pipelines or targets were made on the way: {after:?}");
     }
-    if (content == Content::NewClouds) != (uploads >= pictures as u64) {
+    if matches!(content, Content::NewClouds | Content::PackedClouds) != (uploads >= pictures as u64) {
         println!("  {uploads} uploads for {pictures} pictures");
     }
 }

@@ -118,6 +118,20 @@ pub trait Renderer: Send {
         1
     }
 
+    /// True if it draws [`PackedPoints`](rcs_scene::PackedPoints) without decoding them on the CPU.
+    fn takes_packed_points(&self) -> bool {
+        false
+    }
+
+    /// True while a GPU draws pictures in flight, so that its caller may prepare the next scene and
+    /// [`upload`](Self::upload) it without keeping them waiting.
+    fn can_upload(&self) -> bool {
+        false
+    }
+
+    /// Uploads the clouds of a scene that will be drawn next. A failure is found with the next picture.
+    fn upload(&mut self, _scene: &Scene, _visible: &DisplayMask) {}
+
     /// Begins a picture. What the view refers to is not needed any more when this returns.
     ///
     /// # Errors

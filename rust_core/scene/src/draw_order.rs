@@ -47,7 +47,7 @@ impl Key {
     fn of(index: u32, drawable: &Drawable, eye: &Point3<f64>) -> Self {
         let is_translucent = drawable.geometry.is_translucent();
         let rank = match (&drawable.geometry, is_translucent) {
-            (Geometry::Points(_) | Geometry::Cells(_), false) => 1.0,
+            (Geometry::Points(_) | Geometry::Packed(_) | Geometry::Cells(_), false) => 1.0,
             (_, false) | (Geometry::Text(_), true) => 0.0,
             (_, true) => rank_of_distance(&drawable.sort_point, eye),
         };

@@ -94,6 +94,27 @@ pub struct PointBuffer {
     pub colors: PointColors,
 }
 
+/// The way a cloud is drawn: the fields of [`Points`] without its buffer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLook {
+    /// See [`Points::style`].
+    pub style: PointStyle,
+    /// See [`Points::alpha`].
+    pub alpha: f32,
+    /// See [`Points::blended`].
+    pub blended: bool,
+    /// See [`Points::auto_size`].
+    pub auto_size: bool,
+}
+
+impl PointLook {
+    /// A cloud that is drawn in this way.
+    pub fn of(self, buffer: Arc<PointBuffer>) -> Points {
+        let Self { style, alpha, blended, auto_size } = self;
+        Points { buffer, style, alpha, blended, auto_size }
+    }
+}
+
 /// A cloud with the way it is drawn.
 #[derive(Clone, Debug)]
 pub struct Points {
@@ -109,4 +130,12 @@ pub struct Points {
     pub blended: bool,
     /// Sizes are multiplied by each point's z in the object's frame (DepthCloud's "Auto Size").
     pub auto_size: bool,
+}
+
+impl Points {
+    /// The way it is drawn.
+    pub fn look(&self) -> PointLook {
+        let &Self { style, alpha, blended, auto_size, .. } = self;
+        PointLook { style, alpha, blended, auto_size }
+    }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use crate::{Blending, CellSheet, Lines, Material, Mesh, Points, Ribbons, Solids, Text};
+use crate::{Blending, CellSheet, Lines, Material, Mesh, PackedPoints, Points, Ribbons, Solids, Text};
 
 /// Number of a display: its index in the config's tree order.
 pub type DisplayId = u32;
@@ -53,6 +53,8 @@ pub enum RenderGroup {
 pub enum Geometry {
     /// A point cloud.
     Points(Points),
+    /// A point cloud in the bytes of its message.
+    Packed(Arc<PackedPoints>),
     /// Lines of one pixel.
     Lines(Arc<Lines>),
     /// Wide lines that turn to the eye.
@@ -82,6 +84,7 @@ impl Geometry {
     pub fn is_translucent(&self) -> bool {
         match self {
             Self::Points(points) => points.blended,
+            Self::Packed(points) => points.look().blended,
             Self::Lines(lines) => lines.blending == Blending::Alpha,
             Self::Ribbons(ribbons) => ribbons.blending == Blending::Alpha,
             Self::Mesh { material, .. } => {

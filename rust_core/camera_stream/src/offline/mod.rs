@@ -89,6 +89,7 @@ pub struct RenderJob<'a> {
 /// # Errors
 /// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
 pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Renderer) -> Result<()> {
+    scene.pack_points(renderer.takes_packed_points());
     let view = choose_camera(scene.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
     let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });

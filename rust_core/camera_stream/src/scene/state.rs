@@ -66,6 +66,8 @@ struct DisplayContext {
     prediction: Option<Prediction>,
     /// Most markers that a display places in one update.
     step: Option<usize>,
+    /// `true` if the renderer decodes points by itself.
+    packs_points: bool,
     meshes: MeshStore,
 }
 
@@ -73,6 +75,7 @@ impl DisplayContext {
     fn world(&self, now: Time) -> World<'_> {
         let mut world = World::new(&self.transforms, &self.fixed_frame, now, &self.meshes);
         (world.prediction, world.step) = (self.prediction, self.step);
+        world.packs_points = self.packs_points;
         world
     }
 }
@@ -102,6 +105,7 @@ impl SceneState {
                 fixed_frame: fixed_frame_of(config, fixed_frame),
                 prediction: None,
                 step: None,
+                packs_points: false,
                 meshes,
             },
             meshes_version: 0,
@@ -115,6 +119,13 @@ impl SceneState {
     /// Limits the markers that a display places in one update, see [`World::step`]: another update follows at once.
     pub fn limit_markers_per_update(&mut self, most: usize) {
         self.context.step = Some(most);
+    }
+
+    /// Leaves the points of the next messages to the renderer, see [`Renderer::takes_packed_points`].
+    ///
+    /// [`Renderer::takes_packed_points`]: rcs_render::Renderer::takes_packed_points
+    pub fn pack_points(&mut self, packs_points: bool) {
+        self.context.packs_points = packs_points;
     }
 
     /// Replaces the config; `fixed_frame` overrides its own. Displays in both are kept, and placed again if the fixed

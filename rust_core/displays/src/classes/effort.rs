@@ -13,11 +13,10 @@ use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use rcs_messages::sensor_msgs::JointState;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::EffortSettings;
-use rcs_scene::{Blending, DisplayId, Drawable, Geometry, Material, RibbonElement, Ribbons};
+use rcs_scene::{rainbow, Blending, DisplayId, Drawable, Geometry, Material, RibbonElement, Ribbons};
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::parts::cloud::rainbow;
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts};
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
 use crate::{Level, StatusText, Statuses, World};

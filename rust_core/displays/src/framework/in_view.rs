@@ -82,6 +82,7 @@ fn of_turning(corners: impl Iterator<Item = Point3<f64>>) -> Option<Aabb> {
 fn bounds(geometry: &Geometry) -> Option<Aabb> {
     match geometry {
         Geometry::Points(points) => Aabb::around(points.buffer.positions.iter().copied()),
+        Geometry::Packed(points) => points.bounds(),
         Geometry::Lines(lines) => Aabb::around(lines.positions.iter().copied()),
         Geometry::Ribbons(ribbons) => {
             let elements = ribbons.chains.iter().flatten();

@@ -39,6 +39,8 @@ pub struct World<'a> {
     /// Largest number of markers that a display places in one update, so that a large array does not hold up other
     /// displays; the old ones are shown until all are placed. `None`: all at once.
     pub step: Option<usize>,
+    /// `true` if the renderer decodes points by itself, see [`rcs_scene::PackedPoints`].
+    pub packs_points: bool,
     /// Meshes by URL.
     pub meshes: &'a MeshStore,
     lookups: Option<&'a Lookups>,
@@ -47,7 +49,7 @@ pub struct World<'a> {
 impl<'a> World<'a> {
     /// A world without prediction, and in which all markers are placed at once.
     pub fn new(transforms: &'a TransformTree, fixed_frame: &'a str, now: Time, meshes: &'a MeshStore) -> Self {
-        Self { transforms, fixed_frame, now, prediction: None, step: None, meshes, lookups: None }
+        Self { transforms, fixed_frame, now, prediction: None, step: None, packs_points: false, meshes, lookups: None }
     }
 
     /// Copy for one display, whose lookups are recorded.

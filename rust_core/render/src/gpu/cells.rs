@@ -42,6 +42,7 @@ const STAGES: Stages = Stages {
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &wgpu::vertex_attr_array![0 => Float32x2],
     })],
+    stride: None,
     topology: wgpu::PrimitiveTopology::TriangleList,
 };
 

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use rayon::prelude::*;
 use wgpu::{Adapter, Backend, Backends, DeviceType};
 
 use super::hardware::may_have_gpu;
@@ -176,9 +177,16 @@ impl Device {
         });
     }
 
-    /// A buffer with this content.
+    /// A buffer with this content, which all cores copy.
     pub(super) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, content: &[u8]) -> wgpu::Buffer {
-        self.written_buffer(label, usage, content.len(), |mut memory| memory.copy_from_slice(content))
+        const SHARE_BYTES: usize = 1 << 18;
+        self.written_buffer(label, usage, content.len(), |memory| {
+            let (shares, mut rest) = memory.into_chunks::<SHARE_BYTES>();
+            let (whole, last) = content.as_chunks::<SHARE_BYTES>();
+            let shares: Vec<_> = shares.into_iter().collect();
+            whole.par_iter().zip(shares).for_each(|(from, to)| wgpu::WriteOnly::from(to).copy_from_slice(from));
+            rest.copy_from_slice(last);
+        })
     }
 
     /// A buffer of so many bytes, a multiple of four, which `write` writes to where the GPU fetches them from.

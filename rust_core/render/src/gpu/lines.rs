@@ -48,6 +48,7 @@ const STAGES: Stages = Stages {
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Unorm8x4],
     })],
+    stride: None,
     topology: wgpu::PrimitiveTopology::TriangleStrip,
 };
 

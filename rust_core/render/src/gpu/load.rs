@@ -14,7 +14,7 @@
 //! of the points.
 
 use nalgebra::{Matrix4, Vector4};
-use rcs_scene::{Geometry, PointStyle, Points};
+use rcs_scene::{Geometry, PointLook, PointStyle};
 
 use crate::shading::drawn_point_size_px;
 use crate::View;
@@ -24,6 +24,15 @@ const LOW: f64 = 0.5;
 
 /// Points of a cloud that are looked at.
 const SAMPLES: usize = 1024;
+
+/// Some of a cloud's positions.
+struct Sample {
+    positions: Vec<[f32; 3]>,
+    /// For how many points each of them stands.
+    step: usize,
+    /// Points of the cloud.
+    count: usize,
+}
 
 /// The rule, and which renderer drew the last picture.
 #[derive(Debug)]
@@ -61,10 +70,15 @@ impl Limit {
         for drawable in view.scene.drawables.iter().filter(|drawable| view.visible.shows(drawable.display)) {
             let (more_things, more_primitives) = counts(&drawable.geometry);
             (things, primitives) = (things + more_things, primitives + more_primitives);
-            if let Geometry::Points(points) = &drawable.geometry {
-                if self.with_blended || !points.blended {
-                    face_px += points_px(points, &drawable.fixed_from_object, view);
+            let sampled = match &drawable.geometry {
+                Geometry::Points(points) => Some((points.look(), sample(points.buffer.positions.iter().copied()))),
+                Geometry::Packed(points) => {
+                    Some((points.look(), sample((0..points.count()).map(|i| points.position(i)))))
                 }
+                _ => None,
+            };
+            if let Some((look, sample)) = sampled.filter(|(look, _)| self.with_blended || !look.blended) {
+                face_px += points_px(look, &sample, &drawable.fixed_from_object, view);
             }
         }
         let share = |count: usize, limit: usize| count as f64 / limit as f64;
@@ -91,6 +105,7 @@ impl LoadRule {
 fn counts(geometry: &Geometry) -> (usize, usize) {
     match geometry {
         Geometry::Points(points) => (1, points.buffer.positions.len()),
+        Geometry::Packed(points) => (1, points.count()),
         Geometry::Lines(lines) => (1, 4 * lines.segment_count()),
         Geometry::Mesh { mesh, .. } => (1, 2 * (mesh.indices.len() / 3)),
         Geometry::Ribbons(ribbons) => (1, 4 * ribbons.chains.iter().map(Vec::len).sum::<usize>()),
@@ -103,19 +118,25 @@ fn counts(geometry: &Geometry) -> (usize, usize) {
     }
 }
 
+/// Looks at some of a cloud's positions.
+fn sample(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Sample {
+    let count = positions.len();
+    let step = count.div_ceil(SAMPLES).max(1);
+    Sample { positions: positions.step_by(step).collect(), step, count }
+}
+
 /// Pixels of a cloud's faces, each by itself and at most all of the picture.
-fn points_px(points: &Points, fixed_from_object: &Matrix4<f64>, view: &View<'_>) -> f64 {
+fn points_px(look: PointLook, sample: &Sample, fixed_from_object: &Matrix4<f64>, view: &View<'_>) -> f64 {
     // Those that are too faint are not drawn, and auto-sized ones are the smaller the nearer they are.
-    if points.alpha < 0.01 || points.auto_size {
+    if look.alpha < 0.01 || look.auto_size {
         return 0.0;
     }
     let camera = view.camera;
     let half_size_px = [camera.width_px(), camera.height_px()].map(|side| 0.5 * f64::from(side));
     let all = 4.0 * half_size_px[0] * half_size_px[1];
-    let positions = &points.buffer.positions;
-    let [width_m, height_m] = match points.style {
+    let [width_m, height_m] = match look.style {
         PointStyle::Points { diameter_px } => {
-            return positions.len() as f64 * f64::from(drawn_point_size_px(diameter_px)).powi(2).min(all);
+            return sample.count as f64 * f64::from(drawn_point_size_px(diameter_px)).powi(2).min(all);
         }
         PointStyle::Squares { size_m } | PointStyle::Spheres { size_m } | PointStyle::Tiles { size_m, .. } => size_m,
         PointStyle::FlatSquares { side_m } => [side_m; 2],
@@ -129,8 +150,7 @@ fn points_px(points: &Points, fixed_from_object: &Matrix4<f64>, view: &View<'_>)
     let per_m = [0, 1, 3].map(|row| clip_from_object.row(row).columns(0, 3).norm());
     let reach_m = 0.5 * width_m.hypot(height_m);
     let at_one = width_m * height_m * per_m[0] * per_m[1] * half_size_px[0] * half_size_px[1];
-    let step = positions.len().div_ceil(SAMPLES).max(1);
-    let px = positions.iter().step_by(step).map(|position| {
+    let px = sample.positions.iter().map(|position| {
         let [x, y, z] = position.map(f64::from);
         let place = clip_from_object * Vector4::new(x, y, z, 1.0);
         let is_seen = place.w > 0.0
@@ -142,7 +162,7 @@ fn points_px(points: &Points, fixed_from_object: &Matrix4<f64>, view: &View<'_>)
             0.0
         }
     });
-    px.sum::<f64>() * step as f64
+    px.sum::<f64>() * sample.step as f64
 }
 
 #[cfg(test)]
@@ -151,7 +171,7 @@ mod tests {
 
     use nalgebra::{Isometry3, Point3};
     use rcs_scene::{
-        Camera, DisplayMask, Drawable, Encoding, Intrinsics, PointBuffer, PointColors, RenderGroup, Scene,
+        Camera, DisplayMask, Drawable, Encoding, Intrinsics, PointBuffer, PointColors, Points, RenderGroup, Scene,
     };
 
     use super::*;
@@ -175,7 +195,8 @@ mod tests {
     fn px(places: &[[f32; 3]]) -> [f64; 2] {
         [PointStyle::FlatSquares { side_m: 1.0 }, PointStyle::Boxes { size_m: [1.0; 3] }].map(|style| {
             let Geometry::Points(points) = cloud(places.to_vec(), style, false) else { return 0.0 };
-            with_view(Geometry::Points(points.clone()), |view| points_px(&points, &Matrix4::identity(), view))
+            let (look, sample) = (points.look(), sample(points.buffer.positions.iter().copied()));
+            with_view(Geometry::Points(points), |view| points_px(look, &sample, &Matrix4::identity(), view))
         })
     }
 

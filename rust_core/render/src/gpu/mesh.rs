@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use rcs_scene::{Mesh, Vertex};
 
 use super::device::Device;
-use super::geometry::{is_finite, MAX_CHUNK_BYTES};
+use super::geometry::{is_finite, written, MAX_CHUNK_BYTES};
 
 /// Indexed triangles on the GPU.
 #[derive(Clone, Debug)]
@@ -132,32 +132,12 @@ fn triangles<S: Sync>(
     const INDEX_BYTES: usize = INDICES_IN_SHARE * size_of::<u32>();
     let usage = wgpu::BufferUsages::VERTEX;
     Triangles {
-        vertices: written::<S, GpuVertex, VERTEX_BYTES>(device, "vertices", usage, vertices, vertex),
-        indices: written::<u32, u32, INDEX_BYTES>(device, "indices", wgpu::BufferUsages::INDEX, indices, |&i| index(i)),
+        vertices: written::<S, GpuVertex, VERTEX_BYTES>(device, "vertices", usage, vertices, |_, from| vertex(from)),
+        indices: written::<u32, u32, INDEX_BYTES>(device, "indices", wgpu::BufferUsages::INDEX, indices, |_, &i| {
+            index(i)
+        }),
         index_count: indices.len() as u32,
     }
-}
-
-/// A buffer of what is made of each of some things. All cores write, `SHARE_BYTES` at a time.
-fn written<S: Sync, T: Pod + Send, const SHARE_BYTES: usize>(
-    device: &Device,
-    label: &str,
-    usage: wgpu::BufferUsages,
-    from: &[S],
-    make: impl Fn(&S) -> T + Sync,
-) -> wgpu::Buffer {
-    device.written_buffer(label, usage, from.len() * size_of::<T>(), |memory| {
-        let (shares, mut rest) = memory.into_chunks::<SHARE_BYTES>();
-        let shares: Vec<_> = shares.into_iter().collect();
-        let whole = from.par_chunks_exact(SHARE_BYTES / size_of::<T>());
-        let last: Vec<T> = whole.remainder().iter().map(&make).collect();
-        whole.zip(shares).for_each_init(Vec::new, |made: &mut Vec<T>, (from, to)| {
-            made.clear();
-            made.extend(from.iter().map(&make));
-            wgpu::WriteOnly::from(to).copy_from_slice(bytemuck::cast_slice(made));
-        });
-        rest.copy_from_slice(bytemuck::cast_slice(&last));
-    })
 }
 
 #[cfg(test)]

@@ -53,7 +53,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
+use rcs_scene::{
+    Camera, DisplayId, DisplayMask, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap, Scene,
+};
 
 use self::cells::CellPipelines;
 use self::device::Device;
@@ -200,6 +202,26 @@ impl Renderer for GpuRenderer {
 
     fn pictures_at_once(&self) -> usize {
         PICTURES_AT_ONCE
+    }
+
+    fn takes_packed_points(&self) -> bool {
+        true
+    }
+
+    fn can_upload(&self) -> bool {
+        self.gpu.as_ref().is_some_and(|gpu| matches!(gpu.in_flight.back(), Some(InFlight::Submitted(_))))
+    }
+
+    fn upload(&mut self, scene: &Scene, visible: &DisplayMask) {
+        let Some(gpu) = self.gpu.take() else { return };
+        let shown = |gpu: &mut Gpu| {
+            let shown = scene.drawables.iter().filter(|drawable| visible.shows(drawable.display));
+            shown.for_each(|drawable| gpu.pipelines.points.upload(&gpu.device, &drawable.geometry));
+            Ok(())
+        };
+        if let Err(error) = self.on(gpu, shown) {
+            log::warn!("{error}");
+        }
     }
 
     fn costs(&self) -> Vec<(DisplayId, Duration)> {
@@ -390,7 +412,7 @@ impl Gpu {
         let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
         let fixed_from_object = &ordered.drawable.fixed_from_object;
         match &ordered.drawable.geometry {
-            Geometry::Points(cloud) => {
+            cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => {
                 points.prepare(device, uniforms, viewpoint, fixed_from_object, cloud).map(Draw::Points)
             }
             Geometry::Lines(strips) => {

@@ -29,6 +29,8 @@ pub(super) struct Stages {
     pub(super) fragment: &'static str,
     /// The vertex buffers.
     pub(super) buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
+    /// The stride of all these, bytes, if it is not their own.
+    pub(super) stride: Option<u64>,
     /// How vertices make triangles.
     pub(super) topology: wgpu::PrimitiveTopology,
 }
@@ -177,6 +179,11 @@ fn build(
     output: Output,
 ) -> wgpu::RenderPipeline {
     let tested = state.depth != DepthUse::Ignore;
+    let with_stride = |buffer: &Option<wgpu::VertexBufferLayout<'static>>| {
+        let buffer = buffer.clone()?;
+        Some(wgpu::VertexBufferLayout { array_stride: stages.stride.unwrap_or(buffer.array_stride), ..buffer })
+    };
+    let buffers: Vec<_> = stages.buffers.iter().map(with_stride).collect();
     device.count(|stats| stats.pipelines += 1);
     device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(program.label),
@@ -185,7 +192,7 @@ fn build(
             module: &program.shader,
             entry_point: Some(stages.vertex),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: stages.buffers,
+            buffers: &buffers,
         },
         primitive: wgpu::PrimitiveState { topology: stages.topology, cull_mode: state.cull, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {

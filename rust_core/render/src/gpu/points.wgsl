@@ -9,13 +9,22 @@ struct Cloud {
     right: vec3f,           // of tiles, in the object's frame
     up: vec3f,
     size_px: vec2f,         // of the picture
+    range_m: vec2f,         // of the rainbow: its lowest coordinate, and how far it reaches
+    color: vec4f,           // of all points, or coefficients of the rainbow's coordinate
+    color_rule: u32,
 }
 
 @group(0) @binding(0) var<uniform> cloud: Cloud;
 
-struct Point {
+struct StoredPoint {
     @location(0) position: vec3f,
     @location(1) color: vec4f,
+}
+
+struct Point {
+    position: vec3f,
+    color: vec4f,
+    is_finite: bool,
 }
 
 struct Splat {
@@ -32,6 +41,43 @@ struct Sprite {
 
 const NOWHERE = vec4f(0.0, 0.0, -1.0, 1.0);
 
+// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1. Levels are truncated to bytes.
+fn rainbow(share: f32) -> vec4f {
+    let place = clamp(share, 0.0, 1.0) * 5.0 + 1.0;
+    let falling = 1.0 - fract(place);
+    let rising = 1.0 - falling;
+    var color = vec3f(1.0, 0.0, 0.0);
+    switch u32(place) {
+        case 1u: { color = vec3f(falling, 0.0, 1.0); }
+        case 2u: { color = vec3f(0.0, rising, 1.0); }
+        case 3u: { color = vec3f(0.0, 1.0, falling); }
+        case 4u: { color = vec3f(rising, 1.0, 0.0); }
+        case 5u: { color = vec3f(1.0, falling, 0.0); }
+        default: {}
+    }
+    return vec4f(floor(color * 255.0) / 255.0, 1.0);
+}
+
+fn color_of(position: vec3f, stored: vec4f) -> vec4f {
+    switch cloud.color_rule {
+        case 1u: { return vec4f(stored.bgr, 1.0); }
+        case 2u: { return cloud.color; }
+        case 3u: {
+            let coordinate_m = dot(cloud.color.xyz, position) + cloud.color.w;
+            return rainbow(1.0 - (coordinate_m - cloud.range_m.x) / cloud.range_m.y);
+        }
+        default: { return stored; }
+    }
+}
+
+// By the bits, since shaders need not know NaN.
+fn decoded(stored: StoredPoint) -> Point {
+    const EXPONENT = vec3u(0x7f800000u);
+    let is_finite = all((bitcast<vec3u>(stored.position) & EXPONENT) != EXPONENT);
+    let position = select(vec3f(0.0), stored.position, is_finite);
+    return Point(position, color_of(position, stored.color), is_finite);
+}
+
 // Of a strip of two triangles that meet where x = y, as rviz's do.
 fn corner(index: u32) -> vec2f {
     return vec2f(f32(index >> 1u), 1.0 - f32(index & 1u)) - 0.5;
@@ -47,9 +93,10 @@ const AROUND_DISC = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.86
 // A triangle of pixels with the depth of its centre. A point is dropped when its centre is off the picture. The circle
 // in the triangle is a pixel too large, so that the fragment shader decides which pixels are drawn.
 @vertex
-fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
+fn vertex_sprite(@builtin(vertex_index) index: u32, stored: StoredPoint) -> Sprite {
+    let point = decoded(stored);
     let clip = cloud.clip_from_object * vec4f(point.position, 1.0);
-    if !(all(abs(clip.xy) <= vec2f(clip.w)) && clip.z >= 0.0 && clip.z <= clip.w && clip.w > 0.0) {
+    if !(point.is_finite && all(abs(clip.xy) <= vec2f(clip.w)) && clip.z >= 0.0 && clip.z <= clip.w && clip.w > 0.0) {
         return Sprite(NOWHERE, point.color, vec2f(0.0));
     }
     let on_picture = clip.xy / clip.w;
@@ -62,7 +109,7 @@ fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
 fn billboard(at: vec2f, point: Point) -> Splat {
     let towards_eye = normalize(cloud.eye - point.position);
     let across = cross(vec3f(0.0, 1.0, 0.0), towards_eye);
-    if !(dot(across, across) > 0.0) {
+    if !(point.is_finite && dot(across, across) > 0.0) {
         return Splat(NOWHERE, point.color, at);
     }
     let right = normalize(across);
@@ -74,30 +121,33 @@ fn billboard(at: vec2f, point: Point) -> Splat {
 
 // A square that faces the eye, upright along the object's y.
 @vertex
-fn vertex_square(@builtin(vertex_index) index: u32, point: Point) -> Splat {
-    return billboard(corner(index), point);
+fn vertex_square(@builtin(vertex_index) index: u32, stored: StoredPoint) -> Splat {
+    return billboard(corner(index), decoded(stored));
 }
 
 // A triangle round the disc in such a square.
 @vertex
-fn vertex_disc(@builtin(vertex_index) index: u32, point: Point) -> Splat {
+fn vertex_disc(@builtin(vertex_index) index: u32, stored: StoredPoint) -> Splat {
     var corners = AROUND_DISC;
-    return billboard(corners[index], point);
+    return billboard(corners[index], decoded(stored));
 }
 
 // A square along two directions of the object's frame.
 @vertex
-fn vertex_tile(@builtin(vertex_index) index: u32, point: Point) -> Splat {
+fn vertex_tile(@builtin(vertex_index) index: u32, stored: StoredPoint) -> Splat {
+    let point = decoded(stored);
     let at = corner(index);
     let position = point.position + at.x * cloud.size.x * cloud.right + at.y * cloud.size.y * cloud.up;
-    return Splat(cloud.clip_from_object * vec4f(position, 1.0), point.color, at);
+    let place = cloud.clip_from_object * vec4f(position, 1.0);
+    return Splat(select(NOWHERE, place, point.is_finite), point.color, at);
 }
 
 // The sides of a box that can be seen, two triangles each: first the three near ones, then the three far ones. An eye
 // between two opposite sides sees neither. A box of negative size is mirrored: it shows its insides, which are the far
 // sides, and both where the eye is between two.
 @vertex
-fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
+fn vertex_box(@builtin(vertex_index) index: u32, stored: StoredPoint) -> Splat {
+    let point = decoded(stored);
     let side = index / 6u;
     let axis = side % 3u;
     let is_far = side >= 3u;
@@ -116,7 +166,7 @@ fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     var place = cloud.clip_from_object * vec4f(point.position + offset, 1.0);
     let is_between = to_eye[axis] * near <= reach;
     let is_seen = select(!is_far && !is_between, is_far || is_between, is_mirrored);
-    if !is_seen {
+    if !(is_seen && point.is_finite) {
         place = NOWHERE;
     }
     var along = BOX_SIDES_ALONG;

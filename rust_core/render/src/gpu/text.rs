@@ -52,6 +52,7 @@ const STAGES: Stages = Stages {
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4],
     })],
+    stride: None,
     topology: wgpu::PrimitiveTopology::TriangleStrip,
 };
 

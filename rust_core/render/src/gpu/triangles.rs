@@ -85,6 +85,7 @@ const STAGES: Stages = Stages {
             ],
         }),
     ],
+    stride: None,
     topology: wgpu::PrimitiveTopology::TriangleList,
 };
 

@@ -8,7 +8,9 @@ use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::PointCloud2;
 use rcs_rviz_config::{CloudSettings, ColorTransformer};
-use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, MAX_POINT_SIZE_PX};
+use rcs_scene::{
+    DisplayId, Drawable, Geometry, Material, PackedPoints, PointBuffer, PointLook, PointStyle, MAX_POINT_SIZE_PX,
+};
 use rcs_transforms::Time;
 
 use crate::framework::frame;
@@ -61,6 +63,8 @@ pub(crate) struct Clouds {
     non_finite: NonFinite,
     /// Sizes are multiplied by each point's z.
     auto_size: bool,
+    /// `true` if the renderer decodes points by itself.
+    pub(crate) packs_points: bool,
     shown: VecDeque<ReceivedCloud>,
     drawables: Vec<Drawable>,
     pool: CloudPool,
@@ -87,6 +91,7 @@ impl Clouds {
             settings,
             non_finite,
             auto_size: false,
+            packs_points: false,
             shown: VecDeque::new(),
             drawables: Vec::new(),
             pool: CloudPool::default(),
@@ -150,7 +155,6 @@ impl Clouds {
         let (settings, pool) = (&self.settings, &mut self.pool);
         pool.reclaim(layout.point_count);
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
-        let (buffer, non_finite_count) = points::read(&placed.cloud, layout, &coloring, self.non_finite, pool);
         let style = match settings.style {
             PointStyle::Points { diameter_px } => {
                 PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_SIZE_PX) }
@@ -158,16 +162,25 @@ impl Clouds {
             style => style,
         };
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
+        let look = PointLook { style, alpha: settings.alpha, blended, auto_size: self.auto_size };
+        let at_cloud = |geometry| drawable(self.display, placed.fixed_from_cloud.to_homogeneous(), geometry);
+        if self.packs_points && !blended && self.non_finite == NonFinite::LeftOut {
+            let positions = layout.positions(placed.cloud.is_bigendian);
+            let pack = |colors| PackedPoints::new(placed.cloud.clone(), layout.point_step, positions, colors, look);
+            if let Some(packed) = coloring.packed_colors(layout).and_then(pack) {
+                let non_finite_count = packed.count() - packed.finite_count();
+                return (vec![at_cloud(Geometry::Packed(Arc::new(packed)))], non_finite_count);
+            }
+        }
+        let (buffer, non_finite_count) = points::read(&placed.cloud, layout, &coloring, self.non_finite, pool);
         // The order of the pieces is visible only where they blend.
         let buffers = if blended { pieces::cut(buffer, &style, pool) } else { vec![buffer] };
         let piece = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed
             // one. Opaque ones are not sorted.
             let sort_point = if blended { middle(buffer.positions.iter().copied()) } else { [0.0; 3] };
-            let buffer = Arc::new(buffer);
-            let points = Points { buffer, style, alpha: settings.alpha, blended, auto_size: self.auto_size };
-            let placed = drawable(self.display, placed.fixed_from_cloud.to_homogeneous(), Geometry::Points(points));
-            Drawable { sort_point: Point3::from(sort_point).cast(), ..placed }
+            let points = look.of(Arc::new(buffer));
+            Drawable { sort_point: Point3::from(sort_point).cast(), ..at_cloud(Geometry::Points(points)) }
         };
         (buffers.into_iter().map(piece).collect(), non_finite_count)
     }

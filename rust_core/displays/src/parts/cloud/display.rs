@@ -78,6 +78,7 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
+        self.clouds.packs_points = world.packs_points;
         let mut ready = self.incoming.take_ready(world, &mut self.statuses);
         let keeps_one = self.clouds.keeps_one();
         if keeps_one {

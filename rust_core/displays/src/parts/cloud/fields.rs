@@ -3,6 +3,7 @@
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
 use rcs_rviz_config::ColorTransformer;
+use rcs_scene::{bytes_at, PositionLayout};
 use thiserror::Error;
 
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -55,12 +56,6 @@ impl CloudChannel {
             u32::from_le_bytes(bytes)
         }
     }
-}
-
-/// `N` bytes at an offset; zeros past the end.
-#[inline(always)]
-pub(super) fn bytes_at<const N: usize>(point: &[u8], offset: usize) -> [u8; N] {
-    point.get(offset..offset + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
 }
 
 fn size_of(datatype: u8) -> usize {
@@ -116,10 +111,9 @@ impl CloudLayout {
         Ok(Self { position, point_step: point_step as usize, point_count, channels })
     }
 
-    /// Offset of x, if y and z follow it.
-    pub(crate) fn position_triple(&self) -> Option<usize> {
-        let [x, y, z] = self.position.each_ref().map(|channel| channel.offset);
-        (y == x + 4 && z == x + 8).then_some(x)
+    /// Where a point's position is in its bytes.
+    pub(super) fn positions(&self, is_big_endian: bool) -> PositionLayout {
+        PositionLayout::new(self.position.each_ref().map(|channel| channel.offset), is_big_endian)
     }
 
     pub(crate) fn channel(&self, name: &str) -> Option<&CloudChannel> {

@@ -10,11 +10,9 @@ mod color;
 mod display;
 mod fields;
 mod pieces;
-mod point_bytes;
 mod points;
 
 pub(crate) use clouds::{one_row, Clouds, Decoded, PlacedCloud};
-pub(crate) use color::rainbow;
 pub(crate) use display::{CloudDisplay, CloudSource};
 pub(crate) use pieces::max_points;
 pub(crate) use points::NonFinite;

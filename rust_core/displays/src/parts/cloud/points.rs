@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 use rcs_messages::PointCloud2;
-use rcs_scene::{PointBuffer, PointColors};
+use rcs_scene::{has_finite_position, PointBuffer, PointBytes, PointColors, POINTS_PER_SHARE};
 
 use super::buffer_pool::CloudPool;
 use super::color::{Coloring, PointColor};
 use super::fields::CloudLayout;
-use super::point_bytes::{has_finite_position, PointBytes, PositionLayout, SHARE};
 
 /// Treatment of points whose position is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,20 +29,23 @@ pub(crate) fn read(
     pool: &mut CloudPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
-    let place = PositionLayout::of(cloud, layout);
+    let place = layout.positions(cloud.is_bigendian);
     let mut shown = std::mem::take(&mut pool.shown);
     let shown_in = |points: &[u8]| {
         points.chunks_exact(point_step).filter(|point| has_finite_position(&place.in_point(point))).count()
     };
-    data.par_chunks(SHARE * point_step).map(shown_in).collect_into_vec(&mut shown);
+    data.par_chunks(POINTS_PER_SHARE * point_step).map(shown_in).collect_into_vec(&mut shown);
     let non_finite_count = layout.point_count - shown.iter().sum::<usize>();
     let is_all_shown = non_finite_count == 0 || non_finite == NonFinite::FarAway;
     if is_all_shown {
         let points_in = |share: &[u8]| share.len() / point_step;
-        shown.iter_mut().zip(data.chunks(SHARE * point_step)).for_each(|(shown, share)| *shown = points_in(share));
+        shown
+            .iter_mut()
+            .zip(data.chunks(POINTS_PER_SHARE * point_step))
+            .for_each(|(shown, share)| *shown = points_in(share));
     }
     let points = PointBytes { data, point_step, positions: place, shown: &shown, is_all_shown };
-    let mut positions = pool.positions.take_filled(points.len());
+    let mut positions = pool.positions.take_filled(points.count());
     points.map(&mut positions, |point| place.in_point(point));
     let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, pool) {
         PointColor::Uniform(color) => PointColors::Uniform(color),

@@ -161,6 +161,9 @@ impl<'a, 'c> Builder<'a, 'c> {
             Geometry::Points(points) => {
                 return self.add_cloud(Cloud::new(points, transform, camera, &drawable.fixed_from_object));
             }
+            Geometry::Packed(packed) => {
+                return self.add_cloud(Cloud::new(packed.points(), transform, camera, &drawable.fixed_from_object));
+            }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);
                 (

@@ -1,15 +1,11 @@
-//! The bytes of a cloud's points, with parallel access to those that are shown.
-
-use rcs_messages::PointCloud2;
-
-use super::fields::{bytes_at, CloudLayout};
+//! The bytes of a message's points, with parallel access to those that are shown.
 
 /// Points of a share of the parallel work, so that small clouds are not spread over cores.
-pub(super) const SHARE: usize = 8192;
+pub const POINTS_PER_SHARE: usize = 8192;
 
 /// Offsets of a point's position in its bytes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PositionLayout {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PositionLayout {
     offsets: [usize; 3],
     /// x, y and z are consecutive and little endian.
     is_plain: bool,
@@ -17,14 +13,21 @@ pub(super) struct PositionLayout {
 }
 
 impl PositionLayout {
-    pub(super) fn of(cloud: &PointCloud2, layout: &CloudLayout) -> Self {
-        let offsets = layout.position.each_ref().map(|channel| channel.offset);
-        let is_triple = layout.position_triple().is_some();
-        Self { offsets, is_plain: is_triple && !cloud.is_bigendian, is_big_endian: cloud.is_bigendian }
+    /// Layout of 32-bit floats at the offsets of x, y and z.
+    pub fn new(offsets: [usize; 3], is_big_endian: bool) -> Self {
+        let [x, y, z] = offsets;
+        let is_triple = Some(y) == x.checked_add(4) && Some(z) == x.checked_add(8);
+        Self { offsets, is_plain: is_triple && !is_big_endian, is_big_endian }
     }
 
+    /// Offset of x if y and z follow it and all are little endian.
+    pub fn plain_offset(&self) -> Option<usize> {
+        self.is_plain.then_some(self.offsets[0])
+    }
+
+    /// Position of a point in metres, from the point's bytes.
     #[inline(always)]
-    pub(super) fn in_point(&self, point: &[u8]) -> [f32; 3] {
+    pub fn in_point(&self, point: &[u8]) -> [f32; 3] {
         let [x, y, z] = self.offsets;
         if self.is_plain {
             let [x, y, z] = bytemuck::cast::<[u8; 12], [u32; 3]>(bytes_at(point, x));
@@ -48,24 +51,41 @@ fn little_endian(bits: u32) -> f32 {
     f32::from_bits(u32::from_le(bits))
 }
 
+/// `N` bytes at an offset; zeros past the end.
+#[inline(always)]
+pub fn bytes_at<const N: usize>(point: &[u8], offset: usize) -> [u8; N] {
+    point.get(offset..offset + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
+}
+
+/// `true` if all coordinates are finite.
+#[inline(always)]
+pub fn has_finite_position([x, y, z]: &[f32; 3]) -> bool {
+    x.is_finite() & y.is_finite() & z.is_finite()
+}
+
 /// Bytes of a cloud's visible points.
-#[derive(Debug)]
-pub(super) struct PointBytes<'a> {
-    pub(super) data: &'a [u8],
-    pub(super) point_step: usize,
-    pub(super) positions: PositionLayout,
-    /// Number of visible points of each share: those with a finite position.
-    pub(super) shown: &'a [usize],
-    pub(super) is_all_shown: bool,
+#[derive(Clone, Copy, Debug)]
+pub struct PointBytes<'a> {
+    /// All points, one after the other.
+    pub data: &'a [u8],
+    /// Bytes of a point; not 0.
+    pub point_step: usize,
+    /// Where a point's position is.
+    pub positions: PositionLayout,
+    /// Number of visible points of each share of [`POINTS_PER_SHARE`]: those with a finite position.
+    pub shown: &'a [usize],
+    /// `true` if all points are visible.
+    pub is_all_shown: bool,
 }
 
 impl PointBytes<'_> {
-    pub(super) fn len(&self) -> usize {
+    /// Number of visible points.
+    pub fn count(&self) -> usize {
         self.shown.iter().sum()
     }
 
-    /// Maps each point, in order and on all cores. `out` has as many elements as there are points.
-    pub(super) fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
+    /// Maps each visible point, in order and on all cores. `out` has as many elements as there are visible points.
+    pub fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
         let compute_share = |points: &[u8], out: &mut [T]| {
             let points = points.chunks_exact(self.point_step);
             if self.is_all_shown {
@@ -75,7 +95,7 @@ impl PointBytes<'_> {
                 out.iter_mut().zip(shown).for_each(|(out, point)| *out = compute(point));
             }
         };
-        in_shares(self.shown, self.data, SHARE * self.point_step, out, &compute_share);
+        in_shares(self.shown, self.data, POINTS_PER_SHARE * self.point_step, out, &compute_share);
     }
 }
 
@@ -99,9 +119,4 @@ fn in_shares<T: Send>(
         || in_shares(lens_a, data_a, share_len, out_a, work),
         || in_shares(lens_b, data_b, share_len, out_b, work),
     );
-}
-
-#[inline(always)]
-pub(super) fn has_finite_position([x, y, z]: &[f32; 3]) -> bool {
-    x.is_finite() & y.is_finite() & z.is_finite()
 }
