@@ -212,6 +212,13 @@ impl<E> EventQueue<E> {
         state.queued.drain(..).map(|(_, event)| event).collect()
     }
 
+    /// Takes all queued events if there is one of a kind among them. Never waits.
+    pub fn drain_if(&self, is_wanted: impl Fn(&E) -> bool) -> Vec<E> {
+        let mut state = lock(&self.state);
+        let count = if state.queued.iter().any(|(_, event)| is_wanted(event)) { state.queued.len() } else { 0 };
+        state.queued.drain(..count).map(|(_, event)| event).collect()
+    }
+
     /// Takes all queued events.
     pub fn drain(&self) -> Vec<E> {
         lock(&self.state).queued.drain(..).map(|(_, event)| event).collect()
@@ -267,6 +274,20 @@ mod tests {
         let pushing = std::thread::spawn(move || sender.push(jump(3)));
         assert_eq!(secs(queue.wait(Duration::from_secs(60))), [3]);
         pushing.join().unwrap();
+    }
+
+    #[test]
+    fn events_stay_queued_until_one_of_a_kind_is_among_them() {
+        let queue = Arc::<EventQueue>::default();
+        let sender = queue.sender(0);
+        let is_seven = |event: &NodeEvent| matches!(event, NodeEvent::TimeJumpedBack { to: Time { sec: 7, .. }, .. });
+        assert!(queue.drain_if(is_seven).is_empty());
+        sender.push(jump(3));
+        assert!(queue.drain_if(is_seven).is_empty());
+        sender.push(jump(7));
+        sender.push(jump(4));
+        assert_eq!(secs(queue.drain_if(is_seven)), [3, 7, 4]);
+        assert!(queue.drain().is_empty());
     }
 
     #[test]

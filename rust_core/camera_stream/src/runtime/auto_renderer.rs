@@ -5,7 +5,7 @@ use std::sync::mpsc::{sync_channel, Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 use rcs_render::{CpuRenderer, DepthRequest, Depths, Finished, GpuRenderer, RenderError, Renderer, View};
-use rcs_scene::{DisplayId, Picture};
+use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
 
 /// Images that each renderer is measured by.
 const MEASURED: u32 = 8;
@@ -160,6 +160,23 @@ impl Renderer for AutoRenderer {
             (Which::Gpu, Some(gpu)) => gpu.pictures_at_once(),
             _ => self.cpu.pictures_at_once(),
         }
+    }
+
+    fn takes_packed_points(&self) -> bool {
+        match (self.next(), &self.gpu) {
+            (Which::Gpu, Some(gpu)) => gpu.takes_packed_points(),
+            _ => self.cpu.takes_packed_points(),
+        }
+    }
+
+    /// Not while the renderers are measured: what is prepared meanwhile would count.
+    fn can_upload(&self) -> bool {
+        let is_measured = self.comparison.measurement.is_some();
+        !is_measured && self.next() == Which::Gpu && self.gpu.as_ref().is_some_and(|gpu| gpu.can_upload())
+    }
+
+    fn upload(&mut self, scene: &Scene, visible: &DisplayMask) {
+        self.renderer(Which::Gpu).upload(scene, visible);
     }
 
     fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {

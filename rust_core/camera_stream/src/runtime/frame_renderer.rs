@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_displays::DisplaySet;
 use rcs_render::{CpuRenderer, Depths, RenderError, Renderer, RendererChoice};
-use rcs_scene::{DisplayId, Picture, Scene};
+use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
 
 use super::auto_renderer::AutoRenderer;
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
@@ -48,6 +48,21 @@ impl FrameRenderer {
     /// The number of frames that may be in flight with a gain.
     pub(super) fn frames_at_once(&self) -> usize {
         self.renderer.pictures_at_once()
+    }
+
+    /// `true` if it decodes points by itself.
+    pub(super) fn takes_packed_points(&self) -> bool {
+        self.renderer.takes_packed_points()
+    }
+
+    /// `true` while a GPU draws frames in flight, so that the next scene may be prepared meanwhile.
+    pub(super) fn can_upload(&self) -> bool {
+        self.renderer.can_upload()
+    }
+
+    /// Uploads the clouds of the next scene.
+    pub(super) fn upload(&mut self, scene: &Scene, visible: &DisplayMask) {
+        self.renderer.upload(scene, visible);
     }
 
     pub(super) fn submit(&mut self, frame: DueFrame, scene: &Arc<Scene>) -> Result<FrameInFlight> {

@@ -99,9 +99,10 @@ impl SceneThread {
 
     pub(super) fn run(mut self) {
         let shared = Arc::clone(&self.shared);
+        let mut is_ahead = false;
         while !shared.is_ending() {
             shared.activity.wait_for_work();
-            let events = shared.ros.events().wait(self.sleep());
+            let events = shared.ros.events().wait(if is_ahead { Duration::ZERO } else { self.sleep() });
             self.renderer.costs.clear();
             let mut has_news = !events.is_empty() || self.scene.state.has_new_resources();
             for event in events {
@@ -116,9 +117,7 @@ impl SceneThread {
                 self.update(now);
             }
             // The first frame after a pause is to show what is, not what was.
-            if self.scene.subscriptions.awaited(Instant::now()).is_none() {
-                self.publish();
-            }
+            is_ahead = self.scene.subscriptions.awaited(Instant::now()).is_none() && self.publish();
             self.report_statuses();
         }
     }
@@ -183,11 +182,23 @@ impl SceneThread {
     }
 
     fn update(&mut self, now: Time) {
+        let transforms_received = self.update_scene(now);
+        self.record_update(transforms_received, Instant::now());
+    }
+
+    /// Brings the scene up to date. Returns the arrival of the last transforms, if there are new ones.
+    fn update_scene(&mut self, now: Time) -> Option<Instant> {
         self.shared.activity.begin(SceneStep::Displays);
+        self.scene.state.pack_points(self.renderer.takes_packed_points());
         let transforms_received = self.scene.update(now);
         self.renderer.costs.add(self.scene.state.take_costs());
+        transforms_received
+    }
+
+    /// Records the last update for the figures of the next images.
+    fn record_update(&mut self, transforms_received: Option<Instant>, decoded: Instant) {
         let messages = self.scene.state.displays().newly_shown();
-        let update = Update { messages, transforms_received, decoded: Instant::now() };
+        let update = Update { messages, transforms_received, decoded };
         self.shared.cameras().iter_mut().for_each(|camera| camera.record_update(&update));
     }
 
@@ -293,8 +304,8 @@ impl SceneThread {
     }
 
     /// Draws and publishes the frames that are due. As many are submitted as the renderer works on at once, and each is
-    /// published as soon as it is finished.
-    fn publish(&mut self) {
+    /// published as soon as it is finished. Returns `true` if the scene is newer than these frames.
+    fn publish(&mut self) -> bool {
         self.assess();
         let count = self.shared.cameras().len();
         let mut in_flight = InFlight::new();
@@ -308,8 +319,12 @@ impl SceneThread {
                 self.finish(&mut in_flight);
             }
         }
+        let ahead = self.take_ahead();
         while !in_flight.is_empty() {
             self.finish(&mut in_flight);
+        }
+        if let Some((transforms_received, decoded)) = ahead {
+            self.record_update(transforms_received, decoded);
         }
         if is_size_gone {
             self.renderer.forget_sizes();
@@ -317,6 +332,29 @@ impl SceneThread {
         if !self.shared.cameras().iter().any(CameraOutput::uses_depth) {
             self.renderer.forget_depths();
         }
+        ahead.is_some()
+    }
+
+    /// While a GPU draws: takes the events in which a message has arrived, and uploads the clouds of the next images.
+    /// Returns the arrival of the last transforms, if there are new ones, and when the scene was up to date; `None`
+    /// without such events, for which no image waits.
+    fn take_ahead(&mut self) -> Option<(Option<Instant>, Instant)> {
+        if !self.renderer.can_upload() {
+            return None;
+        }
+        let shared = Arc::clone(&self.shared);
+        let events = shared.ros.events().drain_if(|event| matches!(event, NodeEvent::Message { .. }));
+        if events.is_empty() {
+            return None;
+        }
+        events.into_iter().for_each(|event| self.handle(event));
+        let transforms_received = self.update_scene(self.now());
+        let decoded = Instant::now();
+        let scene = self.scene.snapshot();
+        let watched = |camera: &CameraOutput| camera.is_watched().then(|| Arc::clone(camera.view()));
+        let views: Vec<_> = shared.cameras().iter().filter_map(watched).collect();
+        views.iter().for_each(|view| self.renderer.upload(&scene, &view.visible));
+        Some((transforms_received, decoded))
     }
 
     fn assess(&mut self) {
