@@ -87,9 +87,10 @@ struct Cloud {
     up: [f32; 4],
     size_px: [f32; 2],
     range_m: [f32; 2],
-    color: [f32; 4],
+    rainbow: [f32; 4],
+    color: u32,
     color_rule: u32,
-    padding: [u32; 3],
+    padding: [u32; 2],
 }
 
 /// The shader's rules of colours.
@@ -251,14 +252,14 @@ fn constants(
         }
     };
     let with_zero = |v: Vector3<f32>| [v.x, v.y, v.z, 0.0];
-    let (color_rule, color, range_m) = match colors {
-        None => (RGBA, [0.0; 4], [0.0; 2]),
-        Some(PackedColors::Rgb { .. }) => (BGR, [0.0; 4], [0.0; 2]),
-        Some(PackedColors::Uniform(color)) => (UNIFORM, color.map(|level| f32::from(level) / 255.0), [0.0; 2]),
+    let (color_rule, color, rainbow, range_m) = match colors {
+        None => (RGBA, 0, [0.0; 4], [0.0; 2]),
+        Some(PackedColors::Rgb { .. }) => (BGR, 0, [0.0; 4], [0.0; 2]),
+        Some(PackedColors::Uniform(color)) => (UNIFORM, u32::from_le_bytes(color), [0.0; 4], [0.0; 2]),
         Some(PackedColors::Axis(rainbow)) => {
             let fixed_from_object = rainbow.fixed_from_object.unwrap_or_else(Isometry3::identity).to_homogeneous();
             let row = [0, 1, 2, 3].map(|column| fixed_from_object[(rainbow.axis, column)]);
-            (RAINBOW, row, [rainbow.min_m, rainbow.range_m])
+            (RAINBOW, 0, row, [rainbow.min_m, rainbow.range_m])
         }
     };
     Cloud {
@@ -271,9 +272,10 @@ fn constants(
         up: with_zero(up_direction),
         size_px: viewpoint.size_px(),
         range_m,
+        rainbow,
         color,
         color_rule,
-        padding: [0; 3],
+        padding: [0; 2],
     }
 }
 

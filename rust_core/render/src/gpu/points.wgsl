@@ -10,7 +10,8 @@ struct Cloud {
     up: vec3f,
     size_px: vec2f,         // of the picture
     range_m: vec2f,         // of the rainbow: its lowest coordinate, and how far it reaches
-    color: vec4f,           // of all points, or coefficients of the rainbow's coordinate
+    rainbow: vec4f,         // coefficients of its coordinate
+    color: u32,             // of all points
     color_rule: u32,
 }
 
@@ -61,9 +62,9 @@ fn rainbow(share: f32) -> vec4f {
 fn color_of(position: vec3f, stored: vec4f) -> vec4f {
     switch cloud.color_rule {
         case 1u: { return vec4f(stored.bgr, 1.0); }
-        case 2u: { return cloud.color; }
+        case 2u: { return unpack4x8unorm(cloud.color); }
         case 3u: {
-            let coordinate_m = dot(cloud.color.xyz, position) + cloud.color.w;
+            let coordinate_m = dot(cloud.rainbow.xyz, position) + cloud.rainbow.w;
             return rainbow(1.0 - (coordinate_m - cloud.range_m.x) / cloud.range_m.y);
         }
         default: { return stored; }
