@@ -6,11 +6,11 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use rcs_scene::{Lines, Material, Mesh};
+use rcs_scene::{Lines, Material, Mesh, Text};
 
-use super::lighting::vertex_color;
+use super::vertices::{InView, Source, VertexCache, Vertices};
 use crate::cpu::paint::Surface;
-use crate::cpu::raster::clip::{ClipVertex, Outside};
+use crate::cpu::raster::clip::ClipVertex;
 use crate::cpu::raster::line::{self, Line};
 use crate::cpu::raster::triangle::{self, Corner};
 use crate::cpu::tile::band::{Band, Mode};
@@ -29,20 +29,23 @@ pub(in crate::cpu) struct Solid<'a> {
     pub shape: Shape<'a>,
 }
 
-/// The triangles or lines of a [`Solid`].
+/// The triangles, glyphs or lines of a [`Solid`].
 #[derive(Debug)]
 pub(in crate::cpu) enum Shape<'a> {
     /// Triangles with a material.
     Mesh(Cow<'a, Mesh>, Cow<'a, Material>),
+    /// Two triangles for each glyph.
+    Text(&'a Text),
     /// Lines of a pixel.
     Lines(&'a Lines),
 }
 
 impl Shape<'_> {
-    /// The number of its triangles or lines.
+    /// The number of its triangles, glyphs or lines.
     pub(in crate::cpu) fn primitive_count(&self) -> usize {
         match self {
             Self::Mesh(mesh, _) => mesh.indices.len() / 3,
+            Self::Text(text) => text.glyphs().len(),
             Self::Lines(lines) => lines.segment_count(),
         }
     }
@@ -56,17 +59,6 @@ struct Triangle {
     corners: [u32; 3],
     /// Index of the solid.
     solid: u32,
-}
-
-/// The mesh that triangles come from.
-struct Source<'a> {
-    mesh: &'a Mesh,
-    material: &'a Material,
-    transform: &'a ObjectTransform,
-    surface: &'a Surface,
-    /// Of the solid.
-    index: u32,
-    screen: &'a Screen,
 }
 
 /// Primitives that are ready to be drawn.
@@ -107,15 +99,27 @@ impl Primitives {
         screen: &Screen,
         cache: &mut VertexCache,
     ) {
+        let source = |vertices, material| Source {
+            vertices,
+            material,
+            transform: &solid.transform,
+            surface: &solid.surface,
+            screen,
+        };
+        self.load.in_order |= solid.surface.mode != Mode::OPAQUE;
+        cache.clear();
         match &solid.shape {
             Shape::Mesh(mesh, material) => {
-                self.load.in_order |= solid.surface.mode != Mode::OPAQUE;
-                cache.clear();
-                let source =
-                    Source { mesh, material, transform: &solid.transform, surface: &solid.surface, index, screen };
+                let source = source(Vertices::Mesh(mesh), material);
                 let corners = mesh.indices.get(range.start * 3..range.end * 3).unwrap_or(&[]);
-                for corners in corners.chunks_exact(3) {
-                    self.add_triangle(&source, corners, cache);
+                corners.as_chunks().0.iter().for_each(|keys| self.add_triangle(&source, index, *keys, cache));
+            }
+            Shape::Text(text) => {
+                let source = source(Vertices::Text(text), text.material());
+                for glyph in range {
+                    let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| (4 * glyph + corner) as u32);
+                    self.add_triangle(&source, index, [a, b, c], cache);
+                    self.add_triangle(&source, index, [d, e, f], cache);
                 }
             }
             Shape::Lines(lines) => {
@@ -136,64 +140,35 @@ impl Primitives {
         }
     }
 
-    /// Makes the triangle of three corners ready.
+    /// Makes the parts of a triangle ready that may be seen.
     #[inline]
-    fn add_triangle(&mut self, source: &Source<'_>, corners: &[u32], cache: &mut VertexCache) {
-        let &[a, b, c] = corners else { return };
-        let mut place = |key| cache.place(key, source);
-        let (Some((a, out_a)), Some((b, out_b)), Some((c, out_c))) = (place(a), place(b), place(c)) else { return };
-        if out_a.view & out_b.view & out_c.view != 0 {
-            return;
+    fn add_triangle(&mut self, source: &Source<'_>, solid: u32, keys: [u32; 3], cache: &mut VertexCache) {
+        match source.look(keys, cache) {
+            InView::Nothing => {}
+            InView::Whole(positions) => {
+                let corners = cache.indices(keys, &positions, source, &mut self.corners);
+                self.push_triangle(Triangle { corners, solid }, positions.each_ref(), source);
+            }
+            InView::Crossing => source.cut(keys, |corners| {
+                let first = self.corners.len() as u32;
+                self.corners.extend_from_slice(corners);
+                let triangle = Triangle { corners: [first, first + 1, first + 2], solid };
+                self.push_triangle(triangle, corners.each_ref().map(|corner| &corner.position), source);
+            }),
         }
-        if out_a.guard | out_b.guard | out_c.guard != 0 {
-            self.add_cut(source, corners);
-            return;
-        }
-        let positions = [&a, &b, &c];
-        if !triangle::may_be_seen(positions, source.surface, source.screen) {
-            return;
-        }
-        let (rows, least) = (triangle::rows(positions), triangle::least_depth(positions, source.surface));
-        let mut indices = [0; 3];
-        for ((index, &key), position) in indices.iter_mut().zip(corners).zip(positions) {
-            *index = cache.index(key, position, source, &mut self.corners);
-        }
-        self.push_triangle(indices, rows, least, source);
-        self.load.pixels += triangle::covered_px(positions, source.screen);
     }
 
-    /// Clips a triangle that reaches far out of the picture, and makes ready the parts that are to be drawn.
-    fn add_cut(&mut self, source: &Source<'_>, keys: &[u32]) {
-        let vertex = |key: u32| {
-            let vertex = source.mesh.vertices.get(key as usize)?;
-            Some(ClipVertex {
-                position: source.transform.clip(vertex.position),
-                color: vertex_color(source.material, source.transform, vertex),
-                uv: vertex.uv,
-            })
-        };
-        let &[a, b, c] = keys else { return };
-        let (Some(a), Some(b), Some(c)) = (vertex(a), vertex(b), vertex(c)) else { return };
-        triangle::cut([&a, &b, &c], source.surface, source.screen, |corners| {
-            let first = self.corners.len() as u32;
-            self.corners.extend_from_slice(corners);
-            let positions = corners.each_ref().map(|corner| &corner.position);
-            let (rows, least) = (triangle::rows(positions), triangle::least_depth(positions, source.surface));
-            self.push_triangle([first, first + 1, first + 2], rows, least, source);
-            self.load.pixels += triangle::covered_px(positions, source.screen);
-        });
-    }
-
-    fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), least: f32, source: &Source<'_>) {
-        bin_rows(&mut self.bins, self.triangles.len() as u32 * 2, rows, source.screen);
-        self.triangles.push(Triangle { corners, solid: source.index });
+    fn push_triangle(&mut self, triangle: Triangle, positions: [&ScreenPosition; 3], source: &Source<'_>) {
+        self.bins.add_rows(self.triangles.len() as u32 * 2, triangle::rows(positions));
+        self.triangles.push(triangle);
+        self.least.push(triangle::least_depth(positions, source.surface));
         self.load.faces += 1;
-        self.least.push(least);
+        self.load.pixels += triangle::covered_px(positions, source.screen);
     }
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
         if let Some(line) = line::set_up(a, b, mode, screen) {
-            bin_rows(&mut self.bins, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
+            self.bins.add_rows(self.lines.len() as u32 * 2 + 1, line.rows());
             self.lines.push(line);
         }
     }
@@ -241,76 +216,5 @@ impl Primitives {
                 triangle::draw(corners, &solid.surface, band);
             }
         }
-    }
-}
-
-fn bin_rows(bins: &mut Bins, number: u32, (begin, end): (i32, i32), screen: &Screen) {
-    let row = |row: i32| row.clamp(0, screen.height_px as i32) as u32;
-    bins.add(number, row(begin), row(end));
-}
-
-/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
-#[derive(Debug)]
-pub(in crate::cpu) struct VertexCache {
-    entries: [CachedVertex; Self::SIZE],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct CachedVertex {
-    /// Its index in the mesh.
-    key: Option<u32>,
-    /// Its index among the corners: it is one, with its colour, from the first triangle on that may be seen. Of a
-    /// detailed mesh most vertices never are.
-    index: Option<u32>,
-    outside: Outside,
-    position: ScreenPosition,
-}
-
-impl Default for VertexCache {
-    fn default() -> Self {
-        let (outside, position) = (Outside::default(), ScreenPosition::default());
-        Self { entries: [CachedVertex { key: None, index: None, outside, position }; Self::SIZE] }
-    }
-}
-
-impl VertexCache {
-    const SIZE: usize = 256;
-
-    fn clear(&mut self) {
-        self.entries.iter_mut().for_each(|entry| entry.key = None);
-    }
-
-    /// Position of a vertex, if the mesh has it.
-    #[inline]
-    fn place(&mut self, key: u32, source: &Source<'_>) -> Option<(ScreenPosition, Outside)> {
-        let entry = &mut self.entries[key as usize % Self::SIZE];
-        if entry.key != Some(key) {
-            let position = source.transform.clip(source.mesh.vertices.get(key as usize)?.position);
-            let outside = Outside::new(position);
-            let position = ScreenPosition::new(position, source.screen);
-            *entry = CachedVertex { key: Some(key), index: None, outside, position };
-        }
-        Some((entry.position, entry.outside))
-    }
-
-    /// The index of a vertex among the corners, given where it is.
-    #[inline]
-    fn index(&mut self, key: u32, position: &ScreenPosition, source: &Source<'_>, corners: &mut Vec<Corner>) -> u32 {
-        let entry = &mut self.entries[key as usize % Self::SIZE];
-        // Another vertex of the same triangle may have taken its place.
-        let is_there = entry.key == Some(key);
-        if let Some(index) = entry.index.filter(|_| is_there) {
-            return index;
-        }
-        let index = corners.len() as u32;
-        let corner = source.mesh.vertices.get(key as usize).map_or_else(Corner::default, |vertex| {
-            let color = vertex_color(source.material, source.transform, vertex);
-            Corner { position: *position, color, uv: vertex.uv }
-        });
-        corners.push(corner);
-        if is_there {
-            entry.index = Some(index);
-        }
-        index
     }
 }

@@ -4,3 +4,4 @@ pub(super) mod instances;
 pub(super) mod lighting;
 pub(super) mod meshes;
 pub(super) mod points;
+pub(super) mod vertices;

@@ -10,7 +10,7 @@ use rcs_scene::{
 };
 
 use super::{Job, Piece, Plan, PlanMemory};
-use crate::cpu::geometry::instances::{Batch, BatchPiece, BatchView, Shapes};
+use crate::cpu::geometry::instances::{Batch, BatchView, Shapes};
 use crate::cpu::geometry::meshes::{Shape, Solid};
 use crate::cpu::geometry::points::Cloud;
 use crate::cpu::paint::{DepthBias, Paint, Surface};
@@ -22,12 +22,11 @@ use crate::View;
 /// Points of a job.
 const POINTS_PER_JOB: usize = 8192;
 
-/// Triangles and lines of a job.
+/// Triangles, glyphs and lines of a job.
 const TRIANGLES_PER_JOB: usize = 1024;
 
-/// Solids of a job, and a few characters count as one. Most of their triangles are not even looked at.
+/// Small solids of a job. Most of their triangles are not even looked at.
 const SOLIDS_PER_JOB: usize = 64;
-const GLYPHS_PER_SOLID: usize = 16;
 
 /// Values derived from the scene's geometries, for as long as they live.
 #[derive(Debug, Default)]
@@ -80,10 +79,10 @@ pub(super) struct Builder<'a, 'c> {
     /// The display of the drawable at hand, and of the first one in the open job.
     display: DisplayId,
     open_display: DisplayId,
-    open_triangles: usize,
+    /// The first piece of the open job, and the primitives or small solids of all.
     open_piece: usize,
-    open_solids: usize,
-    open_batch_piece: usize,
+    open_work: usize,
+    has_batches: bool,
 }
 
 impl<'a, 'c> Builder<'a, 'c> {
@@ -102,10 +101,9 @@ impl<'a, 'c> Builder<'a, 'c> {
             ribbon_meshes: &mut memory.ribbon_meshes,
             display: DisplayId::default(),
             open_display: DisplayId::default(),
-            open_triangles: 0,
             open_piece: 0,
-            open_solids: 0,
-            open_batch_piece: 0,
+            open_work: 0,
+            has_batches: false,
         }
     }
 
@@ -122,42 +120,30 @@ impl<'a, 'c> Builder<'a, 'c> {
             self.close();
         }
         self.display = display;
-        if let Some(rest) = self.add_small(ordered) {
-            self.add_large(rest);
-        }
-    }
-
-    /// Adds many small things. Returns any other drawable.
-    fn add_small(&mut self, ordered: &Ordered<'a>) -> Option<&'a Drawable> {
-        let (view, drawable) = (self.view, ordered.drawable);
-        match &drawable.geometry {
+        match &ordered.drawable.geometry {
             Geometry::Solids(solids) => {
-                self.plan.batch_view.get_or_insert_with(|| BatchView::new(&view));
+                self.plan.batch_view.get_or_insert_with(|| BatchView::new(&self.view));
                 // Translucent solids of several drawables may take turns.
                 let batch = *self.batch_of_solids.entry(Arc::as_ptr(solids) as usize).or_insert_with(|| {
-                    self.plan.batches.push(Batch::of_solids(solids, &mut self.caches.shapes));
+                    self.plan.batches.push(Batch::new(solids, &mut self.caches.shapes));
                     self.plan.batches.len() - 1
                 });
-                self.add_batch(batch, ordered.solids.clone(), 1);
+                self.add_pieces(batch, ordered.solids.clone(), true);
             }
-            Geometry::Text(text) => {
-                self.plan.batches.push(Batch::Text(text, drawable));
-                let batch_view = self.plan.batch_view.get_or_insert_with(|| BatchView::new(&view));
-                batch_view.note_text(text, |material| self.caches.surface_of(material));
-                self.add_batch(self.plan.batches.len() - 1, 0..text.glyphs().len(), GLYPHS_PER_SOLID);
-            }
-            _ => return Some(drawable),
+            _ => self.add_large(ordered.drawable),
         }
-        None
     }
 
-    /// Adds a cloud, a mesh, ribbons, lines or cells.
+    /// Adds any drawable but small solids.
     fn add_large(&mut self, drawable: &'a Drawable) {
         let (view, camera) = (self.view, self.view.camera);
-        let view_from_object = camera.fixed_from_view().inverse().to_homogeneous() * drawable.fixed_from_object;
+        let view_from_object = match &drawable.geometry {
+            Geometry::Text(_) => camera.view_from_facing(&drawable.fixed_from_object).cast(),
+            _ => camera.fixed_from_view().inverse().to_homogeneous() * drawable.fixed_from_object,
+        };
         let transform = ObjectTransform::new(camera, &view_from_object, view.scene.light.as_ref());
         let (surface, shape) = match &drawable.geometry {
-            Geometry::Solids(_) | Geometry::Text(_) | Geometry::Facing(_) => return,
+            Geometry::Solids(_) | Geometry::Facing(_) => return,
             Geometry::Points(points) => {
                 return self.add_cloud(Cloud::new(points, transform, camera, &drawable.fixed_from_object));
             }
@@ -171,6 +157,7 @@ impl<'a, 'c> Builder<'a, 'c> {
                     Shape::Lines(lines),
                 )
             }
+            Geometry::Text(text) => (self.caches.surface_of(text.material()), Shape::Text(text)),
             Geometry::Ribbons(ribbons) => {
                 let material = Material::unlit(ribbons.blending == Blending::Alpha);
                 let mut mesh = self.ribbon_meshes.pop().unwrap_or_default();
@@ -186,7 +173,9 @@ impl<'a, 'c> Builder<'a, 'c> {
                 (Surface::of_cells(sheet), Shape::Mesh(Cow::Borrowed(sheet_mesh()), Cow::Owned(Material::unlit(false))))
             }
         };
-        self.add_solid(Solid { transform, surface, shape });
+        let (index, count) = (self.plan.solids.len(), shape.primitive_count());
+        self.plan.solids.push(Solid { transform, surface, shape });
+        self.add_pieces(index, 0..count, false);
     }
 
     fn add_cloud(&mut self, cloud: Cloud<'a>) {
@@ -202,64 +191,35 @@ impl<'a, 'c> Builder<'a, 'c> {
         self.plan.cloud_jobs.push(first_job..self.plan.jobs.len());
     }
 
-    fn add_solid(&mut self, solid: Solid<'a>) {
-        self.close_batches();
-        let count = solid.shape.primitive_count();
-        let index = self.plan.solids.len();
-        self.plan.solids.push(solid);
-        let mut begin = 0;
-        while begin < count {
-            let room = TRIANGLES_PER_JOB.saturating_sub(self.open_triangles).max(1);
-            let end = count.min(begin + room);
+    /// Adds pieces of a batch or of a solid to the open job, and to as many others as they need.
+    fn add_pieces(&mut self, whole: usize, range: Range<usize>, is_batch: bool) {
+        if self.has_batches != is_batch {
+            self.close();
+            self.has_batches = is_batch;
+        }
+        let most = if is_batch { SOLIDS_PER_JOB } else { TRIANGLES_PER_JOB };
+        let mut begin = range.start;
+        while begin < range.end {
+            let end = range.end.min(begin + most.saturating_sub(self.open_work).max(1));
             if self.open_piece == self.plan.pieces.len() {
                 self.open_display = self.display;
             }
-            self.plan.pieces.push(Piece { solid: index, range: begin..end });
-            self.open_triangles += end - begin;
-            if self.open_triangles >= TRIANGLES_PER_JOB {
-                self.close_solids();
-            }
-            begin = end;
-        }
-    }
-
-    /// Adds some of a batch; `in_solid` of them are as much work as a solid.
-    fn add_batch(&mut self, batch: usize, range: Range<usize>, in_solid: usize) {
-        self.close_solids();
-        let mut begin = range.start;
-        while begin < range.end {
-            let room = SOLIDS_PER_JOB.saturating_sub(self.open_solids).max(1);
-            let end = range.end.min(begin + room * in_solid);
-            if self.open_batch_piece == self.plan.batch_pieces.len() {
-                self.open_display = self.display;
-            }
-            self.plan.batch_pieces.push(BatchPiece { batch, range: begin..end });
-            self.open_solids += (end - begin).div_ceil(in_solid);
-            if self.open_solids >= SOLIDS_PER_JOB {
-                self.close_batches();
+            self.plan.pieces.push(Piece { whole, range: begin..end });
+            self.open_work += end - begin;
+            if self.open_work >= most {
+                self.close();
             }
             begin = end;
         }
     }
 
     fn close(&mut self) {
-        self.close_solids();
-        self.close_batches();
-    }
-
-    fn close_solids(&mut self) {
-        if self.open_piece < self.plan.pieces.len() {
-            self.plan.jobs.push(Job::Meshes(self.open_piece..self.plan.pieces.len()));
+        let pieces = self.open_piece..self.plan.pieces.len();
+        (self.open_piece, self.open_work) = (pieces.end, 0);
+        if !pieces.is_empty() {
+            let job = if self.has_batches { Job::Instances } else { Job::Meshes };
+            self.plan.jobs.push(job(pieces));
             self.plan.job_displays.push(self.open_display);
         }
-        (self.open_piece, self.open_triangles) = (self.plan.pieces.len(), 0);
-    }
-
-    fn close_batches(&mut self) {
-        if self.open_batch_piece < self.plan.batch_pieces.len() {
-            self.plan.jobs.push(Job::Instances(self.open_batch_piece..self.plan.batch_pieces.len()));
-            self.plan.job_displays.push(self.open_display);
-        }
-        (self.open_batch_piece, self.open_solids) = (self.plan.batch_pieces.len(), 0);
     }
 }

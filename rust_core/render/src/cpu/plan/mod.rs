@@ -1,8 +1,8 @@
 //! The work for one picture: what is to be drawn, in which order, by whom.
 //!
 //! The scene's drawables, in their order, are cut into [jobs](Job) of about equal size ([`Builder`]). A job turns a
-//! chunk of a cloud, several meshes and lines, or many small solids and glyphs together into primitives that are sorted
-//! into the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
+//! chunk of a cloud, several meshes, lines and texts, or many small solids together into primitives that are sorted into
+//! the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
 //! give the picture.
 //!
 //! A plan borrows from its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
@@ -18,7 +18,7 @@ use rcs_scene::{DisplayId, DisplayMask, DrawOrder, Mesh};
 use self::builder::Builder;
 pub(in crate::cpu) use self::builder::Caches;
 pub(in crate::cpu) use self::outcome::{DrawContext, Outcome, Scratch};
-use super::geometry::instances::{Batch, BatchPiece, BatchView};
+use super::geometry::instances::{Batch, BatchView};
 use super::geometry::meshes::{Shape, Solid};
 use super::geometry::points::Cloud;
 use crate::View;
@@ -28,9 +28,9 @@ use crate::View;
 pub(in crate::cpu) enum Job {
     /// Points of the cloud with this index.
     Points(usize, Range<usize>),
-    /// Some of the plan's pieces.
+    /// Some of the plan's pieces, which are of solids.
     Meshes(Range<usize>),
-    /// Some of the plan's pieces of batches.
+    /// Some of the plan's pieces, which are of batches.
     Instances(Range<usize>),
 }
 
@@ -45,13 +45,13 @@ impl Job {
     }
 }
 
-/// Some primitives of the solid with this index.
+/// A part of a solid or of a batch.
 #[derive(Clone, Debug)]
-pub(in crate::cpu) struct Piece {
-    /// Index of the solid.
-    pub solid: usize,
-    /// Its triangles or lines.
-    pub range: Range<usize>,
+struct Piece {
+    /// Index of the solid or batch.
+    whole: usize,
+    /// Its primitives, or its small solids.
+    range: Range<usize>,
 }
 
 /// All jobs of a picture.
@@ -66,12 +66,12 @@ pub(in crate::cpu) struct Plan<'a> {
     clouds: Vec<Cloud<'a>>,
     /// The jobs of each cloud.
     cloud_jobs: Vec<Range<usize>>,
-    /// Meshes, ribbons and lines, and the pieces of them that jobs draw.
+    /// Meshes, ribbons, lines and texts.
     solids: Vec<Solid<'a>>,
-    pieces: Vec<Piece>,
-    /// Many small solids together, and texts, and the pieces of them that jobs draw.
+    /// Many small solids together.
     batches: Vec<Batch<'a>>,
-    batch_pieces: Vec<BatchPiece>,
+    /// The parts of both that jobs draw.
+    pieces: Vec<Piece>,
     /// Common to the batches, where there are some.
     batch_view: Option<BatchView<'a>>,
 }
@@ -103,9 +103,8 @@ impl PlanMemory {
             clouds: emptied(plan.clouds),
             cloud_jobs: emptied(plan.cloud_jobs),
             solids: emptied(plan.solids),
-            pieces: emptied(plan.pieces),
             batches: emptied(plan.batches),
-            batch_pieces: emptied(plan.batch_pieces),
+            pieces: emptied(plan.pieces),
             batch_view: None,
         };
     }

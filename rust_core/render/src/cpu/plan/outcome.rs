@@ -2,8 +2,9 @@
 
 use super::{Job, Plan};
 use crate::cpu::geometry::instances::{InstanceContext, InstanceScratch, Instances};
-use crate::cpu::geometry::meshes::{Primitives, VertexCache};
+use crate::cpu::geometry::meshes::Primitives;
 use crate::cpu::geometry::points::{self, BinnedPoints, PointScratch};
+use crate::cpu::geometry::vertices::VertexCache;
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::near_to_far::{Load, NearToFar};
 use crate::cpu::tile::screen::Screen;
@@ -13,9 +14,9 @@ use crate::cpu::tile::screen::Screen;
 pub(in crate::cpu) enum Outcome {
     /// Points of a cloud.
     Points(BinnedPoints),
-    /// Triangles and lines.
+    /// Triangles and lines of meshes, lines and texts.
     Meshes(Primitives),
-    /// Triangles of many small things, and glyphs.
+    /// Triangles of many small solids.
     Instances(Instances),
 }
 
@@ -88,8 +89,8 @@ impl Outcome {
                 let Self::Meshes(primitives) = self else { return };
                 primitives.clear(screen);
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    if let Some(solid) = plan.solids.get(piece.solid) {
-                        let ids = (piece.solid as u32, piece.range.clone());
+                    if let Some(solid) = plan.solids.get(piece.whole) {
+                        let ids = (piece.whole as u32, piece.range.clone());
                         primitives.add(solid, ids, screen, &mut scratch.vertices);
                     }
                 }
@@ -101,8 +102,8 @@ impl Outcome {
                 let Self::Instances(instances) = self else { return };
                 instances.clear(screen);
                 let Some(context) = context.instances() else { return };
-                for piece in plan.batch_pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    instances.add(piece, &context, &mut scratch.instances);
+                for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
+                    instances.add((piece.whole, piece.range.clone()), &context, &mut scratch.instances);
                 }
             }
         }

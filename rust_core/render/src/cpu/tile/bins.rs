@@ -14,6 +14,7 @@ pub(in crate::cpu) struct Bins {
     bands: Vec<Vec<u32>>,
     /// Factor from a row to its band, in parts of 2^24: pictures have at most 2^14 rows, bands at most 128.
     bands_per_row: u64,
+    height_px: u32,
 }
 
 impl Bins {
@@ -21,6 +22,7 @@ impl Bins {
     pub(in crate::cpu) fn reset(&mut self, screen: &Screen) {
         self.bands.iter_mut().for_each(Vec::clear);
         self.bands.resize_with(screen.bands(), Vec::new);
+        self.height_px = screen.height_px;
         self.bands_per_row = (1_u64 << PART_BITS).div_ceil(screen.band_rows() as u64);
     }
 
@@ -36,6 +38,13 @@ impl Bins {
                 band.push(number);
             }
         }
+    }
+
+    /// As [`Self::add`], for rows that may be outside of the picture.
+    #[inline(always)]
+    pub(in crate::cpu) fn add_rows(&mut self, number: u32, (begin, end): (i32, i32)) {
+        let row = |row: i32| row.clamp(0, self.height_px as i32) as u32;
+        self.add(number, row(begin), row(end));
     }
 
     /// All things, those that touch several bands several times.

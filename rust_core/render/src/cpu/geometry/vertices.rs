@@ -1,0 +1,155 @@
+//! The corners of triangles, from a mesh or a text to the picture: transformed and, where a triangle may be seen, lit.
+
+use rcs_scene::{Material, Mesh, Text, Vertex};
+
+use super::lighting::vertex_color;
+use crate::cpu::paint::Surface;
+use crate::cpu::raster::clip::{ClipVertex, Outside};
+use crate::cpu::raster::triangle::{self, Corner};
+use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition};
+
+/// The triangles of a mesh or a text at its place in the picture.
+pub(in crate::cpu) struct Source<'a> {
+    pub vertices: Vertices<'a>,
+    pub material: &'a Material,
+    pub transform: &'a ObjectTransform,
+    pub surface: &'a Surface,
+    pub screen: &'a Screen,
+}
+
+/// Vertices by their keys.
+pub(in crate::cpu) enum Vertices<'a> {
+    /// The keys are indices.
+    Mesh(&'a Mesh),
+    /// Four keys for each glyph, those of its quad.
+    Text(&'a Text),
+}
+
+/// The part of a triangle that may be seen.
+pub(in crate::cpu) enum InView {
+    Nothing,
+    /// All of it, with its corners at these positions.
+    Whole([ScreenPosition; 3]),
+    /// It has to be cut.
+    Crossing,
+}
+
+impl Source<'_> {
+    fn vertex(&self, key: u32) -> Option<Vertex> {
+        match &self.vertices {
+            Vertices::Mesh(mesh) => mesh.vertices.get(key as usize).copied(),
+            Vertices::Text(text) => {
+                let glyph = text.glyphs().get(key as usize / 4)?;
+                text.quad(glyph).get(key as usize % 4).copied()
+            }
+        }
+    }
+
+    /// Finds what of a triangle may be seen. Its corners have no need of light for that.
+    #[inline]
+    pub(in crate::cpu) fn look(&self, [a, b, c]: [u32; 3], cache: &mut VertexCache) -> InView {
+        let mut place = |key| cache.place(key, self);
+        let (Some((a, out_a)), Some((b, out_b)), Some((c, out_c))) = (place(a), place(b), place(c)) else {
+            return InView::Nothing;
+        };
+        if out_a.view & out_b.view & out_c.view != 0 {
+            InView::Nothing
+        } else if out_a.guard | out_b.guard | out_c.guard != 0 {
+            InView::Crossing
+        } else if triangle::may_be_seen([&a, &b, &c], self.surface, self.screen) {
+            InView::Whole([a, b, c])
+        } else {
+            InView::Nothing
+        }
+    }
+
+    /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.
+    pub(in crate::cpu) fn cut(&self, keys: [u32; 3], out: impl FnMut(&[Corner; 3])) {
+        let vertex = |key: u32| {
+            let vertex = self.vertex(key)?;
+            let color = vertex_color(self.material, self.transform, &vertex);
+            Some(ClipVertex { position: self.transform.clip(vertex.position), color, uv: vertex.uv })
+        };
+        if let [Some(a), Some(b), Some(c)] = keys.map(vertex) {
+            triangle::cut([&a, &b, &c], self.surface, self.screen, out);
+        }
+    }
+}
+
+/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
+#[derive(Debug)]
+pub(in crate::cpu) struct VertexCache {
+    entries: [CachedVertex; Self::SIZE],
+    generation: u64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct CachedVertex {
+    /// Of the present source where it is that of the cache.
+    generation: u64,
+    key: u32,
+    /// Its index among the corners: it is one, with its colour, from the first triangle on that may be seen. Of a
+    /// detailed mesh most vertices never are.
+    index: Option<u32>,
+    outside: Outside,
+    position: ScreenPosition,
+}
+
+impl Default for VertexCache {
+    fn default() -> Self {
+        Self { entries: [CachedVertex::default(); Self::SIZE], generation: 0 }
+    }
+}
+
+impl VertexCache {
+    const SIZE: usize = 256;
+
+    /// The vertices of another source follow.
+    pub(in crate::cpu) fn clear(&mut self) {
+        self.generation += 1;
+    }
+
+    /// Position of a vertex, if the source has it.
+    #[inline]
+    fn place(&mut self, key: u32, source: &Source<'_>) -> Option<(ScreenPosition, Outside)> {
+        let entry = &mut self.entries[key as usize % Self::SIZE];
+        if (entry.generation, entry.key) != (self.generation, key) {
+            let position = source.transform.clip(source.vertex(key)?.position);
+            let (outside, position) = (Outside::new(position), ScreenPosition::new(position, source.screen));
+            *entry = CachedVertex { generation: self.generation, key, index: None, outside, position };
+        }
+        Some((entry.position, entry.outside))
+    }
+
+    /// Indices of a triangle's vertices among the corners, given their positions.
+    #[inline]
+    pub(in crate::cpu) fn indices(
+        &mut self,
+        keys: [u32; 3],
+        positions: &[ScreenPosition; 3],
+        source: &Source<'_>,
+        corners: &mut Vec<Corner>,
+    ) -> [u32; 3] {
+        [0, 1, 2].map(|i| self.index(keys[i], &positions[i], source, corners))
+    }
+
+    #[inline]
+    fn index(&mut self, key: u32, position: &ScreenPosition, source: &Source<'_>, corners: &mut Vec<Corner>) -> u32 {
+        let entry = &mut self.entries[key as usize % Self::SIZE];
+        // Another vertex of the same triangle may have taken its place.
+        let is_there = (entry.generation, entry.key) == (self.generation, key);
+        if let Some(index) = entry.index.filter(|_| is_there) {
+            return index;
+        }
+        let index = corners.len() as u32;
+        let corner = source.vertex(key).map_or_else(Corner::default, |vertex| {
+            let color = vertex_color(source.material, source.transform, &vertex);
+            Corner { position: *position, color, uv: vertex.uv }
+        });
+        corners.push(corner);
+        if is_there {
+            entry.index = Some(index);
+        }
+        index
+    }
+}
