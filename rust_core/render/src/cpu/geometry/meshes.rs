@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use rcs_scene::{Lines, Material, Mesh, Text};
 
-use super::vertices::{InView, Source, VertexCache, Vertices};
+use super::vertices::{InView, Source, VertexCache};
 use crate::cpu::paint::Surface;
 use crate::cpu::raster::clip::ClipVertex;
 use crate::cpu::raster::line::{self, Line};
@@ -99,27 +99,22 @@ impl Primitives {
         screen: &Screen,
         cache: &mut VertexCache,
     ) {
-        let source = |vertices, material| Source {
-            vertices,
-            material,
-            transform: &solid.transform,
-            surface: &solid.surface,
-            screen,
-        };
-        self.load.in_order |= solid.surface.mode != Mode::OPAQUE;
+        let Solid { transform, surface, shape } = solid;
+        self.load.in_order |= surface.mode != Mode::OPAQUE;
         cache.clear();
-        match &solid.shape {
+        match shape {
             Shape::Mesh(mesh, material) => {
-                let source = source(Vertices::Mesh(mesh), material);
+                let source = Source { vertices: &mesh.vertices, material, transform, surface, screen };
                 let corners = mesh.indices.get(range.start * 3..range.end * 3).unwrap_or(&[]);
                 corners.as_chunks().0.iter().for_each(|keys| self.add_triangle(&source, index, *keys, cache));
             }
             Shape::Text(text) => {
-                let source = source(Vertices::Text(text), text.material());
-                for glyph in range {
-                    let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| (4 * glyph + corner) as u32);
-                    self.add_triangle(&source, index, [a, b, c], cache);
-                    self.add_triangle(&source, index, [d, e, f], cache);
+                let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| corner as u32);
+                for glyph in text.glyphs().get(range).unwrap_or(&[]) {
+                    let (vertices, material) = (&text.quad(glyph), text.material());
+                    let source = Source { vertices, material, transform, surface, screen };
+                    cache.clear();
+                    [[a, b, c], [d, e, f]].map(|keys| self.add_triangle(&source, index, keys, cache));
                 }
             }
             Shape::Lines(lines) => {
@@ -127,13 +122,13 @@ impl Primitives {
                 for (a, b) in lines.segments(range) {
                     let vertex = |i: usize| {
                         Some(ClipVertex {
-                            position: solid.transform.clip(*lines.positions.get(i)?),
+                            position: transform.clip(*lines.positions.get(i)?),
                             color: lines.color(i).map(|c| f32::from(c) / 255.0),
                             uv: [0.0; 2],
                         })
                     };
                     if let (Some(a), Some(b)) = (vertex(a), vertex(b)) {
-                        self.add_line(a, b, solid.surface.mode, screen);
+                        self.add_line(a, b, surface.mode, screen);
                     }
                 }
             }

@@ -1,6 +1,6 @@
-//! The corners of triangles, from a mesh or a text to the picture: transformed and, where a triangle may be seen, lit.
+//! The corners of triangles on their way to the picture: transformed and, where a triangle may be seen, lit.
 
-use rcs_scene::{Material, Mesh, Text, Vertex};
+use rcs_scene::{Material, Vertex};
 
 use super::lighting::vertex_color;
 use crate::cpu::paint::Surface;
@@ -8,21 +8,13 @@ use crate::cpu::raster::clip::{ClipVertex, Outside};
 use crate::cpu::raster::triangle::{self, Corner};
 use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition};
 
-/// The triangles of a mesh or a text at its place in the picture.
+/// Vertices that triangles name by their indices, their keys, and their way to the picture.
 pub(in crate::cpu) struct Source<'a> {
-    pub vertices: Vertices<'a>,
+    pub vertices: &'a [Vertex],
     pub material: &'a Material,
     pub transform: &'a ObjectTransform,
     pub surface: &'a Surface,
     pub screen: &'a Screen,
-}
-
-/// Vertices by their keys.
-pub(in crate::cpu) enum Vertices<'a> {
-    /// The keys are indices.
-    Mesh(&'a Mesh),
-    /// Four keys for each glyph, those of its quad.
-    Text(&'a Text),
 }
 
 /// The part of a triangle that may be seen.
@@ -35,16 +27,6 @@ pub(in crate::cpu) enum InView {
 }
 
 impl Source<'_> {
-    fn vertex(&self, key: u32) -> Option<Vertex> {
-        match &self.vertices {
-            Vertices::Mesh(mesh) => mesh.vertices.get(key as usize).copied(),
-            Vertices::Text(text) => {
-                let glyph = text.glyphs().get(key as usize / 4)?;
-                text.quad(glyph).get(key as usize % 4).copied()
-            }
-        }
-    }
-
     /// Finds what of a triangle may be seen. Its corners have no need of light for that.
     #[inline]
     pub(in crate::cpu) fn look(&self, [a, b, c]: [u32; 3], cache: &mut VertexCache) -> InView {
@@ -66,8 +48,8 @@ impl Source<'_> {
     /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.
     pub(in crate::cpu) fn cut(&self, keys: [u32; 3], out: impl FnMut(&[Corner; 3])) {
         let vertex = |key: u32| {
-            let vertex = self.vertex(key)?;
-            let color = vertex_color(self.material, self.transform, &vertex);
+            let vertex = self.vertices.get(key as usize)?;
+            let color = vertex_color(self.material, self.transform, vertex);
             Some(ClipVertex { position: self.transform.clip(vertex.position), color, uv: vertex.uv })
         };
         if let [Some(a), Some(b), Some(c)] = keys.map(vertex) {
@@ -114,7 +96,7 @@ impl VertexCache {
     fn place(&mut self, key: u32, source: &Source<'_>) -> Option<(ScreenPosition, Outside)> {
         let entry = &mut self.entries[key as usize % Self::SIZE];
         if (entry.generation, entry.key) != (self.generation, key) {
-            let position = source.transform.clip(source.vertex(key)?.position);
+            let position = source.transform.clip(source.vertices.get(key as usize)?.position);
             let (outside, position) = (Outside::new(position), ScreenPosition::new(position, source.screen));
             *entry = CachedVertex { generation: self.generation, key, index: None, outside, position };
         }
@@ -142,8 +124,8 @@ impl VertexCache {
             return index;
         }
         let index = corners.len() as u32;
-        let corner = source.vertex(key).map_or_else(Corner::default, |vertex| {
-            let color = vertex_color(source.material, source.transform, &vertex);
+        let corner = source.vertices.get(key as usize).map_or_else(Corner::default, |vertex| {
+            let color = vertex_color(source.material, source.transform, vertex);
             Corner { position: *position, color, uv: vertex.uv }
         });
         corners.push(corner);

@@ -22,11 +22,12 @@ use crate::View;
 /// Points of a job.
 const POINTS_PER_JOB: usize = 8192;
 
-/// Triangles, glyphs and lines of a job.
-const TRIANGLES_PER_JOB: usize = 1024;
+/// Work of a job, in triangles or lines.
+const WORK_PER_JOB: usize = 1024;
 
-/// Small solids of a job. Most of their triangles are not even looked at.
-const SOLIDS_PER_JOB: usize = 64;
+/// Work of a glyph, and of a small solid, most of whose triangles are not even looked at.
+const WORK_OF_GLYPH: usize = 8;
+const WORK_OF_SOLID: usize = 16;
 
 /// Values derived from the scene's geometries, for as long as they live.
 #[derive(Debug, Default)]
@@ -79,7 +80,7 @@ pub(super) struct Builder<'a, 'c> {
     /// The display of the drawable at hand, and of the first one in the open job.
     display: DisplayId,
     open_display: DisplayId,
-    /// The first piece of the open job, and the primitives or small solids of all.
+    /// The first piece of the open job, and the work of all.
     open_piece: usize,
     open_work: usize,
     has_batches: bool,
@@ -128,7 +129,7 @@ impl<'a, 'c> Builder<'a, 'c> {
                     self.plan.batches.push(Batch::new(solids, &mut self.caches.shapes));
                     self.plan.batches.len() - 1
                 });
-                self.add_pieces(batch, ordered.solids.clone(), true);
+                self.add_pieces(batch, ordered.solids.clone(), WORK_OF_SOLID, true);
             }
             _ => self.add_large(ordered.drawable),
         }
@@ -174,8 +175,9 @@ impl<'a, 'c> Builder<'a, 'c> {
             }
         };
         let (index, count) = (self.plan.solids.len(), shape.primitive_count());
+        let work_of_each = if matches!(shape, Shape::Text(_)) { WORK_OF_GLYPH } else { 1 };
         self.plan.solids.push(Solid { transform, surface, shape });
-        self.add_pieces(index, 0..count, false);
+        self.add_pieces(index, 0..count, work_of_each, false);
     }
 
     fn add_cloud(&mut self, cloud: Cloud<'a>) {
@@ -192,21 +194,21 @@ impl<'a, 'c> Builder<'a, 'c> {
     }
 
     /// Adds pieces of a batch or of a solid to the open job, and to as many others as they need.
-    fn add_pieces(&mut self, whole: usize, range: Range<usize>, is_batch: bool) {
+    fn add_pieces(&mut self, whole: usize, range: Range<usize>, work_of_each: usize, is_batch: bool) {
         if self.has_batches != is_batch {
             self.close();
             self.has_batches = is_batch;
         }
-        let most = if is_batch { SOLIDS_PER_JOB } else { TRIANGLES_PER_JOB };
         let mut begin = range.start;
         while begin < range.end {
-            let end = range.end.min(begin + most.saturating_sub(self.open_work).max(1));
+            let room = WORK_PER_JOB.saturating_sub(self.open_work) / work_of_each;
+            let end = range.end.min(begin + room.max(1));
             if self.open_piece == self.plan.pieces.len() {
                 self.open_display = self.display;
             }
             self.plan.pieces.push(Piece { whole, range: begin..end });
-            self.open_work += end - begin;
-            if self.open_work >= most {
+            self.open_work += (end - begin) * work_of_each;
+            if self.open_work >= WORK_PER_JOB {
                 self.close();
             }
             begin = end;

@@ -30,7 +30,7 @@ use self::places::place_vertices;
 pub(in crate::cpu) use self::places::InstanceScratch;
 use self::shape::Shape;
 pub(in crate::cpu) use self::shape::Shapes;
-use super::vertices::{InView, Source, VertexCache, Vertices};
+use super::vertices::{InView, Source, VertexCache};
 use crate::cpu::raster::triangle;
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::bins::Bins;
@@ -206,7 +206,7 @@ impl SolidInstance<'_> {
         screen: &'s Screen,
     ) -> Source<'s> {
         let surface = view.surface_of_solid(self.solid);
-        Source { vertices: Vertices::Mesh(self.mesh), material, transform, surface, screen }
+        Source { vertices: &self.mesh.vertices, material, transform, surface, screen }
     }
 }
 
