@@ -8,7 +8,8 @@ use fearless_simd::Simd;
 use rcs_scene::{CellSheet, CullMode, Material};
 
 use super::texture::MipTexture;
-use super::tile::band::{channel_shift, pack, unorm8, Mode};
+use super::tile::band::Mode;
+use super::tile::color::{channel_shift, pack, unorm8};
 use super::tile::lanes::{map, F, LANES, M, U};
 use crate::shading::{box_brightness, disc_brightness, edge_contrast, inside, with_edge, DISC_RADIUS_SQUARED};
 

@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rcs_scene::{halved, Filtering, Texture, Wrapping};
 
-use super::tile::band::{channel_shift, pack};
+use super::tile::color::{channel_shift, pack};
 use super::tile::lanes::{map, F, I, LANES, M, U};
 use crate::cache::Derived;
 

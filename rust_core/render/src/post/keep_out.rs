@@ -5,7 +5,6 @@
 //! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]). Where the picture is flipped
 //! when it is finished, a row's factors are those of the row that it was before, from the other end.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Matrix2, Point3, Vector3};
@@ -15,6 +14,9 @@ use rcs_scene::{Camera, Flip, Intrinsics, MapRun, PixelMap};
 /// places are off. Lenses bend one pixel to less than two.
 const MARGIN_PX: f64 = 1.0;
 const MARGIN_BEHIND_LENS_PX: f64 = 2.0;
+
+/// Pixels of a row that are compared with a cone together, without a lens.
+const RUN_PX: usize = 32;
 
 /// A ball in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +30,7 @@ pub struct Sphere {
 /// The directions of what a camera must not light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeepOut {
-    /// Each with the columns of what is drawn that it may lie in.
-    cones: Vec<(Cone, Range<usize>)>,
+    cones: Vec<Cone>,
     directions: Directions,
     height_px: usize,
     lens: Option<Arc<PixelMap>>,
@@ -61,12 +62,6 @@ impl Directions {
         [0, 1].map(|axis| self.first[axis] + right[axis] * u + down[axis] * v)
     }
 
-    /// Without skew, x is that of the column and y that of the row alone.
-    fn are_square(&self) -> bool {
-        let [right, down] = self.by_px;
-        [right[1], down[0]] == [0.0; 2]
-    }
-
     /// The most that the angle of a direction changes by so many pixels.
     fn reach(&self, step: [f64; 2]) -> f64 {
         let [right, down] = self.by_px;
@@ -85,15 +80,14 @@ impl Directions {
 struct Cone {
     /// Of length one.
     axis: Vector3<f64>,
-    /// Cosine and sine of the angle between the axis and the outermost direction. All directions are in a cone whose
-    /// cosine is below −1.
+    /// Cosine of the angle between the axis and the outermost direction. All directions are in a cone whose cosine is
+    /// below −1.
     cos: f64,
-    sin: f64,
 }
 
 impl Cone {
     /// All directions: the lens is inside of the sphere.
-    const ALL: Self = Self { axis: Vector3::new(0.0, 0.0, 1.0), cos: -2.0, sin: 0.0 };
+    const ALL: Self = Self { axis: Vector3::new(0.0, 0.0, 1.0), cos: -2.0 };
 
     fn new(center: &Vector3<f64>, radius_m: f64, margin: f64) -> Self {
         let distance_m = center.norm();
@@ -102,8 +96,7 @@ impl Cone {
             return Self::ALL;
         }
         let angle = (radius_m / distance_m).asin() + margin;
-        let (sin, cos) = angle.sin_cos();
-        Self { axis: center / distance_m, cos, sin }
+        Self { axis: center / distance_m, cos: angle.cos() }
     }
 
     /// True if the direction (x, y, 1) is in it.
@@ -117,16 +110,6 @@ impl Cone {
         } else {
             along >= 0.0 || far <= bound
         }
-    }
-
-    /// True if no direction (·, y, 1) can be in it: the plane of those lies beside the cone.
-    fn is_beside_row(&self, y: f64) -> bool {
-        self.cos > 0.0 && (self.axis.y - y * self.axis.z).abs() > self.sin * (1.0 + y * y).sqrt()
-    }
-
-    /// As for rows, of the directions (x, ·, 1).
-    fn is_beside_column(&self, x: f64) -> bool {
-        self.cos > 0.0 && (self.axis.x - x * self.axis.z).abs() > self.sin * (1.0 + x * x).sqrt()
     }
 
     /// True if all directions within this angle of (x, y, 1) are outside of it.
@@ -147,15 +130,7 @@ impl KeepOut {
             // The view frame's y points up and its z backwards.
             Cone::new(&Vector3::new(view.x, -view.y, -view.z), sphere.radius_m, margin)
         };
-        let columns = |cone: &Cone| {
-            let x = |column: u32| directions.of([f64::from(column) + 0.5, 0.0])[0];
-            let mut beside =
-                (0..camera.width_px()).map(|column| directions.are_square() && cone.is_beside_column(x(column)));
-            let begin = beside.position(|is_beside| !is_beside);
-            let end = beside.rposition(|is_beside| !is_beside);
-            begin.map_or(0..0, |begin| begin..begin + end.map_or(1, |end| end + 2))
-        };
-        let cones: Vec<_> = spheres.iter().map(cone).map(|cone| (cone, columns(&cone))).collect();
+        let cones: Vec<Cone> = spheres.iter().map(cone).collect();
         let (height_px, flip) = (lens.as_ref().map_or(camera.height_px(), |lens| lens.size_px()[1]), camera.flip());
         (!cones.is_empty()).then_some(Self { cones, directions, height_px: height_px as usize, lens, flip })
     }
@@ -174,8 +149,13 @@ impl KeepOut {
 
     fn write_unflipped(&self, row: usize, factors: &mut [u16]) {
         match &self.lens {
-            None => self.write_straight(row, factors),
+            None => {
+                for (factors, column) in factors.chunks_mut(RUN_PX).zip((0..).step_by(RUN_PX)) {
+                    self.write_run([f64::from(column) + 0.5, row as f64 + 0.5], [1.0, 0.0], factors);
+                }
+            }
             Some(map) => {
+                const ONE: f64 = 65536.0;
                 let (columns, runs) = map.runs(row as u32);
                 let columns = columns.start as usize..columns.end as usize;
                 // Where the light of a pixel goes to is not known beyond what the lens shows: it stays dark.
@@ -183,38 +163,22 @@ impl KeepOut {
                 factors.get_mut(columns.end..).unwrap_or_default().fill(0);
                 let factors = factors.get_mut(columns).unwrap_or_default();
                 for (factors, run) in factors.chunks_mut(MapRun::PIXELS).zip(runs) {
-                    self.write_run(run, factors);
+                    let place = run.place.map(|place| f64::from(place) / ONE + 0.5);
+                    self.write_run(place, run.step.map(|step| f64::from(step) / ONE), factors);
                 }
             }
         }
     }
 
-    fn write_straight(&self, row: usize, factors: &mut [u16]) {
-        let (directions, v) = (self.directions, row as f64 + 0.5);
-        let is_beside = |cone: &Cone| directions.are_square() && cone.is_beside_row(directions.of([0.0, v])[1]);
-        for (cone, columns) in self.cones.iter().filter(|(cone, _)| !is_beside(cone)) {
-            let begin = columns.start;
-            for (column, factor) in factors.get_mut(columns.clone()).unwrap_or_default().iter_mut().enumerate() {
-                let [x, y] = directions.of([(begin + column) as f64 + 0.5, v]);
-                let is_dark = cone.has(x, y);
-                *factor = if is_dark { 0 } else { *factor };
-            }
-        }
-    }
-
-    fn write_run(&self, run: MapRun, factors: &mut [u16]) {
-        const ONE: f64 = 65536.0;
-        let place = run.place.map(|place| f64::from(place) / ONE + 0.5);
-        let step = run.step.map(|step| f64::from(step) / ONE);
+    /// Writes pixels of a row, given the place of the first one and the distance to the next.
+    fn write_run(&self, place: [f64; 2], step: [f64; 2], factors: &mut [u16]) {
         let reach = factors.len() as f64 * self.directions.reach(step);
         let [x, y] = self.directions.of(place);
-        for (cone, _) in self.cones.iter().filter(|(cone, _)| !cone.is_far_from(x, y, reach)) {
+        for cone in self.cones.iter().filter(|cone| !cone.is_far_from(x, y, reach)) {
             for (index, factor) in factors.iter_mut().enumerate() {
                 let at = index as f64;
                 let [x, y] = self.directions.of([place[0] + at * step[0], place[1] + at * step[1]]);
-                if cone.has(x, y) {
-                    *factor = 0;
-                }
+                *factor = if cone.has(x, y) { 0 } else { *factor };
             }
         }
     }

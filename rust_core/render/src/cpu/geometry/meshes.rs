@@ -114,7 +114,9 @@ impl Primitives {
                     let (vertices, material) = (&text.quad(glyph), text.material());
                     let source = Source { vertices, material, transform, surface, screen };
                     cache.clear();
-                    [[a, b, c], [d, e, f]].map(|keys| self.add_triangle(&source, index, keys, cache));
+                    for keys in [[a, b, c], [d, e, f]] {
+                        self.add_triangle(&source, index, keys, cache);
+                    }
                 }
             }
             Shape::Lines(lines) => {

@@ -11,7 +11,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 
 use super::clip::{clip_line, ClipVertex};
-use crate::cpu::tile::band::{pack, unorm8, Band, Mode};
+use crate::cpu::tile::band::{Band, Mode};
+use crate::cpu::tile::color::{pack, unorm8};
 use crate::cpu::tile::lanes::{lane_indices, F, LANES};
 use crate::cpu::tile::screen::{snap, Screen, FARTHEST, SUBPIXELS};
 

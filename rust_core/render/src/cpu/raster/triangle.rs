@@ -12,9 +12,10 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
 
 use super::clip::{ClipVertex, Outside, Polygon};
-use super::edges::{Edge, RowEdges, SpanEdges, MAX_ROWS};
+use super::edges::{Edge, RowEdges, MAX_ROWS};
 use crate::cpu::paint::{DepthBias, Paint, Surface};
-use crate::cpu::tile::band::{pack, unorm8, Band};
+use crate::cpu::tile::band::Band;
+use crate::cpu::tile::color::{pack, unorm8};
 use crate::cpu::tile::lanes::{lane_indices, map, F, LANES, M, U};
 use crate::cpu::tile::screen::{first_pixel, rounding, Area, DepthPlane, Screen, ScreenPosition, FARTHEST, SUBPIXELS};
 
@@ -225,11 +226,11 @@ impl Triangle<'_> {
                 Fragments::new(simd, &planes, self.surface).draw_narrow(&edges, row - self.area.top, rows, band);
             }
         } else {
-            let mut spans = SpanEdges::new(&edges, self.area.top, self.area.left..self.area.right);
             let planes = self.planes();
             let fragments = Fragments::new(simd, &planes, self.surface);
             for y in self.area.top..self.area.bottom {
-                let span = spans.next();
+                let columns = self.area.left..self.area.right;
+                let span = edges.iter().fold(columns, |span, edge| edge.narrow(y, span));
                 if span.start < span.end {
                     fragments.draw_span(y, span, band);
                 }
@@ -243,13 +244,11 @@ impl Triangle<'_> {
         let planes = self.planes();
         let least = least_depth(self.corners.map(|corner| &corner.position), self.surface);
         let depth = planes.depth_bound(self.area, least);
-        if !band.find_visible(simd, depth, self.area) {
-            return;
-        }
         let fragments = Fragments::new(simd, &planes, self.surface);
         band.draw_visible(
             simd,
-            [depth.dx, depth.dy],
+            depth,
+            self.area,
             #[inline(always)]
             |band, tile| {
                 if edges.iter().any(|edge| edge.excludes(tile)) {

@@ -51,17 +51,9 @@ pub(in crate::cpu) struct Face {
 
 /// A block of a band.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+pub(in crate::cpu) struct Block {
     row: i32,
     column: i32,
-}
-
-/// The tiles of a block in which something of a face may be seen: a bit for each, row by row.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct VisibleTiles {
-    block: Block,
-    /// The bits.
-    pub tiles: u32,
 }
 
 /// The bounds of cells of one size.
@@ -102,6 +94,19 @@ fn load<S: Simd>(simd: S, all: &[f32], begin: usize) -> WideF<S> {
 #[inline(always)]
 fn within<S: Simd>(middles: WideF<S>, [begin, end]: [i32; 2], half: f32) -> [WideF<S>; 2] {
     [(begin as f32 - middles).max(-half), ((end - 1) as f32 - middles).min(half)]
+}
+
+/// The numbers of the bits that are set, from the lowest on.
+#[inline(always)]
+fn bits(mut set: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let bit = (set != 0).then(|| set.trailing_zeros());
+            set &= set.wrapping_sub(1);
+            bit
+        },
+    )
 }
 
 /// The smallest number that is not below this one.
@@ -208,43 +213,44 @@ impl Hiz {
         self.band = band;
     }
 
-    /// Lists the tiles in which something of a face may be seen: those of a block one after the other.
+    /// The blocks that an area touches: [`WIDE`] side by side, by the first of them.
     #[inline(always)]
-    pub(in crate::cpu) fn list_visible<S: Simd>(&self, simd: S, face: &Face, list: &mut Vec<VisibleTiles>) {
-        list.clear();
-        let area = &face.area;
-        if area.is_empty() {
-            return;
-        }
+    pub(in crate::cpu) fn blocks(&self, area: Area) -> impl Iterator<Item = Block> + use<> {
         let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.band.top) / BLOCK_PX);
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
-        let half = self.blocks.half();
-        for row in top..=bottom {
-            let y = WideF::splat(simd, (self.band.top + row * BLOCK_PX) as f32 + half);
-            for column in (left..=right).step_by(WIDE) {
-                let x =
-                    wide_indices(simd).to_float::<WideF<S>>() * BLOCK_PX as f32 + ((column * BLOCK_PX) as f32 + half);
-                let mut seen = self.blocks.visible(simd, face, self.place(Block { row, column }), [x, y]);
-                while seen != 0 {
-                    let block = Block { row, column: column + seen.trailing_zeros() as i32 };
-                    seen &= seen - 1;
-                    let tiles = self.visible_tiles(simd, face, block);
-                    if tiles != 0 {
-                        list.push(VisibleTiles { block, tiles });
-                    }
-                }
-            }
-        }
+        let rows = if area.is_empty() { 0..0 } else { top..bottom + 1 };
+        rows.flat_map(move |row| (left..=right).step_by(WIDE).map(move |column| Block { row, column }))
     }
 
+    /// The blocks among [`WIDE`] side by side in which something of a face may be seen, given the first.
     #[inline(always)]
-    fn visible_tiles<S: Simd>(&self, simd: S, face: &Face, block: Block) -> u32 {
+    pub(in crate::cpu) fn visible_blocks<S: Simd>(
+        &self,
+        simd: S,
+        face: &Face,
+        first: Block,
+    ) -> impl Iterator<Item = Block> + use<S> {
+        let half = self.blocks.half();
+        let y = WideF::splat(simd, (self.band.top + first.row * BLOCK_PX) as f32 + half);
+        let x = wide_indices(simd).to_float::<WideF<S>>() * BLOCK_PX as f32 + ((first.column * BLOCK_PX) as f32 + half);
+        let seen = self.blocks.visible(simd, face, self.place(first), [x, y]);
+        bits(seen).map(move |bit| Block { column: first.column + bit as i32, ..first })
+    }
+
+    /// The tiles of a block in which something of a face may be seen, counted row by row.
+    #[inline(always)]
+    pub(in crate::cpu) fn visible_tiles<S: Simd>(
+        &self,
+        simd: S,
+        face: &Face,
+        block: Block,
+    ) -> impl Iterator<Item = u32> + use<S> {
         let half = self.tiles.half();
         let lane = wide_indices(simd);
         let [right, down] = [lane & (TILES - 1), lane >> TILES.ilog2()];
         let x = right.to_float::<WideF<S>>() * TILE_PX as f32 + ((block.column * BLOCK_PX) as f32 + half);
         let y = down.to_float::<WideF<S>>() * TILE_PX as f32 + ((self.band.top + block.row * BLOCK_PX) as f32 + half);
-        self.tiles.visible(simd, face, self.place(block) * TILES_OF_BLOCK, [x, y])
+        bits(self.tiles.visible(simd, face, self.place(block) * TILES_OF_BLOCK, [x, y]))
     }
 
     /// The index of a block.
@@ -255,7 +261,7 @@ impl Hiz {
 
     /// The pixels of a block's tile.
     #[inline(always)]
-    pub(in crate::cpu) fn area(&self, VisibleTiles { block, .. }: VisibleTiles, tile: u32) -> Area {
+    pub(in crate::cpu) fn area(&self, block: Block, tile: u32) -> Area {
         let (row, column) = (tile as i32 / TILES, tile as i32 % TILES);
         let (left, top) =
             (block.column * BLOCK_PX + column * TILE_PX, self.band.top + block.row * BLOCK_PX + row * TILE_PX);
@@ -264,16 +270,16 @@ impl Hiz {
 
     /// Takes a plane that no pixel of a tile lies behind, and the lowest rank of these. Returns true if it is nearer
     /// than the known one.
-    pub(in crate::cpu) fn offer(&mut self, tiles: VisibleTiles, tile: u32, plane: &DepthPlane, rank: u32) -> bool {
-        let area = self.area(tiles, tile);
+    pub(in crate::cpu) fn offer(&mut self, block: Block, tile: u32, plane: &DepthPlane, rank: u32) -> bool {
+        let area = self.area(block, tile);
         let middle = [area.left, area.top].map(|first| f64::from(first) + f64::from(self.tiles.half()));
-        let cell = self.place(tiles.block) * TILES_OF_BLOCK + tile as usize;
+        let cell = self.place(block) * TILES_OF_BLOCK + tile as usize;
         self.tiles.offer(plane, rank, cell, middle)
     }
 
     /// Bounds a block by the bounds of its tiles: by one depth for all, or by a plane of these changes to the right and
     /// down.
-    pub(in crate::cpu) fn join(&mut self, VisibleTiles { block, .. }: VisibleTiles, [dx, dy]: [f32; 2]) {
+    pub(in crate::cpu) fn join(&mut self, block: Block, [dx, dy]: [f32; 2]) {
         let (mut farthest, mut first_rank, mut at_middle) = (0.0_f32, u32::MAX, 0.0_f64);
         let slopes = [dx, dy].map(f64::from);
         let first = [block.column * BLOCK_PX, self.band.top + block.row * BLOCK_PX];

@@ -2,6 +2,7 @@
 
 pub(super) mod band;
 pub(super) mod bins;
+pub(super) mod color;
 pub(super) mod hiz;
 pub(super) mod lanes;
 pub(super) mod near_to_far;

@@ -154,8 +154,8 @@ fn draw_quad<S: Simd, const PAINT: u8>(
     (i, axis, color): (usize, usize, u32),
     band: &mut Band<'_>,
 ) {
+    let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
     if !band.is_ranked() {
-        let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
         // The most common mode as a constant.
         match cloud.surface.mode {
             Mode::OPAQUE => quad.draw(quad.area, Mode::OPAQUE, band),
@@ -163,20 +163,17 @@ fn draw_quad<S: Simd, const PAINT: u8>(
         };
         return;
     }
-    let (depth, area) = faces.depth(i);
-    let plane = depth_bound(depth, area, faces.first_rows[i]);
-    if band.find_visible(simd, plane, area) {
-        let quad = faces.quad::<S, PAINT>(simd, i, axis, color);
-        band.draw_visible(
-            simd,
-            [plane.dx, plane.dy],
-            #[inline(always)]
-            |band, tile| {
-                let pixels = Area { top: tile.top.max(area.top), bottom: tile.bottom.min(area.bottom), ..tile };
-                quad.draw(pixels, Mode::OPAQUE, band)
-            },
-        );
-    }
+    let area = quad.area;
+    band.draw_visible(
+        simd,
+        depth_bound(quad.depth, area, quad.first_row),
+        area,
+        #[inline(always)]
+        |band, tile| {
+            let pixels = Area { top: tile.top.max(area.top), bottom: tile.bottom.min(area.bottom), ..tile };
+            quad.draw(pixels, Mode::OPAQUE, band)
+        },
+    );
 }
 
 /// Draws a point's faces as triangles: those that are too large for quadrangles, or cut by the near plane.
