@@ -72,11 +72,10 @@ pub enum Culling {
 
 /// Jobs that are drawn one after the other in each band.
 #[derive(Clone, Debug)]
-enum Run {
-    /// In their order.
-    InOrder(Range<usize>),
-    /// By the ranks of their faces.
-    Ranked(Range<usize>),
+struct Run {
+    jobs: Range<usize>,
+    /// They are drawn by the ranks of their faces, not in their order.
+    is_ranked: bool,
 }
 
 /// The memory that a thread keeps.
@@ -285,7 +284,7 @@ impl CpuRenderer {
             };
             let jobs = begin..end.max(begin + 1);
             begin = jobs.end;
-            self.runs.push(if is_ranked { Run::Ranked(jobs) } else { Run::InOrder(jobs) });
+            self.runs.push(Run { jobs, is_ranked });
         }
     }
 
@@ -339,24 +338,17 @@ impl Run {
         costs: &mut WorkerCosts,
         band: &mut Band<'_>,
     ) {
-        let jobs = &context.plan.jobs;
-        match self {
-            Self::InOrder(range) => {
-                for at in range.clone() {
-                    if let (Some(job), Some(outcome)) = (jobs.get(at), outcomes.get(at)) {
-                        band.set_listed(context.plan.is_listed(at));
-                        outcome.draw(job, context, index, scratch, band);
-                        costs.add(at..at + 1);
-                    }
-                }
-            }
-            Self::Ranked(range) => {
-                if let (Some(job), Some(outcomes)) = (jobs.get(range.start), outcomes.get(range.clone())) {
-                    band.set_listed(context.plan.is_listed(range.start));
-                    Outcome::draw_ranked((job, outcomes), context, index, scratch, band);
-                    costs.add(range.clone());
-                }
-            }
+        let (jobs, listed) = (&context.plan.jobs, self.jobs.clone());
+        let Some((all, outcomes)) = jobs.get(listed.clone()).zip(outcomes.get(listed.clone())) else { return };
+        if let (true, Some(first)) = (self.is_ranked, all.first()) {
+            band.set_listed(context.plan.is_listed(listed.start));
+            Outcome::draw_ranked((first, outcomes), context, index, scratch, band);
+            return costs.add(listed);
+        }
+        for (at, (job, outcome)) in listed.zip(all.iter().zip(outcomes)) {
+            band.set_listed(context.plan.is_listed(at));
+            outcome.draw(job, context, index, scratch, band);
+            costs.add(at..at + 1);
         }
     }
 }

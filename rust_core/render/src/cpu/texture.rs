@@ -18,20 +18,16 @@ use crate::cache::Derived;
 #[derive(Clone, Debug)]
 pub(in crate::cpu) struct MipTexture {
     full: Arc<Texture>,
-    mips: Arc<Mips>,
+    /// Its smaller copies, where the filtering asks for them.
+    smaller: Arc<[Texels]>,
 }
 
 /// The mipmaps of the textures that are alive.
-pub(in crate::cpu) type Textures = Derived<Texture, Arc<Mips>>;
+pub(in crate::cpu) type Textures = Derived<Texture, Arc<[Texels]>>;
 
-/// The smaller copies of a texture.
+/// The texels of a smaller copy.
 #[derive(Debug)]
-pub(in crate::cpu) struct Mips {
-    smaller: Vec<Texels>,
-}
-
-#[derive(Debug)]
-struct Texels {
+pub(in crate::cpu) struct Texels {
     width: i32,
     height: i32,
     rgba: Vec<[u8; 4]>,
@@ -45,26 +41,17 @@ struct MipLevel<'a> {
     rgba: &'a [[u8; 4]],
 }
 
-impl Mips {
-    /// Makes the mipmaps where the texture's filtering asks for them.
-    fn new(texture: &Texture) -> Self {
-        let mut smaller: Vec<Texels> = Vec::new();
-        if texture.filtering == Filtering::BilinearMipmap {
-            let first = MipLevel::of(texture).halved();
-            smaller.extend(first);
-            while let Some(next) = smaller.last().and_then(|last| last.level().halved()) {
-                smaller.push(next);
-            }
-        }
-        Self { smaller }
-    }
-}
-
 impl MipTexture {
     /// A texture with its mipmaps out of the cache, which are made now if there are none.
     pub(in crate::cpu) fn new(texture: &Arc<Texture>, textures: &mut Textures) -> Self {
-        let mips = textures.get(texture, |texture| Arc::new(Mips::new(texture))).clone();
-        Self { full: texture.clone(), mips }
+        let copies = |texture: &Texture| match texture.filtering {
+            Filtering::BilinearMipmap => {
+                let first = MipLevel::of(texture).halved();
+                std::iter::successors(first, |last| last.level().halved()).collect()
+            }
+            _ => Arc::default(),
+        };
+        Self { full: texture.clone(), smaller: textures.get(texture, copies).clone() }
     }
 
     /// The texture's colours at the texture coordinates of some lanes, each channel 0 to 1. `level_of` gives a lane's
@@ -115,7 +102,7 @@ impl MipTexture {
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
-        let smaller = index.checked_sub(1).and_then(|i| self.mips.smaller.get(i));
+        let smaller = index.checked_sub(1).and_then(|i| self.smaller.get(i));
         smaller.map_or_else(|| MipLevel::of(&self.full), Texels::level)
     }
 
@@ -123,14 +110,14 @@ impl MipTexture {
     /// is asked for where it matters.
     #[inline]
     pub(in crate::cpu) fn level_for(&self, footprint: impl FnOnce() -> [[f32; 2]; 2]) -> usize {
-        if self.mips.smaller.is_empty() {
+        if self.smaller.is_empty() {
             return 0;
         }
         let footprint = footprint();
         let (width, height) = (self.full.width as f32, self.full.height as f32);
         let texels = footprint.map(|[du, dv]| (du * width).hypot(dv * height));
         let level = (texels[0].max(texels[1]).max(1e-6).log2() + 0.5).floor();
-        (level.max(0.0) as usize).min(self.mips.smaller.len())
+        (level.max(0.0) as usize).min(self.smaller.len())
     }
 }
 

@@ -11,8 +11,10 @@ use nalgebra::Matrix4;
 use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
 
 use super::device::Device;
-use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
-use super::uniforms::{Slot, Uniforms};
+use super::draw::InstancedDraw;
+use super::geometry::Instances;
+use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::uniforms::Uniforms;
 use super::Viewpoint;
 use crate::cache::Derived;
 
@@ -24,14 +26,6 @@ pub(super) struct CellPipelines {
     corners: wgpu::Buffer,
     values: HashMap<usize, Uploaded>,
     palettes: Derived<[[u8; 4]; 256], wgpu::TextureView>,
-}
-
-/// Cells in one picture.
-pub(super) struct CellsDraw {
-    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
-    content: wgpu::BindGroup,
-    corners: wgpu::Buffer,
-    slot: Slot,
 }
 
 const STAGES: Stages = Stages {
@@ -193,7 +187,7 @@ impl CellPipelines {
         viewpoint: &Viewpoint<'_>,
         fixed_from_object: &Matrix4<f64>,
         sheet: &CellSheet,
-    ) -> Option<CellsDraw> {
+    ) -> Option<InstancedDraw> {
         let (values, layers) = self.values(device, &sheet.cells)?;
         let palette = self.palettes.get(&sheet.palette, |palette| upload_palette(device, palette));
         let content = device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
@@ -214,7 +208,8 @@ impl CellPipelines {
         })?;
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        Some(CellsDraw { pipelines, content, corners: self.corners.clone(), slot })
+        let chunks = vec![Instances { buffer: self.corners.clone(), count: 1 }];
+        Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, chunks })
     }
 
     /// The texture with the values of cells.
@@ -239,15 +234,6 @@ impl CellPipelines {
             ..Default::default()
         });
         Some((view, uploaded.layers))
-    }
-}
-
-impl CellsDraw {
-    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        pass.set_bind_group(1, &self.content, &[]);
-        pass.set_vertex_buffer(0, self.corners.slice(..));
-        pass.draw(0..6, 0..1);
     }
 }
 

@@ -1,29 +1,47 @@
 //! The draws of a picture, recorded once for each of its passes.
 
-use super::cells::CellsDraw;
-use super::lines::LinesDraw;
+use super::geometry::Instances;
 use super::pipeline::{ByPass, Pass};
 use super::points::PointsDraw;
-use super::text::TextDraw;
 use super::triangles::TrianglesDraw;
+use super::uniforms::Slot;
+
+/// Instances of a few vertices each, such as the glyphs of a text, in one picture.
+pub(super) struct InstancedDraw {
+    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
+    pub(super) slot: Slot,
+    pub(super) images: Option<wgpu::BindGroup>,
+    /// Vertices of an instance.
+    pub(super) vertices: u32,
+    pub(super) chunks: Vec<Instances>,
+}
 
 /// One drawable in one picture.
 pub(super) enum Draw {
     Points(PointsDraw),
-    Lines(LinesDraw),
+    Instanced(InstancedDraw),
     Triangles(TrianglesDraw),
-    Text(TextDraw),
-    Cells(CellsDraw),
 }
 
 impl Draw {
     fn pipelines(&self) -> &ByPass<wgpu::RenderPipeline> {
         match self {
             Self::Points(draw) => &draw.pipelines,
-            Self::Lines(draw) => &draw.pipelines,
+            Self::Instanced(draw) => &draw.pipelines,
             Self::Triangles(draw) => &draw.pipelines,
-            Self::Text(draw) => &draw.pipelines,
-            Self::Cells(draw) => &draw.pipelines,
+        }
+    }
+}
+
+impl InstancedDraw {
+    fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
+        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
+        if let Some(images) = &self.images {
+            pass.set_bind_group(1, images, &[]);
+        }
+        for chunk in &self.chunks {
+            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
+            pass.draw(0..self.vertices, 0..chunk.count);
         }
     }
 }
@@ -43,10 +61,8 @@ pub(super) fn record(
         }
         match draw {
             Draw::Points(draw) => draw.record(pass, uniforms),
-            Draw::Lines(draw) => draw.record(pass, uniforms),
+            Draw::Instanced(draw) => draw.record(pass, uniforms),
             Draw::Triangles(draw) => draw.record(pass, uniforms, instances, previous),
-            Draw::Text(draw) => draw.record(pass, uniforms),
-            Draw::Cells(draw) => draw.record(pass, uniforms),
         }
         previous = match draw {
             Draw::Triangles(draw) => Some(draw),

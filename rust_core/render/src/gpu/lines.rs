@@ -10,9 +10,10 @@ use rcs_scene::{Blending, Lines};
 use std::sync::Arc;
 
 use super::device::Device;
+use super::draw::InstancedDraw;
 use super::geometry::{is_finite, Instances, MAX_CHUNK_BYTES};
-use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
-use super::uniforms::{Slot, Uniforms};
+use super::pipeline::{FixedState, PipelineSet, Program, Stages};
+use super::uniforms::Uniforms;
 use super::Viewpoint;
 use crate::cache::Derived;
 
@@ -21,13 +22,6 @@ use crate::cache::Derived;
 pub(super) struct LinePipelines {
     pipelines: PipelineSet,
     lines: Derived<Lines, Vec<Instances>>,
-}
-
-/// Some lines in one picture.
-pub(super) struct LinesDraw {
-    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
-    chunks: Vec<Instances>,
-    slot: Slot,
 }
 
 /// A segment as the shader takes it.
@@ -81,7 +75,7 @@ impl LinePipelines {
         viewpoint: &Viewpoint<'_>,
         fixed_from_object: &Matrix4<f64>,
         lines: &Arc<Lines>,
-    ) -> Option<LinesDraw> {
+    ) -> Option<InstancedDraw> {
         let chunks = self.lines.get(lines, |lines| upload(device, lines)).clone();
         if chunks.is_empty() {
             return None;
@@ -93,17 +87,7 @@ impl LinePipelines {
         })?;
         let state = FixedState::plain(lines.blending == Blending::Alpha);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        Some(LinesDraw { pipelines, chunks, slot })
-    }
-}
-
-impl LinesDraw {
-    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        for chunk in &self.chunks {
-            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
-            pass.draw(0..4, 0..chunk.count);
-        }
+        Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, chunks })
     }
 }
 

@@ -245,7 +245,8 @@ impl Renderer for GpuRenderer {
         })?;
         if is_heavy {
             let mut drawn = self.gpu.as_mut().map(|gpu| std::mem::take(&mut gpu.unused)).unwrap_or_default();
-            self.cpu().draw(view, request, &mut drawn)?;
+            let cpu = self.cpu.get_or_insert_with(|| Box::new(CpuRenderer::new()));
+            cpu.draw(view, request, &mut drawn)?;
             if let Some(gpu) = &mut self.gpu {
                 gpu.in_flight.push_back(InFlight::Drawn(drawn));
                 gpu.device.count(|stats| stats.pictures_by_cpu += 1);
@@ -265,12 +266,6 @@ impl Renderer for GpuRenderer {
             gpu.targets.clear();
             gpu.before_lens = Drawn::default();
         }
-    }
-}
-
-impl GpuRenderer {
-    fn cpu(&mut self) -> &mut CpuRenderer {
-        self.cpu.get_or_insert_with(|| Box::new(CpuRenderer::new()))
     }
 }
 
@@ -416,7 +411,7 @@ impl Gpu {
                 points.prepare(device, uniforms, viewpoint, fixed_from_object, cloud).map(Draw::Points)
             }
             Geometry::Lines(strips) => {
-                lines.prepare(device, uniforms, viewpoint, fixed_from_object, strips).map(Draw::Lines)
+                lines.prepare(device, uniforms, viewpoint, fixed_from_object, strips).map(Draw::Instanced)
             }
             Geometry::Ribbons(ribbons) => {
                 triangles.prepare_ribbons(device, viewpoint, fixed_from_object, ribbons).map(Draw::Triangles)
@@ -424,9 +419,11 @@ impl Gpu {
             Geometry::Mesh { mesh, material } => {
                 triangles.prepare_mesh(device, viewpoint, fixed_from_object, mesh, material).map(Draw::Triangles)
             }
-            Geometry::Text(text) => texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Text),
+            Geometry::Text(text) => {
+                texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Instanced)
+            }
             Geometry::Cells(sheet) => {
-                cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Cells)
+                cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Instanced)
             }
             Geometry::Solids(solids) => {
                 let range = ordered.solids.clone();

@@ -10,10 +10,11 @@ use nalgebra::Matrix4;
 use rcs_scene::{glyph_atlas, Text};
 
 use super::device::Device;
+use super::draw::InstancedDraw;
 use super::geometry::{Instances, MAX_CHUNK_BYTES};
-use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::triangles::fixed_state;
-use super::uniforms::{Slot, Uniforms};
+use super::uniforms::Uniforms;
 use super::{columns, texture, Viewpoint};
 use crate::cache::Derived;
 
@@ -25,14 +26,6 @@ pub(super) struct TextPipelines {
     /// The texture of all glyphs, uploaded with the first text.
     atlas: Option<wgpu::BindGroup>,
     texts: Derived<Text, Vec<Instances>>,
-}
-
-/// A text in one picture.
-pub(super) struct TextDraw {
-    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
-    atlas: wgpu::BindGroup,
-    chunks: Vec<Instances>,
-    slot: Slot,
 }
 
 /// A glyph as the shader takes it.
@@ -89,7 +82,7 @@ impl TextPipelines {
         viewpoint: &Viewpoint<'_>,
         fixed_from_object: &Matrix4<f64>,
         text: &Arc<Text>,
-    ) -> Option<TextDraw> {
+    ) -> Option<InstancedDraw> {
         let chunks = self.texts.get(text, |text| upload(device, text)).clone();
         if chunks.is_empty() {
             return None;
@@ -100,21 +93,10 @@ impl TextPipelines {
             color: text.color().map(|channel| f32::from(channel) / 255.0),
         })?;
         let upload = || texture::upload(device, &self.image_layout, glyph_atlas().texture());
-        let atlas = self.atlas.get_or_insert_with(upload).clone();
+        let images = Some(self.atlas.get_or_insert_with(upload).clone());
         let state = fixed_state(text.material(), false);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        Some(TextDraw { pipelines, atlas, chunks, slot })
-    }
-}
-
-impl TextDraw {
-    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        pass.set_bind_group(1, &self.atlas, &[]);
-        for chunk in &self.chunks {
-            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
-            pass.draw(0..4, 0..chunk.count);
-        }
+        Some(InstancedDraw { pipelines, slot, images, vertices: 4, chunks })
     }
 }
 

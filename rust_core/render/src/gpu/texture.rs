@@ -110,13 +110,8 @@ fn levels(texture: &Texture, max_side: u32) -> Vec<MipLevel> {
     while let Some(smaller) = half(&level).filter(|_| level.width.max(level.height) > max_side.max(1)) {
         level = smaller;
     }
-    let mut levels = vec![level];
-    if texture.filtering == Filtering::BilinearMipmap {
-        while let Some(next) = levels.last().and_then(half) {
-            levels.push(next);
-        }
-    }
-    levels
+    let has_mipmaps = texture.filtering == Filtering::BilinearMipmap;
+    std::iter::successors(Some(level), |last| half(last).filter(|_| has_mipmaps)).collect()
 }
 
 #[cfg(test)]

@@ -165,7 +165,7 @@ impl Primitives {
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
         if let Some(line) = line::set_up(a, b, mode, screen) {
-            self.bins.add_rows(self.lines.len() as u32 * 2 + 1, line.rows());
+            self.bins.add_rows(self.lines.len() as u32 * 2 + 1, line.rows);
             self.lines.push(line);
         }
     }

@@ -112,26 +112,23 @@ impl VertexCache {
         source: &Source<'_>,
         corners: &mut Vec<Corner>,
     ) -> [u32; 3] {
-        [0, 1, 2].map(|i| self.index(keys[i], &positions[i], source, corners))
-    }
-
-    #[inline]
-    fn index(&mut self, key: u32, position: &ScreenPosition, source: &Source<'_>, corners: &mut Vec<Corner>) -> u32 {
-        let entry = &mut self.entries[key as usize % Self::SIZE];
-        // Another vertex of the same triangle may have taken its place.
-        let is_there = (entry.generation, entry.key) == (self.generation, key);
-        if let Some(index) = entry.index.filter(|_| is_there) {
-            return index;
-        }
-        let index = corners.len() as u32;
-        let corner = source.vertices.get(key as usize).map_or_else(Corner::default, |vertex| {
-            let color = vertex_color(source.material, source.transform, vertex);
-            Corner { position: *position, color, uv: vertex.uv }
-        });
-        corners.push(corner);
-        if is_there {
-            entry.index = Some(index);
-        }
-        index
+        [0, 1, 2].map(|i| {
+            let key = keys[i];
+            let entry = &mut self.entries[key as usize % Self::SIZE];
+            // Another vertex of the same triangle may have taken its place.
+            let is_there = (entry.generation, entry.key) == (self.generation, key);
+            if let Some(index) = entry.index.filter(|_| is_there) {
+                return index;
+            }
+            let index = corners.len() as u32;
+            corners.push(source.vertices.get(key as usize).map_or_else(Corner::default, |vertex| {
+                let color = vertex_color(source.material, source.transform, vertex);
+                Corner { position: positions[i], color, uv: vertex.uv }
+            }));
+            if is_there {
+                entry.index = Some(index);
+            }
+            index
+        })
     }
 }

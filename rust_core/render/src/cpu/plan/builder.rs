@@ -10,7 +10,7 @@ use rcs_scene::{
 };
 
 use super::{Job, Piece, Plan, PlanMemory};
-use crate::cpu::geometry::instances::{Batch, BatchView, Shapes};
+use crate::cpu::geometry::instances::{Batch, Batches, Shapes};
 use crate::cpu::geometry::meshes::{Shape, Solid};
 use crate::cpu::geometry::points::Cloud;
 use crate::cpu::paint::{DepthBias, Paint, Surface};
@@ -123,11 +123,11 @@ impl<'a, 'c> Builder<'a, 'c> {
         self.display = display;
         match &ordered.drawable.geometry {
             Geometry::Solids(solids) => {
-                self.plan.batch_view.get_or_insert_with(|| BatchView::new(&self.view));
+                let batches = &mut self.plan.batches.get_or_insert_with(|| Batches::new(&self.view)).batches;
                 // Translucent solids of several drawables may take turns.
                 let batch = *self.batch_of_solids.entry(Arc::as_ptr(solids) as usize).or_insert_with(|| {
-                    self.plan.batches.push(Batch::new(solids, &mut self.caches.shapes));
-                    self.plan.batches.len() - 1
+                    batches.push(Batch::new(solids, &mut self.caches.shapes));
+                    batches.len() - 1
                 });
                 self.add_pieces(batch, ordered.solids.clone(), WORK_OF_SOLID, true);
             }

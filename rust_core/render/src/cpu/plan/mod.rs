@@ -18,7 +18,7 @@ use rcs_scene::{DisplayId, DisplayMask, DrawOrder, Mesh};
 use self::builder::Builder;
 pub(in crate::cpu) use self::builder::Caches;
 pub(in crate::cpu) use self::outcome::{DrawContext, Outcome, Scratch};
-use super::geometry::instances::{Batch, BatchView};
+use super::geometry::instances::Batches;
 use super::geometry::meshes::{Shape, Solid};
 use super::geometry::points::Cloud;
 use crate::View;
@@ -69,11 +69,9 @@ pub(in crate::cpu) struct Plan<'a> {
     /// Meshes, ribbons, lines and texts.
     solids: Vec<Solid<'a>>,
     /// Many small solids together.
-    batches: Vec<Batch<'a>>,
+    batches: Option<Batches<'a>>,
     /// The parts of both that jobs draw.
     pieces: Vec<Piece>,
-    /// Common to the batches, where there are some.
-    batch_view: Option<BatchView<'a>>,
 }
 
 /// The memory of a picture's plan, for the next one.
@@ -103,9 +101,8 @@ impl PlanMemory {
             clouds: emptied(plan.clouds),
             cloud_jobs: emptied(plan.cloud_jobs),
             solids: emptied(plan.solids),
-            batches: emptied(plan.batches),
             pieces: emptied(plan.pieces),
-            batch_view: None,
+            batches: None,
         };
     }
 }

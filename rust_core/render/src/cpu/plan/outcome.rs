@@ -1,7 +1,7 @@
 //! What jobs make ready, and how it is drawn into a band.
 
 use super::{Job, Plan};
-use crate::cpu::geometry::instances::{InstanceContext, InstanceScratch, Instances};
+use crate::cpu::geometry::instances::{InstanceScratch, Instances};
 use crate::cpu::geometry::meshes::Primitives;
 use crate::cpu::geometry::points::{self, BinnedPoints, PointScratch};
 use crate::cpu::geometry::vertices::VertexCache;
@@ -42,13 +42,6 @@ pub(in crate::cpu) struct DrawContext<'a> {
     pub plan: &'a Plan<'a>,
     /// Its pixels.
     pub screen: &'a Screen,
-}
-
-impl DrawContext<'_> {
-    fn instances(&self) -> Option<InstanceContext<'_>> {
-        let view = self.plan.batch_view.as_ref()?;
-        Some(InstanceContext { batches: &self.plan.batches, view, screen: self.screen })
-    }
 }
 
 impl Outcome {
@@ -101,9 +94,9 @@ impl Outcome {
                 }
                 let Self::Instances(instances) = self else { return };
                 instances.clear(screen);
-                let Some(context) = context.instances() else { return };
+                let Some(batches) = &plan.batches else { return };
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    instances.add((piece.whole, piece.range.clone()), &context, &mut scratch.instances);
+                    instances.add((piece.whole, piece.range.clone()), batches, screen, &mut scratch.instances);
                 }
             }
         }
@@ -126,8 +119,8 @@ impl Outcome {
             }
             (_, Self::Meshes(primitives)) => primitives.draw(&context.plan.solids, index, band),
             (_, Self::Instances(instances)) => {
-                if let Some(context) = context.instances() {
-                    instances.draw(&context, index, &mut scratch.instances, band);
+                if let Some(batches) = &context.plan.batches {
+                    instances.draw(batches, index, context.screen, &mut scratch.instances, band);
                 }
             }
             (_, Self::Points(_)) => {}

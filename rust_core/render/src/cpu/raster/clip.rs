@@ -34,25 +34,21 @@ impl ClipVertex {
     }
 }
 
-/// The six sides of the view; a place is inside where its distance is not negative.
-const SIDES: usize = 6;
-
 /// Triangles may reach this far outside of the picture, in w.
 pub(in crate::cpu) const GUARD: f32 = 4.0;
 
-fn distance(side: usize, [x, y, z, w]: [f32; 4], guard: f32) -> f32 {
-    match side {
-        0 => w + z,
-        1 => w - z,
-        2 => guard * w + x,
-        3 => guard * w - x,
-        4 => guard * w + y,
-        _ => guard * w - y,
-    }
-}
+/// The bits of the view's sides, in the order in which things are cut: near, far, left, right, bottom, top.
+const SIDES: [u32; 6] = [2, 6, 0, 4, 1, 5];
 
-fn outcode(position: [f32; 4], guard: f32) -> u32 {
-    (0..SIDES).fold(0, |code, side| code | u32::from(distance(side, position, guard) < 0.0) << side)
+/// How far a place is inside of a side; it is outside where this is negative.
+fn distance(side: u32, position: [f32; 4], guard: f32) -> f32 {
+    let (axis, w) = (side as usize % 4, position[3]);
+    let size = if axis == 2 { w } else { guard * w };
+    if side < 4 {
+        size + position[axis]
+    } else {
+        size - position[axis]
+    }
 }
 
 /// On which sides a place is outside: of the view, and of the wider one that triangles are cut at.
@@ -88,7 +84,7 @@ impl Outside {
 /// A triangle that was cut.
 #[derive(Debug)]
 pub(in crate::cpu) struct Polygon {
-    vertices: [ClipVertex; 3 + SIDES + 1],
+    vertices: [ClipVertex; 3 + SIDES.len() + 1],
     len: usize,
 }
 
@@ -99,15 +95,16 @@ impl Polygon {
         if triangle.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        if triangle.iter().fold(!0, |all, v| all & outcode(v.position, 1.0)) != 0 {
+        let outside = triangle.map(|vertex| Outside::new(vertex.position));
+        if outside.iter().fold(!0, |all, outside| all & outside.view) != 0 {
             return None;
         }
-        let mut polygon = Self { vertices: [ClipVertex::default(); 3 + SIDES + 1], len: 3 };
+        let mut polygon = Self { vertices: [ClipVertex::default(); 3 + SIDES.len() + 1], len: 3 };
         for (to, from) in polygon.vertices.iter_mut().zip(triangle) {
             *to = *from;
         }
-        let crossed = triangle.iter().fold(0, |any, v| any | outcode(v.position, GUARD));
-        for side in (0..SIDES).filter(|side| crossed & 1 << side != 0) {
+        let crossed = outside.iter().fold(0, |any, outside| any | outside.guard);
+        for side in SIDES.into_iter().filter(|side| crossed & 1 << side != 0) {
             polygon.cut(side);
         }
         (polygon.len >= 3).then_some(polygon)
@@ -118,8 +115,8 @@ impl Polygon {
         &self.vertices[..self.len]
     }
 
-    fn cut(&mut self, side: usize) {
-        let mut kept = [ClipVertex::default(); 3 + SIDES + 1];
+    fn cut(&mut self, side: u32) {
+        let mut kept = [ClipVertex::default(); 3 + SIDES.len() + 1];
         let mut len = 0;
         let mut push = |vertex: ClipVertex| {
             if let Some(place) = kept.get_mut(len) {
@@ -148,11 +145,11 @@ pub(in crate::cpu) fn clip_line(mut a: ClipVertex, mut b: ClipVertex) -> Option<
     if !a.is_finite() || !b.is_finite() {
         return None;
     }
-    let (out_a, out_b) = (outcode(a.position, 1.0), outcode(b.position, 1.0));
+    let (out_a, out_b) = (Outside::new(a.position).view, Outside::new(b.position).view);
     if out_a & out_b != 0 {
         return None;
     }
-    for side in (0..SIDES).filter(|side| (out_a | out_b) & 1 << side != 0) {
+    for side in SIDES.into_iter().filter(|side| (out_a | out_b) & 1 << side != 0) {
         let (da, db) = (distance(side, a.position, 1.0), distance(side, b.position, 1.0));
         match (da < 0.0, db < 0.0) {
             (true, true) => return None,

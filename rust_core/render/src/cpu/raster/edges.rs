@@ -4,7 +4,7 @@
 //! corners are snapped to 1/256 pixel. All of that is decided in whole numbers, so that faces which share an edge draw
 //! every pixel along it once. An edge is a function of the pixel that grows by the same from pixel to pixel and from
 //! row to row ([`Edge`]). It is evaluated for several pixels side by side ([`RowEdges`]), or divided by its growth,
-//! which gives the first and the last pixel of each row of a wide face ([`Edge::narrow`]).
+//! which gives the first and the last pixel of each row of a wide face ([`SpanEdges`]).
 
 use std::ops::{Add, Mul, Neg, Range, Sub};
 
@@ -111,22 +111,6 @@ impl Edge<i64> {
         Edge { at: self.value(x, y).clamp(-FAR, FAR) as i32, dx: self.dx as i32, dy: self.dy as i32 }
     }
 
-    /// Narrows a span of a row to the pixels on the inner side.
-    #[inline(always)]
-    pub(in crate::cpu) fn narrow(&self, y: i32, Range { start, end }: Range<i32>) -> Range<i32> {
-        let here = self.at + self.dy * i64::from(y);
-        // Exact: values have fewer than 53 bits, and a quotient that is no whole number is further from one than what
-        // it is rounded by.
-        let quotient = here as f64 / self.dx as f64;
-        let within = |column: f64| column.clamp(f64::from(start), f64::from(end)) as i32;
-        match self.dx {
-            0 if here < 0 => start..start,
-            0 => start..end,
-            1.. => within((-quotient).ceil())..end,
-            _ => start..within((-quotient).floor() + 1.0),
-        }
-    }
-
     /// True if no pixel of an area is on the inner side.
     #[inline(always)]
     pub(in crate::cpu) fn excludes(&self, area: Area) -> bool {
@@ -173,6 +157,75 @@ impl<S: Simd, const N: usize> RowEdges<S, N> {
             self.at[k] += self.down[k];
         }
         all.simd_ge(0)
+    }
+}
+
+/// The span of a triangle in one row after another. The edges' values grow by the same from row to row, so that each is
+/// divided only once.
+pub(in crate::cpu) struct SpanEdges {
+    edges: [SpanEdge; 3],
+    columns: Range<i32>,
+}
+
+struct SpanEdge {
+    /// The value at the row's beginning, divided by the change per pixel without its sign: the quotient, rounded down,
+    /// and the rest.
+    quotient: i64,
+    rest: i64,
+    /// Quotient and rest of the change from row to row.
+    step: i64,
+    rest_step: i64,
+    divisor: i64,
+    /// True if the inner side is on the right; an edge along the rows has none.
+    is_left: Option<bool>,
+}
+
+impl SpanEdges {
+    /// From a row on, within some columns.
+    pub(in crate::cpu) fn new(edges: &[Edge<i64>; 3], row: i32, columns: Range<i32>) -> Self {
+        Self { edges: edges.map(|edge| SpanEdge::new(&edge, row)), columns }
+    }
+
+    /// The pixels of the row that are inside, from the first to before the last; goes on to the next row.
+    #[inline(always)]
+    pub(in crate::cpu) fn next(&mut self) -> Range<i32> {
+        let Range { start: mut first, end: mut after } = self.columns;
+        for edge in &mut self.edges {
+            edge.narrow(&mut first, &mut after);
+        }
+        first..after
+    }
+}
+
+impl SpanEdge {
+    fn new(edge: &Edge<i64>, row: i32) -> Self {
+        let here = edge.value(0, row);
+        let divisor = edge.dx.abs().max(1);
+        Self {
+            quotient: here.div_euclid(divisor),
+            rest: here.rem_euclid(divisor),
+            step: edge.dy.div_euclid(divisor),
+            rest_step: edge.dy.rem_euclid(divisor),
+            divisor,
+            is_left: (edge.dx != 0).then_some(edge.dx > 0),
+        }
+    }
+
+    /// Narrows `first..after` to the pixels of the row on the inner side, and goes on to the next row.
+    #[inline]
+    fn narrow(&mut self, first: &mut i32, after: &mut i32) {
+        match self.is_left {
+            None if self.quotient < 0 => *after = *first,
+            None => {}
+            Some(true) => *first = i64::from(*first).max(-self.quotient).min(i64::from(*after)) as i32,
+            Some(false) => *after = i64::from(*after).min(self.quotient + 1).max(i64::from(*first)) as i32,
+        }
+        self.quotient += self.step;
+        self.rest += self.rest_step;
+        if self.rest >= self.divisor {
+            self.rest -= self.divisor;
+            self.quotient += 1;
+        }
     }
 }
 
@@ -225,11 +278,10 @@ mod tests {
         #[test]
         fn spans_are_the_pixels_whose_centres_are_inside(corners in triangle(16_000), left in -20..60_i32, top in -20..60) {
             let columns = left..left + 70;
-            let edges = edges_of(corners);
+            let mut spans = SpanEdges::new(&edges_of(corners), top, columns.clone());
             for y in top..top + 64 {
                 let inside: Vec<i32> = columns.clone().filter(|&x| covers(corners, x, y)).collect();
-                let span = edges.iter().fold(columns.clone(), |span, edge| edge.narrow(y, span));
-                prop_assert_eq!(span.collect::<Vec<i32>>(), inside);
+                prop_assert_eq!(spans.next().collect::<Vec<i32>>(), inside);
             }
         }
 

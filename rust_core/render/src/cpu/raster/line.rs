@@ -25,7 +25,8 @@ pub(in crate::cpu) struct Line {
     after: i32,
     /// Snapped ends, `[along, across]`, the first with the smaller along.
     ends: [[i32; 2]; 2],
-    rows: (i32, i32),
+    /// The first row that it touches and the one after the last.
+    pub rows: (i32, i32),
     mode: Mode,
     begin: End,
     end: End,
@@ -39,13 +40,6 @@ struct End {
     depth: f32,
     inverse_w: f32,
     color: [f32; 4],
-}
-
-impl Line {
-    /// The first row that it touches and the one after the last.
-    pub(in crate::cpu) fn rows(&self) -> (i32, i32) {
-        self.rows
-    }
 }
 
 /// Clips a line and makes it ready; `None` where nothing is to be drawn.
@@ -263,9 +257,7 @@ impl Across {
             rest_step: (-growth).rem_euclid(divisor),
         }
     }
-}
 
-impl Across {
     /// The pixel across, and goes on to the next pixel along.
     #[inline(always)]
     fn step(&mut self) -> i32 {

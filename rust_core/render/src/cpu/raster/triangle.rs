@@ -11,8 +11,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
 
-use super::clip::{ClipVertex, Outside, Polygon};
-use super::edges::{Edge, RowEdges, MAX_ROWS};
+use super::clip::{ClipVertex, Polygon};
+use super::edges::{Edge, RowEdges, SpanEdges, MAX_ROWS};
 use crate::cpu::paint::{DepthBias, Paint, Surface};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::color::{pack, unorm8};
@@ -140,16 +140,6 @@ pub(in crate::cpu) fn cut(
     screen: &Screen,
     mut out: impl FnMut(&[Corner; 3]),
 ) {
-    let outside = triangle.map(|vertex| Outside::new(vertex.position));
-    if outside.iter().all(|outside| outside.guard == 0) {
-        // Nothing is cut off.
-        let corners = triangle.map(|vertex| Corner::new(vertex, screen));
-        let positions = corners.each_ref().map(|corner| &corner.position);
-        if outside.iter().fold(!0, |all, outside| all & outside.view) == 0 && may_be_seen(positions, surface, screen) {
-            out(&corners);
-        }
-        return;
-    }
     let Some(polygon) = Polygon::clip(triangle) else { return };
     let Some((first, rest)) = polygon.vertices().split_first() else { return };
     let first = Corner::new(first, screen);
@@ -226,11 +216,11 @@ impl Triangle<'_> {
                 Fragments::new(simd, &planes, self.surface).draw_narrow(&edges, row - self.area.top, rows, band);
             }
         } else {
+            let mut spans = SpanEdges::new(&edges, self.area.top, self.area.left..self.area.right);
             let planes = self.planes();
             let fragments = Fragments::new(simd, &planes, self.surface);
             for y in self.area.top..self.area.bottom {
-                let columns = self.area.left..self.area.right;
-                let span = edges.iter().fold(columns, |span, edge| edge.narrow(y, span));
+                let span = spans.next();
                 if span.start < span.end {
                     fragments.draw_span(y, span, band);
                 }

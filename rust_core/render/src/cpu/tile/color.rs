@@ -1,6 +1,5 @@
 //! Packed colours of 8 bits a channel, and how they are blended: with the arithmetic of Mesa's rasteriser.
 
-use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
 use super::lanes::{inlined, U};
@@ -74,6 +73,7 @@ pub(in crate::cpu) fn unorm8(value: f32) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::prelude::*;
     use fearless_simd::{dispatch, Level};
     use proptest::prelude::*;
 

@@ -225,20 +225,11 @@ impl ObjectTransform {
         view_from_object: &Matrix4<f64>,
         light: Option<&DirectionalLight>,
     ) -> Self {
-        Self::with_light(camera, view_from_object, to_light(camera, light))
-    }
-
-    /// As [`Self::new`], given the unit vector to the light in the view frame.
-    pub(in crate::cpu) fn with_light(
-        camera: &Camera,
-        view_from_object: &Matrix4<f64>,
-        to_light: Option<Vector3<f32>>,
-    ) -> Self {
         Self {
             clip_from_object: Self::clip_rows(camera, view_from_object),
             view_from_normal: view_from_normal(view_from_object),
             normalizes: normalizes_normals(&view_from_object.fixed_view::<3, 3>(0, 0).into_owned()),
-            to_light,
+            to_light: to_light(camera, light),
         }
     }
 

@@ -24,7 +24,7 @@ use fearless_simd::dispatch;
 use rcs_scene::{CullMode, Material};
 
 use self::batch::SolidInstance;
-pub(in crate::cpu) use self::batch::{Batch, BatchView, InstanceContext};
+pub(in crate::cpu) use self::batch::{Batch, Batches};
 use self::placement::{place_box, Placement};
 use self::places::place_vertices;
 pub(in crate::cpu) use self::places::InstanceScratch;
@@ -68,12 +68,13 @@ impl Instances {
     pub(in crate::cpu) fn add(
         &mut self,
         (batch, range): (usize, Range<usize>),
-        context: &InstanceContext<'_>,
+        batches: &Batches<'_>,
+        screen: &Screen,
         scratch: &mut InstanceScratch,
     ) {
         for item in range {
-            if let Some(instance) = context.batches.get(batch).and_then(|batch| batch.solid(item)) {
-                self.add_solid(&instance, [batch as u32, item as u32], context, scratch);
+            if let Some(instance) = batches.solid([batch, item]) {
+                self.add_solid(&instance, [batch as u32, item as u32], (batches, screen), scratch);
             }
         }
     }
@@ -82,7 +83,7 @@ impl Instances {
         &mut self,
         instance: &SolidInstance<'_>,
         [batch, item]: [u32; 2],
-        &InstanceContext { view, screen, .. }: &InstanceContext<'_>,
+        (view, screen): (&Batches<'_>, &Screen),
         scratch: &mut InstanceScratch,
     ) {
         let &SolidInstance { solid, shape, .. } = instance;
@@ -169,8 +170,9 @@ impl Instances {
     /// Draws the rows of a band.
     pub(in crate::cpu) fn draw(
         &self,
-        context: &InstanceContext<'_>,
+        batches: &Batches<'_>,
         index: usize,
+        screen: &Screen,
         scratch: &mut InstanceScratch,
         band: &mut Band<'_>,
     ) {
@@ -182,10 +184,10 @@ impl Instances {
             let after = numbers.iter().position(|&number| number >= end);
             let (these, rest) = numbers.split_at(after.unwrap_or(numbers.len()));
             numbers = rest;
-            let batch = context.batches.get(placed.batch as usize);
-            let Some(instance) = batch.and_then(|batch| batch.solid(placed.item as usize)) else { continue };
+            let at = [placed.batch as usize, placed.item as usize];
+            let Some(instance) = batches.solid(at) else { continue };
             let material = Material::lit(instance.solid.color);
-            let source = instance.source(&material, &placed.transform, context.view, context.screen);
+            let source = instance.source(&material, &placed.transform, batches, screen);
             scratch.cache.clear();
             scratch.corners.clear();
             for number in these {
@@ -202,7 +204,7 @@ impl SolidInstance<'_> {
         &'s self,
         material: &'s Material,
         transform: &'s ObjectTransform,
-        view: &'s BatchView<'_>,
+        view: &'s Batches<'_>,
         screen: &'s Screen,
     ) -> Source<'s> {
         let surface = view.surface_of_solid(self.solid);
