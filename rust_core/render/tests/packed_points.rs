@@ -73,7 +73,15 @@ fn packed_points_look_like_decoded_ones() {
             for (stride, colors) in [20, 32, 252].into_iter().flat_map(|stride| colors.map(|colors| (stride, colors))) {
                 let [packed, decoded] = pictures(renderer.as_mut(), &packed(3000, stride, colors, style));
                 assert!(packed.data.chunks_exact(4).filter(|pixel| pixel[..3] != [0; 3]).count() > 1000);
-                assert!(packed == decoded, "{}, style {i}, stride {stride}, {colors:?}", renderer.describe());
+                // Drivers may round one colour for all points otherwise than a point's own.
+                let most =
+                    u8::from(matches!(colors, PackedColors::Uniform(_)) && !renderer.describe().starts_with("cpu"));
+                let levels = packed.data.iter().zip(&decoded.data).map(|(a, b)| a.abs_diff(*b));
+                assert!(
+                    levels.max().unwrap() <= most,
+                    "{}, style {i}, stride {stride}, {colors:?}",
+                    renderer.describe()
+                );
             }
         }
     }

@@ -79,6 +79,7 @@ const RAINBOW: [[f32; 3]; 6] =
     [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
+#[inline]
 pub fn rainbow(share: f32) -> Rgba {
     let share = if share.is_nan() { share } else { share.clamp(0.0, 1.0) };
     // rviz counts the colours from one, in single precision, and the last level shows how that rounds.
@@ -129,9 +130,10 @@ impl PackedPoints {
     ) -> Option<Self> {
         let position_offset = positions.plain_offset()?;
         let color_offset = if let PackedColors::Rgb { offset } = colors { offset } else { position_offset };
-        let fits =
-            |offset: usize, len: usize| offset % 4 == 0 && offset.checked_add(len).is_some_and(|end| end <= stride);
-        let is_whole = stride > 0 && stride % 4 == 0 && (*bytes).as_ref().len() % stride == 0;
+        let fits = |offset: usize, len: usize| {
+            offset.is_multiple_of(4) && offset.checked_add(len).is_some_and(|end| end <= stride)
+        };
+        let is_whole = stride > 0 && stride.is_multiple_of(4) && (*bytes).as_ref().len().is_multiple_of(stride);
         if stride > MAX_STRIDE || !is_whole || !fits(position_offset, 12) || !fits(color_offset, 4) {
             return None;
         }
