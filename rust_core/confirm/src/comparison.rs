@@ -5,6 +5,7 @@ use fearless_simd::{dispatch, Level};
 use crate::cells::{cells_of, window, WindowScratch, CELL_PX};
 use crate::hold_times::Disagreement;
 use crate::surface::Bounds;
+use crate::tiles::Tiles;
 use crate::{ObjectDepths, Shares, Unseen};
 
 /// Cells by which the measured edge of an object may lie beside its own, more than the margin: noise moves it by some
@@ -85,7 +86,12 @@ impl Comparison {
         }
     }
 
-    /// Compares with a surface of the same size. `margin` is the number of cells by which grows what is in the way.
+    /// Finds the tiles with an object, and those at most `margin` cells away.
+    pub(crate) fn lit_tiles(&self, margin: usize, tiles: &mut Tiles) {
+        tiles.take(&self.counts, self.size, margin);
+    }
+
+    /// Compares with a surface of the same size. What is in the way grows by `margin` cells.
     pub(crate) fn compare(&mut self, surface: &Bounds, margin: usize) {
         dispatch!(Level::new(), _simd => self.judge(surface, margin));
     }
@@ -143,16 +149,7 @@ impl Comparison {
 
     /// Shares of the pixels with an object.
     pub(crate) fn shares(&self) -> Shares {
-        let mut pixels = [0_u64; 5];
-        // Rows, so that 32 bits suffice for the sums.
-        for (verdicts, counts) in self.verdicts.chunks(self.size[0].max(1)).zip(self.counts.chunks(self.size[0].max(1)))
-        {
-            for (verdict, sum) in (0..).zip(&mut pixels) {
-                let counts = verdicts.iter().zip(counts);
-                let row: u32 = counts.map(|(own, count)| if *own == verdict { u32::from(*count) } else { 0 }).sum();
-                *sum += u64::from(row);
-            }
-        }
+        let pixels = dispatch!(Level::new(), _simd => self.count_verdicts());
         let all = pixels.iter().sum::<u64>().max(1) as f64;
         let share = |verdict: u8| pixels[usize::from(verdict)] as f64 / all;
         Shares {
@@ -161,6 +158,22 @@ impl Comparison {
             gone: share(Verdict::GONE),
             unseen: share(Verdict::UNSEEN),
         }
+    }
+
+    /// Pixels with an object, by the verdict of their cell.
+    #[inline(always)]
+    fn count_verdicts(&self) -> [u64; 5] {
+        let mut pixels = [0; 5];
+        let width = self.size[0].max(1);
+        // Rows, so that 32 bits suffice for the sums.
+        for (verdicts, counts) in self.verdicts.chunks(width).zip(self.counts.chunks(width)) {
+            for (verdict, sum) in (0..).zip(&mut pixels) {
+                let counts = verdicts.iter().zip(counts);
+                let row: u32 = counts.map(|(own, count)| if *own == verdict { u32::from(*count) } else { 0 }).sum();
+                *sum += u64::from(row);
+            }
+        }
+        pixels
     }
 }
 

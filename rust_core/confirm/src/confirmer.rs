@@ -7,11 +7,12 @@ use nalgebra::Isometry3;
 use rcs_render::LightMask;
 use rcs_scene::Camera;
 
-use crate::cells::CELL_PX;
+use crate::cells::{cells_of, CELL_PX};
 use crate::comparison::{mask_levels, Comparison};
 use crate::hold_times::HoldTimes;
 use crate::picture_cells::{is_as_drawn, picture_px, PictureCells};
-use crate::surface::{Bounds, SurfaceDrawing};
+use crate::surface::{Bounds, Surface};
+use crate::tiles::Tiles;
 use crate::{ConfirmSettings, ObjectDepths, PointGrid, Shares};
 
 /// Light that is confirmed.
@@ -50,14 +51,17 @@ pub struct Confirmation {
 #[derive(Debug)]
 pub struct Confirmer {
     settings: ConfirmSettings,
-    drawing: SurfaceDrawing,
-    /// Bounds in the drawn image, before lens and flip.
-    drawn: Bounds,
-    picture_cells: Option<PictureCells>,
-    /// Bounds in the finished picture.
-    surface: Bounds,
+    surface: Surface,
     /// Size of the finished picture that has a surface.
     surface_px: Option<[u32; 2]>,
+    /// Cells of the finished picture, if it is not the drawn one.
+    picture_cells: Option<PictureCells>,
+    /// Bounds in the finished picture, and in the drawn one if that is another.
+    bounds: Bounds,
+    drawn_bounds: Bounds,
+    /// Tiles with light in the finished picture, and in the drawn one if that is another.
+    lit: Tiles,
+    drawn_lit: Tiles,
     comparison: Comparison,
     hold_times: HoldTimes,
 }
@@ -67,11 +71,13 @@ impl Confirmer {
     pub fn new(settings: ConfirmSettings) -> Self {
         Self {
             settings,
-            drawing: SurfaceDrawing::default(),
-            drawn: Bounds::default(),
-            picture_cells: None,
-            surface: Bounds::default(),
+            surface: Surface::default(),
             surface_px: None,
+            picture_cells: None,
+            bounds: Bounds::default(),
+            drawn_bounds: Bounds::default(),
+            lit: Tiles::default(),
+            drawn_lit: Tiles::default(),
             comparison: Comparison::default(),
             hold_times: HoldTimes::default(),
         }
@@ -86,18 +92,10 @@ impl Confirmer {
             self.forget();
             return;
         }
-        let Self { settings: ConfirmSettings { tolerance_m, .. }, drawing, drawn, surface, .. } = self;
-        let size_px = picture_px(camera);
-        if is_as_drawn(camera) {
-            self.picture_cells = None;
-            drawing.draw(camera.intrinsics(), projector_from_sensor, grid, *tolerance_m, surface);
-        } else {
-            drawing.draw(camera.intrinsics(), projector_from_sensor, grid, *tolerance_m, drawn);
-            let known = self.picture_cells.take().filter(|cells| cells.are_of(camera));
-            let cells = self.picture_cells.insert(known.unwrap_or_else(|| PictureCells::new(camera)));
-            cells.see(drawn, size_px, surface);
-        }
-        self.surface_px = Some(size_px);
+        self.surface.take(camera.intrinsics(), projector_from_sensor, grid);
+        let known = self.picture_cells.take().filter(|cells| cells.are_of(camera));
+        self.picture_cells = known.or_else(|| (!is_as_drawn(camera)).then(|| PictureCells::new(camera)));
+        self.surface_px = Some(picture_px(camera));
     }
 
     /// Forgets the surface because it is stale: all light of listed displays is dark until the next one.
@@ -109,16 +107,31 @@ impl Confirmer {
     /// there is no surface, or one of another size, whatever the settings say about what is unseen.
     pub fn confirm(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {
         let [columns, rows] = objects.size_px.map(|side| side as usize);
-        self.hold_times.fit(columns.div_ceil(CELL_PX) * rows.div_ceil(CELL_PX));
+        self.hold_times.fit(cells_of(objects.size_px).iter().product());
         if self.surface_px != Some(objects.size_px) || objects.depths_m.len() != columns * rows {
             return self.without_surface(objects, now);
         }
         let margin = (self.settings.margin_px as usize).div_ceil(CELL_PX);
         self.comparison.take(objects);
-        self.comparison.compare(&self.surface, margin);
+        self.comparison.lit_tiles(margin, &mut self.lit);
+        self.draw_bounds(objects.size_px);
+        self.comparison.compare(&self.bounds, margin);
         self.hold_times.update(self.comparison.disagreements(self.settings.unseen), now);
         let levels = mask_levels(objects, self.hold_times.waits());
         Confirmation { mask: LightMask::new(objects.size_px, levels).map(Arc::new), shares: self.comparison.shares() }
+    }
+
+    /// Brings the bounds up to date where there is light.
+    fn draw_bounds(&mut self, size_px: [u32; 2]) {
+        let tolerance_m = self.settings.tolerance_m;
+        let Some(cells) = &self.picture_cells else {
+            self.surface.draw(&self.lit, tolerance_m, &mut self.bounds);
+            return;
+        };
+        cells.see_tiles(&self.lit, &mut self.drawn_lit);
+        if self.surface.draw(&self.drawn_lit, tolerance_m, &mut self.drawn_bounds) {
+            cells.see(&self.drawn_bounds, size_px, &mut self.bounds);
+        }
     }
 
     fn without_surface(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {

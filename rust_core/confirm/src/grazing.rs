@@ -4,11 +4,10 @@
 //! along the normal. The slopes are measured over some pixels, as neighbours differ by noise, and on the flatter side,
 //! as the other one may reach over an edge.
 
-use fearless_simd::{dispatch, Level};
 use rcs_scene::Intrinsics;
 
 use crate::cells::CELL_PX;
-use crate::projected::{jump_m, Projected};
+use crate::projected::{chunk, jump_m, Chunk, Projected, CHUNK, PADDING};
 
 /// Cosine below which a surface is seen at a grazing angle.
 const GRAZING: f32 = 0.3;
@@ -17,9 +16,7 @@ const MOST: f32 = 10.0;
 /// Steps of a [code](widening) per factor of 1.
 const STEPS: f32 = 16.0;
 /// Pixels over which slopes are measured, to either side.
-const REACH: usize = 4;
-/// Points whose codes are found at once, so that the compiler uses SIMD.
-const CHUNK: usize = 32;
+const REACH: usize = PADDING;
 /// Jumps over half of that, above which it is an edge: less than the tolerance, so that nothing in the way is a slope.
 const EDGE: f32 = 1.5;
 
@@ -45,7 +42,7 @@ struct Slope {
 }
 
 /// Directions of the places in the drawn image, in cells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Directions {
     scale: [f32; 2],
     center: [f32; 2],
@@ -62,33 +59,16 @@ impl Directions {
     }
 }
 
-/// Writes the [codes](widening) of a row's points. Near the row's ends, and in a depth image of less than 40 columns,
+/// [Codes](widening) of [`CHUNK`] points from column x of row y on. Beside missing points and near the ends of a row,
 /// they are those of a surface that is seen from the front.
-pub(crate) fn write_codes(points: &Projected, directions: Directions, y: usize, codes: &mut Vec<u32>) {
-    codes.clear();
-    codes.resize(points.width, 0);
-    dispatch!(Level::new(), _simd => write_row(points, directions, y, codes));
-}
-
 #[inline(always)]
-fn write_row(points: &Projected, directions: Directions, y: usize, codes: &mut [u32]) {
-    let Some(last) = points.width.checked_sub(REACH + CHUNK).filter(|last| *last >= REACH) else { return };
-    for begin in (REACH..last).step_by(CHUNK).chain([last]) {
-        if let Some(found) = codes_of(points, directions, [begin, y]) {
-            codes[begin..begin + CHUNK].copy_from_slice(&found);
-        }
-    }
-}
-
-/// Codes of the points from column x of row y on.
-#[inline(always)]
-fn codes_of(points: &Projected, directions: Directions, [x, y]: [usize; 2]) -> Option<[u32; CHUNK]> {
-    let at = |x: usize, y: usize| Strip::new(points, y.min(points.height - 1) * points.width + x);
-    let (own, half) = (at(x, y)?, REACH / 2);
-    let (left, half_left) = (at(x - REACH, y)?, at(x - half, y)?);
-    let (half_right, right) = (at(x + half, y)?, at(x + REACH, y)?);
-    let (above, half_above) = (at(x, y.saturating_sub(REACH))?, at(x, y.saturating_sub(half))?);
-    let (half_below, below) = (at(x, y + half)?, at(x, y + REACH)?);
+pub(crate) fn codes_of(points: &Projected, directions: Directions, [x, y]: [usize; 2]) -> [u32; CHUNK] {
+    let (begin, half) = (points.index(x, y), REACH / 2);
+    let own = Strip::new(points, begin);
+    let [left, half_left, half_right, right] =
+        [begin - REACH, begin - half, begin + half, begin + REACH].map(|begin| Strip::new(points, begin));
+    let [above, half_above, half_below, below] = [y.saturating_sub(REACH), y.saturating_sub(half), y + half, y + REACH]
+        .map(|y| Strip::new(points, points.index(x, y.min(points.height - 1))));
     let mut codes = [0; CHUNK];
     for (i, code) in codes.iter_mut().enumerate() {
         let limit_m = EDGE * jump_m(own.z[i]);
@@ -97,24 +77,23 @@ fn codes_of(points: &Projected, directions: Directions, [x, y]: [usize; 2]) -> O
         let down = flatter(slope([&above, &half_above, &own]), slope([&own, &half_below, &below]));
         *code = code_of(cosine(directions, [own.u[i], own.v[i], own.w[i]], [across, down]));
     }
-    Some(codes)
+    codes
 }
 
-/// Part of a row.
+/// [`CHUNK`] points of a row.
 #[derive(Clone, Copy)]
 struct Strip<'a> {
-    u: &'a [f32; CHUNK],
-    v: &'a [f32; CHUNK],
-    w: &'a [f32; CHUNK],
-    z: &'a [f32; CHUNK],
+    u: &'a Chunk,
+    v: &'a Chunk,
+    w: &'a Chunk,
+    z: &'a Chunk,
 }
 
 impl<'a> Strip<'a> {
     #[inline(always)]
-    fn new(points: &'a Projected, begin: usize) -> Option<Self> {
+    fn new(points: &'a Projected, begin: usize) -> Self {
         let Projected { u, v, w, z, .. } = points;
-        let chunk = |plane: &'a [f32]| plane.get(begin..)?.first_chunk();
-        Some(Self { u: chunk(u)?, v: chunk(v)?, w: chunk(w)?, z: chunk(z)? })
+        Self { u: chunk(u, begin), v: chunk(v, begin), w: chunk(w, begin), z: chunk(z, begin) }
     }
 }
 

@@ -6,6 +6,7 @@ use rcs_scene::{Camera, Flip, MapRun, PixelMap};
 
 use crate::cells::{cells_of, CELL_PX};
 use crate::surface::Bounds;
+use crate::tiles::{TileRange, Tiles, TILE_CELLS};
 
 /// Fixed-point one of a [`PixelMap`]'s places.
 const ONE: f64 = 65536.0;
@@ -20,6 +21,8 @@ pub(crate) struct PictureCells {
     flip: Flip,
     drawn_px: [u32; 2],
     drawn_cells: Vec<u32>,
+    /// For each tile of the finished picture, the tiles of the drawn image that its cells show.
+    drawn_tiles: Vec<TileRange>,
 }
 
 /// Width and height of a camera's finished picture.
@@ -39,6 +42,8 @@ impl PictureCells {
         let [columns, rows] = cells_of(size_px);
         let [drawn_columns, drawn_rows] = cells_of(drawn_px);
         let mut drawn_cells = Vec::with_capacity(columns * rows);
+        let tile_columns = columns.div_ceil(TILE_CELLS);
+        let mut drawn_tiles = vec![TileRange::EMPTY; tile_columns * rows.div_ceil(TILE_CELLS)];
         for row in 0..rows {
             let first = row as u32 * CELL_PX as u32;
             let last = (first + CELL_PX as u32 - 1).min(size_px[1] - 1);
@@ -51,13 +56,15 @@ impl PictureCells {
                 let [u, v] = sum.map(|sum| sum / count / CELL_PX as f64);
                 let is_drawn = u >= 0.0 && v >= 0.0 && u < drawn_columns as f64 && v < drawn_rows as f64;
                 if is_drawn {
+                    let tile = &mut drawn_tiles[row / TILE_CELLS * tile_columns + column / TILE_CELLS];
+                    *tile = tile.with(TileRange::between([u as f32, v as f32], [u as f32, v as f32]));
                     v as u32 * drawn_columns as u32 + u as u32
                 } else {
                     BESIDE
                 }
             }));
         }
-        Self { lens: camera.lens().cloned(), flip: camera.flip(), drawn_px, drawn_cells }
+        Self { lens: camera.lens().cloned(), flip: camera.flip(), drawn_px, drawn_cells, drawn_tiles }
     }
 
     /// `true` if these are the cells of the camera.
@@ -70,15 +77,21 @@ impl PictureCells {
         is_lens && self.flip == camera.flip() && self.drawn_px == [camera.width_px(), camera.height_px()]
     }
 
-    /// Bounds in the finished picture.
+    /// Replaces a set by the tiles of the drawn image that tiles of the finished picture show.
+    pub(crate) fn see_tiles(&self, picture: &Tiles, drawn: &mut Tiles) {
+        drawn.reset(cells_of(self.drawn_px));
+        let lit = self.drawn_tiles.iter().zip(picture.flags()).filter(|(_, is_lit)| *is_lit);
+        lit.for_each(|(range, _)| drawn.add(*range));
+    }
+
+    /// Writes the bounds of the finished picture's cells.
     pub(crate) fn see(&self, drawn: &Bounds, size_px: [u32; 2], seen: &mut Bounds) {
-        seen.reset(cells_of(size_px));
+        seen.fit(cells_of(size_px));
         let Bounds { nearest, farthest, .. } = seen;
         for ((from, nearest), farthest) in self.drawn_cells.iter().zip(nearest).zip(farthest) {
             let from = *from as usize;
-            if let (Some(near), Some(far)) = (drawn.nearest.get(from), drawn.farthest.get(from)) {
-                (*nearest, *farthest) = (*near, *far);
-            }
+            *nearest = drawn.nearest.get(from).copied().unwrap_or(f32::NAN);
+            *farthest = drawn.farthest.get(from).copied().unwrap_or(f32::NAN);
         }
     }
 }

@@ -19,12 +19,51 @@ const NEAREST_M: f32 = 0.01;
 /// [`Projected::z`] of a pixel on a side wall: nothing is measured there.
 const BRIDGE: f32 = -1.0;
 
-/// Pixels that are skipped at once where none is missing.
-const CHUNK: usize = 16;
+/// Pixels of a row that are worked on at once, so that the compiler uses SIMD.
+pub(crate) const CHUNK: usize = 32;
 
+/// Missing points before and behind each row, at least: slopes are measured over as many.
+pub(crate) const PADDING: usize = 4;
+
+/// Pixels that are skipped at once where there is no hole to close.
+const SKIPPED: usize = 16;
+
+/// [`CHUNK`] values of a plane.
+pub(crate) type Chunk = [f32; CHUNK];
+
+/// A chunk of a plane of points; missing ones if it goes beyond its end.
 #[inline(always)]
-fn has_missing(z: &[f32]) -> bool {
-    z.iter().fold(false, |has, z| has | z.is_nan())
+pub(crate) fn chunk(plane: &[f32], begin: usize) -> &Chunk {
+    const MISSING: Chunk = [f32::NAN; CHUNK];
+    plane.get(begin..).and_then(<[f32]>::first_chunk).unwrap_or(&MISSING)
+}
+
+/// Least and largest value in chunks of a plane that begin at these indices, and in the values behind the chunks.
+/// Infinite and −infinite if all are NaN.
+#[inline(always)]
+pub(crate) fn extremes(plane: &[f32], begins: impl Iterator<Item = usize>) -> [f32; 2] {
+    let (mut least, mut most) = ([f32::INFINITY; CHUNK], [f32::NEG_INFINITY; CHUNK]);
+    let min = |one: f32, other: f32| if one < other { one } else { other };
+    let max = |one: f32, other: f32| if one > other { one } else { other };
+    for begin in begins {
+        let values = chunk(plane, begin);
+        // The comparisons are false for NaN.
+        for i in 0..CHUNK {
+            least[i] = min(values[i], least[i]);
+            most[i] = max(values[i], most[i]);
+        }
+        let behind = plane[begin + CHUNK];
+        (least[0], most[0]) = (min(behind, least[0]), max(behind, most[0]));
+    }
+    let mut count = CHUNK;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            least[i] = min(least[i], least[i + count]);
+            most[i] = max(most[i], most[i + count]);
+        }
+    }
+    [least[0], most[0]]
 }
 
 /// Difference of two neighbours' depths above which they are two surfaces, metres. It grows like the noise and the
@@ -34,11 +73,14 @@ pub(crate) fn jump_m(depth_m: f32) -> f32 {
     0.02 + 0.005 * depth_m * depth_m
 }
 
-/// Points of a depth image in the drawn image, row by row. A pixel without a point has NaN everywhere.
+/// Points of a depth image in the drawn image, row by row. A pixel without a point has NaN everywhere. Rows are padded
+/// with such, so that chunks and [`PADDING`] points around them are within the planes.
 #[derive(Debug, Default)]
 pub(crate) struct Projected {
     pub(crate) width: usize,
     pub(crate) height: usize,
+    /// Distance of rows in the planes.
+    pub(crate) stride: usize,
     /// Places, in cells from the drawn image's left edge.
     pub(crate) u: Vec<f32>,
     /// Places, in cells from the drawn image's upper edge.
@@ -66,23 +108,53 @@ pub(crate) fn cells_from_sensor(intrinsics: &Intrinsics, projector_from_sensor: 
 impl Projected {
     /// Projects the points and closes the surface.
     pub(crate) fn take(&mut self, grid: &PointGrid, cells_from_sensor: &Matrix3x4<f64>) {
-        [self.width, self.height] = grid.size_px.map(|side| side as usize);
-        let count = self.width * self.height;
-        for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
-            plane.resize(count, f32::NAN);
-        }
+        self.fit(grid.size_px.map(|side| side as usize));
         let rows = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| cells_from_sensor[(row, column)] as f32));
         dispatch!(Level::new(), _simd => self.project(&rows, &grid.points));
         let sensor = [rows[0][3], rows[1][3], rows[2][3]];
+        dispatch!(Level::new(), _simd => self.close(sensor));
+    }
+
+    #[inline(always)]
+    fn close(&mut self, sensor: [f32; 3]) {
         for y in 0..self.height {
             self.close_columns_from(y);
             self.close_row(y, sensor);
         }
     }
 
+    /// Index of a point in the planes.
+    #[inline(always)]
+    pub(crate) fn index(&self, x: usize, y: usize) -> usize {
+        PADDING + y * self.stride + x
+    }
+
+    /// Makes room for as many columns and rows.
+    fn fit(&mut self, [width, height]: [usize; 2]) {
+        if [self.width, self.height] == [width, height] {
+            return;
+        }
+        (self.width, self.height, self.stride) = (width, height, width.next_multiple_of(CHUNK) + 2 * PADDING);
+        for plane in [&mut self.u, &mut self.v, &mut self.w, &mut self.z] {
+            plane.clear();
+            plane.resize(self.stride * height, f32::NAN);
+        }
+    }
+
     #[inline(always)]
     fn project(&mut self, matrix: &[[f32; 4]; 3], points: &[[f32; 3]]) {
-        let Self { u, v, w, z, .. } = self;
+        if self.width == 0 {
+            return;
+        }
+        for (y, points) in points.chunks_exact(self.width).enumerate() {
+            self.project_row(matrix, self.index(0, y), points);
+        }
+    }
+
+    #[inline(always)]
+    fn project_row(&mut self, matrix: &[[f32; 4]; 3], begin: usize, points: &[[f32; 3]]) {
+        let [u, v, w, z] =
+            [&mut self.u, &mut self.v, &mut self.w, &mut self.z].map(|plane| &mut plane[begin..begin + points.len()]);
         for ((((point, u), v), w), z) in points.iter().zip(u).zip(v).zip(w).zip(z) {
             let [x, y, d] = *point;
             let [along_u, along_v, depth] =
@@ -97,18 +169,21 @@ impl Projected {
     }
 
     /// Closes the small holes that begin in this row below a point.
+    #[inline(always)]
     fn close_columns_from(&mut self, y: usize) {
-        let (width, begin) = (self.width, y * self.width);
+        let (begin, width) = (self.index(0, y), self.width);
         if y == 0 {
             return;
         }
-        for first in (begin..begin + width).step_by(CHUNK) {
-            let end = (first + CHUNK).min(begin + width);
-            if !has_missing(&self.z[first..end]) {
+        for first in (begin..begin + width).step_by(SKIPPED) {
+            let end = (first + SKIPPED).min(begin + width);
+            let above = &self.z[first - self.stride..end - self.stride];
+            let is_hole = |any, (own, above): (&f32, &f32)| any | (own.is_nan() & (*above > 0.0));
+            if !self.z[first..end].iter().zip(above).fold(false, is_hole) {
                 continue;
             }
             for index in first..end {
-                if self.z[index].is_nan() && self.z[index - width] > 0.0 {
+                if self.z[index].is_nan() && self.z[index - self.stride] > 0.0 {
                     self.close_column(index);
                 }
             }
@@ -117,22 +192,27 @@ impl Projected {
 
     /// Closes the hole that begins here, below a point, if it is small.
     fn close_column(&mut self, index: usize) {
-        let above = index - self.width;
-        let others = (1..=HOLE_PX).map(|rows| index + rows * self.width);
+        let above = index - self.stride;
+        let others = (1..=HOLE_PX).map(|rows| index + rows * self.stride);
         let below = others.take_while(|index| *index < self.z.len()).find(|index| self.z[*index] > 0.0);
         if let Some(below) = below.filter(|below| self.are_one_surface(above, *below)) {
-            self.connect(above, below, self.width);
+            self.connect(above, below, self.stride);
         }
     }
 
     /// Closes all holes between points of a row: small ones as surface, others as side walls.
     /// `sensor` is the sensor's place times depth, and depth.
+    #[inline(always)]
     fn close_row(&mut self, y: usize, sensor: [f32; 3]) {
-        let (begin, end) = (y * self.width, (y + 1) * self.width);
+        let (begin, end) = (self.index(0, y), self.index(self.width, y));
         let mut last = None;
-        for first in (begin..end).step_by(CHUNK) {
-            let end = (first + CHUNK).min(end);
-            let is_whole = !has_missing(&self.z[first..end]);
+        for first in (begin..end).step_by(SKIPPED) {
+            let end = (first + SKIPPED).min(end);
+            let missing = self.z[first..end].iter().fold(0, |count, z| count + u32::from(z.is_nan()));
+            if missing as usize == end - first {
+                continue;
+            }
+            let is_whole = missing == 0;
             for index in first..if is_whole { first + 1 } else { end } {
                 if self.z[index].is_nan() {
                     continue;

@@ -339,34 +339,33 @@ fn pixels_without_an_object_are_left_alone_unless_it_is_strict() {
     }
 }
 
-#[test]
-fn light_comes_back_a_while_after_the_hand_has_left() {
+/// Whether a pixel for an object at 2 m is lit, at these times in ms, while a sensor sees `sheets_at` them.
+fn lit_over_time(place: [f64; 2], times_ms: &[u64], sheets_at: impl Fn(u64) -> Vec<Sheet>) -> Vec<bool> {
     let from_sensor = beside(0.2, 0.0, 0.0);
     let mut confirmer = Confirmer::new(ConfirmSettings::default());
     let depths_m = vec![2.0; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
     let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false };
-    let mut lit_at = |sheets: &[Sheet], ms: u64| {
-        confirmer.observe(&camera(), &from_sensor, &measured(sheets, &from_sensor));
-        is_lit(&confirmer.confirm(&objects, Duration::from_millis(ms)), pixel(HAND.center))
+    let lit_at = |ms: &u64| {
+        confirmer.observe(&camera(), &from_sensor, &measured(&sheets_at(*ms), &from_sensor));
+        is_lit(&confirmer.confirm(&objects, Duration::from_millis(*ms)), place)
     };
-    assert!(lit_at(&[WALL], 0) && !lit_at(&[WALL, HAND], 30) && !lit_at(&[WALL], 60) && !lit_at(&[WALL], 300));
-    assert!(lit_at(&[WALL], 400));
+    times_ms.iter().map(lit_at).collect()
+}
+
+#[test]
+fn light_comes_back_a_while_after_the_hand_has_left() {
+    let sheets_at = |ms: u64| if ms == 30 { vec![WALL, HAND] } else { vec![WALL] };
+    let lit = lit_over_time(pixel(HAND.center), &[0, 30, 60, 300, 400], sheets_at);
+    assert_eq!(lit, [true, false, false, false, true]);
 }
 
 #[test]
 fn an_object_that_is_away_twice_for_a_moment_is_lit_again_after_2_s() {
-    let from_sensor = beside(0.2, 0.0, 0.0);
-    let mut confirmer = Confirmer::new(ConfirmSettings::default());
-    let depths_m = vec![2.0; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
-    let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false };
     let farther = Sheet { center: [0.0, 0.0, 2.5], ..WALL };
-    let mut lit_at = |ms: u64| {
-        let wall = if matches!(ms, 1000..1100 | 2000..2100) { farther } else { WALL };
-        confirmer.observe(&camera(), &from_sensor, &measured(&[wall], &from_sensor));
-        is_lit(&confirmer.confirm(&objects, Duration::from_millis(ms)), [160.0, 100.0])
-    };
-    let lit: Vec<(u64, bool)> = (0..100).map(|image| image * 50).map(|ms| (ms, lit_at(ms))).collect();
-    let relit: Vec<u64> = lit.windows(2).filter(|pair| !pair[0].1 && pair[1].1).map(|pair| pair[1].0).collect();
+    let sheets_at = |ms: u64| vec![if matches!(ms, 1000..1100 | 2000..2100) { farther } else { WALL }];
+    let times_ms: Vec<u64> = (0..100).map(|image| image * 50).collect();
+    let lit = lit_over_time([160.0, 100.0], &times_ms, sheets_at);
+    let relit: Vec<u64> = (1..lit.len()).filter(|i| !lit[i - 1] && lit[*i]).map(|i| times_ms[i]).collect();
     assert!(matches!(relit[..], [1350..=1450, 4050..=4150]), "{relit:?}");
 }
 
@@ -390,6 +389,41 @@ proptest! {
         for camera in [camera(), strong_lens().0] {
             let light = confirmed(&camera, &from_sensor, &grid, 2.0);
             prop_assert_eq!(light.mask.unwrap().size_px(), SIZE_PX);
+        }
+    }
+
+    #[test]
+    fn light_meets_the_same_surface_wherever_it_moves_between_two_depth_images(
+        patches in prop::collection::vec((0..SIZE_PX[0], 0..SIZE_PX[1], 1..90_u32, 1..90_u32), 1..5),
+        margin_px in 0..40_u32,
+        is_bent: bool,
+        flip: [bool; 2],
+        offset in prop::array::uniform3(-0.3..0.3),
+    ) {
+        let flip = Flip { is_left_right: flip[0], is_up_down: flip[1] };
+        let camera = if is_bent { strong_lens().0 } else { camera() }.with_flip(flip);
+        let from_sensor = Isometry3::from_parts(Translation3::from(offset), UnitQuaternion::identity());
+        let grid = measured(&[WALL, HAND, Sheet { center: [0.3, 0.1, 1.5], half_m: [0.1, 0.2] }], &from_sensor);
+        let settings = ConfirmSettings { margin_px, ..ConfirmSettings::default() };
+        let observed = || {
+            let mut confirmer = Confirmer::new(settings);
+            confirmer.observe(&camera, &from_sensor, &grid);
+            confirmer
+        };
+        let (mut moving, mut whole) = (observed(), observed());
+        light(&mut whole, 2.0);
+        // So long after each other that no light is held back.
+        for (patch, (left, top, width, height)) in (1..).zip(patches) {
+            let is_in = |index: u32| {
+                (left..left + width).contains(&(index % SIZE_PX[0])) && (top..top + height).contains(&(index / SIZE_PX[0]))
+            };
+            let depth = |index: u32| if is_in(index) { 2.0 } else { f32::NAN };
+            let depths_m: Vec<f32> = (0..SIZE_PX[0] * SIZE_PX[1]).map(depth).collect();
+            let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: true };
+            let [moving, whole] =
+                [&mut moving, &mut whole].map(|confirmer| confirmer.confirm(&objects, Duration::from_secs(60 * patch)));
+            prop_assert_eq!(moving.shares, whole.shares);
+            prop_assert!(moving.mask == whole.mask);
         }
     }
 }
