@@ -40,8 +40,8 @@ impl GridDecoder {
         let frame = depth_of(topic, message)?;
         if frame.size_px != [info.width, info.height] {
             let [width, height] = frame.size_px;
-            let (of_info, name) = (format!("{}x{}", info.width, info.height), "its CameraInfo");
-            return Err(format!("the depth image has {width}x{height} pixels, {name} {of_info}"));
+            let of_info = format!("{}x{}", info.width, info.height);
+            return Err(format!("the depth image has {width}x{height} pixels, its CameraInfo {of_info}"));
         }
         let rays = self.rays(raw_topic(topic), info)?;
         Ok(PointGrid::from_depths(frame.size_px, &frame.depth_m, rays))

@@ -225,8 +225,9 @@ impl CameraSurface {
         let (transforms, _) = scene.frames();
         let Some((message, received)) = self.waiting.take_ready(transforms, optical_frame).pop() else {
             let is_waiting = self.waiting.waiting_reason(transforms, optical_frame).is_some();
-            let why = || format!("no transform to {optical_frame} at the stamp of its depth images");
-            self.problem = self.problem.take().or_else(|| is_waiting.then(why)).filter(|_| self.placed.is_none());
+            if is_waiting && self.placed.is_none() && self.problem.is_none() {
+                self.problem = Some(format!("no transform to {optical_frame} at the stamp of its depth images"));
+            }
             return;
         };
         let Some(header) = header(&message) else { return };
