@@ -129,9 +129,9 @@ impl Quads {
                 surfaces[cell] = depth;
             }
         }
-        for i in 0..CHUNK {
+        for (i, code) in codes.iter().enumerate() {
             if matches!(self.placed.kind[i], QuadKind::Surface | QuadKind::Wall) {
-                self.draw_other(points, begin, i, codes[i]);
+                self.draw_other(points, begin, i, *code);
             }
         }
     }
