@@ -51,7 +51,7 @@ impl Tiles {
         self.flags.resize(self.size[0] * self.size[1], 0);
     }
 
-    /// Replaces the set by the tiles that are at most `margin` cells away from a cell that is not 0, and maybe some more.
+    /// Replaces the set by the tiles with a cell that is not 0, and at least those at most `margin` cells away.
     pub(crate) fn take(&mut self, cells: &[u8], size: [usize; 2], margin: usize) {
         self.reset(size);
         if size[0] == 0 {
