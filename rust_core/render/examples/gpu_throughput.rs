@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release -p rcs_render --example gpu_throughput [-- POINTS [PICTURES]]` draws 3,000,000 points at 1280
 //! by 800, with one and with two pictures in flight: a cloud that stays, under a camera that moves, a new cloud for
-//! each picture, and one in its message's bytes of 16 a point (making it is not in the times but shown apart). The empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the
-//! GPU's drawing. With two in flight, `wait` is only what the other picture's steps do not cover.
+//! each picture, and one in its message's bytes of 16 a point (making it is not in the times but shown apart). The
+//! empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the GPU's drawing.
+//! With two in flight, `wait` is only what the other picture's steps do not cover.
 
 use std::error::Error;
 use std::sync::Arc;
