@@ -46,8 +46,11 @@ mod tests {
         };
         let mut cloud = PointCloud2::default().with_data(points.iter().flat_map(point).collect());
         (cloud.height, cloud.width, cloud.point_step, cloud.row_step) = (1, 3, 16, 48);
-        let field = |(name, offset): (&str, u32)| {
-            PointField { name: name.to_owned(), offset, datatype: PointField::FLOAT32, count: 1 }
+        let field = |(name, offset): (&str, u32)| PointField {
+            name: name.to_owned(),
+            offset,
+            datatype: PointField::FLOAT32,
+            count: 1,
         };
         cloud.fields = [("x", 0), ("y", 4), ("z", 8), ("rgb", 12)].map(field).to_vec();
         cloud.header.frame_id = "map".to_owned();

@@ -19,9 +19,9 @@ use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
 use crate::{DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
-/// Jobs, and time of the last picture, for which one more thread pays: waking it up costs about 0.05 ms.
-const JOBS_PER_WORKER: usize = 6;
-const TIME_PER_WORKER: Duration = Duration::from_micros(500);
+/// Time to wake up a thread, and to draw a job; roughly.
+const WAKE_UP: Duration = Duration::from_micros(50);
+const JOB: Duration = Duration::from_micros(100);
 
 /// Draws on the CPU.
 #[derive(Debug, Default)]
@@ -231,15 +231,17 @@ impl CpuRenderer {
         Ok(())
     }
 
-    /// The number of workers that shorten a picture of this number of jobs.
+    /// The number of workers that draw a picture of this number of jobs soonest, if it takes as long as they usually do
+    /// or as the last one: `work / workers + WAKE_UP · workers` is least at the root of their quotient.
     pub(super) fn paying_workers(&self, jobs: usize) -> usize {
         let last: Duration = self.workers.iter().map(|worker| worker.costs.sum()).sum();
-        let by_time = last.as_micros() / TIME_PER_WORKER.as_micros();
-        let paying = 1 + (jobs / JOBS_PER_WORKER).max(usize::try_from(by_time).unwrap_or(usize::MAX - 1));
+        let work_s = last.as_secs_f64().max(jobs as f64 * JOB.as_secs_f64());
+        let paying = (work_s / WAKE_UP.as_secs_f64()).sqrt() as usize;
+        let all = self.workers.len();
         if self.uses_all {
-            self.workers.len()
+            all
         } else {
-            self.workers.len().min(paying)
+            paying.clamp(1, all)
         }
     }
 

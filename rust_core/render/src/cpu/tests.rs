@@ -39,8 +39,8 @@ fn a_small_picture_wakes_no_threads() {
     let (few, of_few) = draw(CpuRenderer::with_up_to(4));
     assert_eq!((all.active, few.active), (4, 1));
     assert_eq!(of_all.data, of_few.data);
-    let few = CpuRenderer::with_up_to(4);
-    assert_eq!([0, 10, 1000].map(|jobs| few.paying_workers(jobs)), [1, 2, 4]);
+    let few = CpuRenderer::with_up_to(16);
+    assert_eq!([0, 1, 10, 1000].map(|jobs| few.paying_workers(jobs)), [1, 1, 4, 16]);
 }
 
 #[test]
