@@ -250,6 +250,7 @@ impl CpuRenderer {
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
+            self.outcomes.shrink_to(2 * jobs);
         }
         self.workers.iter_mut().for_each(|worker| worker.costs.reset(jobs));
         #[cfg(test)]

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use rcs_scene::{Lines, Material, Mesh, Text};
 
-use super::vertices::{InView, Source, VertexCache};
+use super::vertices::{joined, InView, Source, VertexCache, VertexScratch};
 use crate::cpu::paint::Surface;
 use crate::cpu::raster::clip::ClipVertex;
 use crate::cpu::raster::line::{self, Line};
@@ -61,6 +61,12 @@ struct Triangle {
     solid: u32,
 }
 
+/// The kind of a primitive: the rest of its number in the bins, which is its index times [`KINDS`] and the kind.
+const TRIANGLE: u32 = 0;
+const LINE: u32 = 1;
+const GLYPH: u32 = 2;
+const KINDS: u32 = 3;
+
 /// Primitives that are ready to be drawn.
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct Primitives {
@@ -70,7 +76,8 @@ pub(in crate::cpu) struct Primitives {
     /// A depth that no fragment of a triangle is nearer than.
     least: Vec<f32>,
     lines: Vec<Line>,
-    /// Twice a triangle's index, or twice a line's and one.
+    /// The solid and the glyph of it. Their corners are found again in each band: very many would take much memory.
+    glyphs: Vec<[u32; 2]>,
     bins: Bins,
     load: Load,
 }
@@ -82,6 +89,7 @@ impl Primitives {
         self.triangles.clear();
         self.least.clear();
         self.lines.clear();
+        self.glyphs.clear();
         self.bins.reset(screen);
         self.load = Load::default();
     }
@@ -109,13 +117,14 @@ impl Primitives {
                 corners.as_chunks().0.iter().for_each(|keys| self.add_triangle(&source, index, *keys, cache));
             }
             Shape::Text(text) => {
-                let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| corner as u32);
-                for glyph in text.glyphs().get(range).unwrap_or(&[]) {
+                for (at, glyph) in range.clone().zip(text.glyphs().get(range).unwrap_or(&[])) {
                     let (vertices, material) = (&text.quad(glyph), text.material());
                     let source = Source { vertices, material, transform, surface, screen };
                     cache.clear();
-                    for keys in [[a, b, c], [d, e, f]] {
-                        self.add_triangle(&source, index, keys, cache);
+                    let [one, other] = glyph_triangles().map(|keys| source.rows(keys, cache));
+                    if let Some(rows) = joined(one, other) {
+                        self.bins.add_rows(self.glyphs.len() as u32 * KINDS + GLYPH, rows);
+                        self.glyphs.push([index, at as u32]);
                     }
                 }
             }
@@ -156,7 +165,7 @@ impl Primitives {
     }
 
     fn push_triangle(&mut self, triangle: Triangle, positions: [&ScreenPosition; 3], source: &Source<'_>) {
-        self.bins.add_rows(self.triangles.len() as u32 * 2, triangle::rows(positions));
+        self.bins.add_rows(self.triangles.len() as u32 * KINDS + TRIANGLE, triangle::rows(positions));
         self.triangles.push(triangle);
         self.least.push(triangle::least_depth(positions, source.surface));
         self.load.faces += 1;
@@ -165,7 +174,7 @@ impl Primitives {
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
         if let Some(line) = line::set_up(a, b, mode, screen) {
-            self.bins.add_rows(self.lines.len() as u32 * 2 + 1, line.rows);
+            self.bins.add_rows(self.lines.len() as u32 * KINDS + LINE, line.rows);
             self.lines.push(line);
         }
     }
@@ -179,7 +188,8 @@ impl Primitives {
         band: &mut Band<'_>,
     ) {
         let lists: Vec<&[u32]> = jobs.iter().map(|job| job.bins.band(index)).collect();
-        let least = |job: usize, number: u32| jobs.get(job).and_then(|job| job.least.get(number as usize / 2)).copied();
+        let least =
+            |job: usize, number: u32| jobs.get(job).and_then(|job| job.least.get((number / KINDS) as usize)).copied();
         let count = order.sort(&lists, |job, number| least(job, number).unwrap_or(f32::INFINITY));
         match band.begin_ranks(count) {
             Some(first) => {
@@ -190,20 +200,56 @@ impl Primitives {
                     }
                 }
             }
-            None => jobs.iter().for_each(|job| job.draw(solids, index, band)),
+            // In their order, which is right as well.
+            None => {
+                for job in jobs {
+                    job.bins.band(index).iter().for_each(|&number| job.draw_one(solids, number, band));
+                }
+            }
         }
         band.end_ranks();
     }
 
     /// Draws the rows of a band.
-    pub(in crate::cpu) fn draw(&self, solids: &[Solid<'_>], index: usize, band: &mut Band<'_>) {
-        self.bins.band(index).iter().for_each(|&number| self.draw_one(solids, number, band));
+    pub(in crate::cpu) fn draw(
+        &self,
+        solids: &[Solid<'_>],
+        index: usize,
+        screen: &Screen,
+        scratch: &mut VertexScratch,
+        band: &mut Band<'_>,
+    ) {
+        for &number in self.bins.band(index) {
+            if number % KINDS == GLYPH {
+                self.draw_glyph(solids, (number / KINDS) as usize, screen, scratch, band);
+            } else {
+                self.draw_one(solids, number, band);
+            }
+        }
     }
 
+    fn draw_glyph(
+        &self,
+        solids: &[Solid<'_>],
+        at: usize,
+        screen: &Screen,
+        scratch: &mut VertexScratch,
+        band: &mut Band<'_>,
+    ) {
+        let Some(&[solid, glyph]) = self.glyphs.get(at) else { return };
+        let Some(Solid { transform, surface, shape: Shape::Text(text) }) = solids.get(solid as usize) else { return };
+        let Some(glyph) = text.glyphs().get(glyph as usize) else { return };
+        let (vertices, material) = (&text.quad(glyph), text.material());
+        let source = Source { vertices, material, transform, surface, screen };
+        scratch.clear();
+        glyph_triangles().into_iter().for_each(|keys| source.draw(keys, scratch, band));
+    }
+
+    /// Draws a triangle or a line.
     #[inline]
     fn draw_one(&self, solids: &[Solid<'_>], number: u32, band: &mut Band<'_>) {
-        let at = (number / 2) as usize;
-        if number & 1 == 1 {
+        let at = (number / KINDS) as usize;
+        if number % KINDS == LINE {
             if let Some(line) = self.lines.get(at) {
                 line.draw(band);
             }
@@ -214,4 +260,10 @@ impl Primitives {
             }
         }
     }
+}
+
+/// The corners of both triangles of a glyph.
+fn glyph_triangles() -> [[u32; 3]; 2] {
+    let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| corner as u32);
+    [[a, b, c], [d, e, f]]
 }

@@ -6,6 +6,7 @@ use super::lighting::vertex_color;
 use crate::cpu::paint::Surface;
 use crate::cpu::raster::clip::{ClipVertex, Outside};
 use crate::cpu::raster::triangle::{self, Corner};
+use crate::cpu::tile::band::Band;
 use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition};
 
 /// Vertices that triangles name by their indices, their keys, and their way to the picture.
@@ -26,7 +27,51 @@ pub(in crate::cpu) enum InView {
     Crossing,
 }
 
+/// The memory of a thread that draws triangles right from their vertices.
+#[derive(Debug, Default)]
+pub(in crate::cpu) struct VertexScratch {
+    pub cache: VertexCache,
+    corners: Vec<Corner>,
+}
+
+impl VertexScratch {
+    /// The vertices of another source follow.
+    pub(in crate::cpu) fn clear(&mut self) {
+        self.cache.clear();
+        self.corners.clear();
+    }
+}
+
 impl Source<'_> {
+    /// The rows that a triangle may be seen in; they may reach out of the picture.
+    pub(in crate::cpu) fn rows(&self, keys: [u32; 3], cache: &mut VertexCache) -> Option<(i32, i32)> {
+        match self.look(keys, cache) {
+            InView::Nothing => None,
+            InView::Whole(positions) => Some(triangle::rows(positions.each_ref())),
+            InView::Crossing => {
+                let mut rows = None;
+                self.cut(keys, |corners| {
+                    let of_part = triangle::rows(corners.each_ref().map(|corner| &corner.position));
+                    rows = joined(rows, Some(of_part));
+                });
+                rows
+            }
+        }
+    }
+
+    /// Draws the rows of a band.
+    pub(in crate::cpu) fn draw(&self, keys: [u32; 3], scratch: &mut VertexScratch, band: &mut Band<'_>) {
+        let VertexScratch { cache, corners } = scratch;
+        match self.look(keys, cache) {
+            InView::Nothing => {}
+            InView::Whole(positions) => {
+                let indices = cache.indices(keys, &positions, self, corners);
+                triangle::draw(indices.map(|index| &corners[index as usize]), self.surface, band);
+            }
+            InView::Crossing => self.cut(keys, |corners| triangle::draw(corners.each_ref(), self.surface, band)),
+        }
+    }
+
     /// Finds what of a triangle may be seen. Its corners have no need of light for that.
     #[inline]
     pub(in crate::cpu) fn look(&self, [a, b, c]: [u32; 3], cache: &mut VertexCache) -> InView {
@@ -55,6 +100,14 @@ impl Source<'_> {
         if let [Some(a), Some(b), Some(c)] = keys.map(vertex) {
             triangle::cut([&a, &b, &c], self.surface, self.screen, out);
         }
+    }
+}
+
+/// The rows of both.
+pub(in crate::cpu) fn joined(one: Option<(i32, i32)>, other: Option<(i32, i32)>) -> Option<(i32, i32)> {
+    match (one, other) {
+        (Some((begin, end)), Some((from, to))) => Some((begin.min(from), end.max(to))),
+        (one, other) => one.or(other),
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Job, Plan};
 use crate::cpu::geometry::instances::{InstanceScratch, Instances};
 use crate::cpu::geometry::meshes::Primitives;
 use crate::cpu::geometry::points::{self, BinnedPoints, PointScratch};
-use crate::cpu::geometry::vertices::VertexCache;
+use crate::cpu::geometry::vertices::VertexScratch;
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::near_to_far::{Load, NearToFar};
 use crate::cpu::tile::screen::Screen;
@@ -30,7 +30,7 @@ impl Default for Outcome {
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct Scratch {
     points: PointScratch,
-    vertices: VertexCache,
+    vertices: VertexScratch,
     instances: InstanceScratch,
     order: NearToFar,
 }
@@ -84,7 +84,7 @@ impl Outcome {
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
                     if let Some(solid) = plan.solids.get(piece.whole) {
                         let ids = (piece.whole as u32, piece.range.clone());
-                        primitives.add(solid, ids, screen, &mut scratch.vertices);
+                        primitives.add(solid, ids, screen, &mut scratch.vertices.cache);
                     }
                 }
             }
@@ -117,7 +117,9 @@ impl Outcome {
                     points::draw(cloud, points.bins.band(index), context.screen, &mut scratch.points, band);
                 }
             }
-            (_, Self::Meshes(primitives)) => primitives.draw(&context.plan.solids, index, band),
+            (_, Self::Meshes(primitives)) => {
+                primitives.draw(&context.plan.solids, index, context.screen, &mut scratch.vertices, band);
+            }
             (_, Self::Instances(instances)) => {
                 if let Some(batches) = &context.plan.batches {
                     instances.draw(batches, index, context.screen, &mut scratch.instances, band);

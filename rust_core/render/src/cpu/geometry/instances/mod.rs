@@ -30,7 +30,7 @@ use self::places::place_vertices;
 pub(in crate::cpu) use self::places::InstanceScratch;
 use self::shape::Shape;
 pub(in crate::cpu) use self::shape::Shapes;
-use super::vertices::{InView, Source, VertexCache};
+use super::vertices::{Source, VertexCache};
 use crate::cpu::raster::triangle;
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::bins::Bins;
@@ -101,11 +101,11 @@ impl Instances {
                 let transform = transform.insert(view.transform(&view_from_object));
                 let material = Material::lit(solid.color);
                 let source = instance.source(&material, transform, view, screen);
-                scratch.cache.clear();
+                scratch.vertices.cache.clear();
                 let numbers = (self.next..).zip(&shape.triangles);
                 // Each triangle is looked at, whether others are seen or not.
                 numbers.fold(false, |seen, (number, corners)| {
-                    self.add_triangle(number, *corners, &source, &mut scratch.cache) || seen
+                    self.add_triangle(number, *corners, &source, &mut scratch.vertices.cache) || seen
                 })
             }
         };
@@ -139,15 +139,7 @@ impl Instances {
 
     /// Makes a triangle ready. Returns whether it may be seen.
     fn add_triangle(&mut self, number: u32, keys: [u32; 3], source: &Source<'_>, cache: &mut VertexCache) -> bool {
-        let mut rows: Option<(i32, i32)> = None;
-        match source.look(keys, cache) {
-            InView::Nothing => {}
-            InView::Whole(positions) => rows = Some(triangle::rows(positions.each_ref())),
-            InView::Crossing => source.cut(keys, |corners| {
-                let (begin, end) = triangle::rows(corners.each_ref().map(|corner| &corner.position));
-                rows = Some(rows.map_or((begin, end), |rows| (rows.0.min(begin), rows.1.max(end))));
-            }),
-        }
+        let rows = source.rows(keys, cache);
         rows.into_iter().for_each(|rows| self.bins.add_rows(number, rows));
         rows.is_some()
     }
@@ -188,11 +180,10 @@ impl Instances {
             let Some(instance) = batches.solid(at) else { continue };
             let material = Material::lit(instance.solid.color);
             let source = instance.source(&material, &placed.transform, batches, screen);
-            scratch.cache.clear();
-            scratch.corners.clear();
+            scratch.vertices.clear();
             for number in these {
                 if let Some(&keys) = instance.shape.triangles.get((number - placed.first) as usize) {
-                    draw_triangle(keys, &source, scratch, band);
+                    source.draw(keys, &mut scratch.vertices, band);
                 }
             }
         }
@@ -209,17 +200,5 @@ impl SolidInstance<'_> {
     ) -> Source<'s> {
         let surface = view.surface_of_solid(self.solid);
         Source { vertices: &self.mesh.vertices, material, transform, surface, screen }
-    }
-}
-
-fn draw_triangle(keys: [u32; 3], source: &Source<'_>, scratch: &mut InstanceScratch, band: &mut Band<'_>) {
-    let InstanceScratch { cache, corners, .. } = scratch;
-    match source.look(keys, cache) {
-        InView::Nothing => {}
-        InView::Whole(positions) => {
-            let indices = cache.indices(keys, &positions, source, corners);
-            triangle::draw(indices.map(|index| &corners[index as usize]), source.surface, band);
-        }
-        InView::Crossing => source.cut(keys, |corners| triangle::draw(corners.each_ref(), source.surface, band)),
     }
 }

@@ -3,8 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::shape::Shape;
-use crate::cpu::geometry::vertices::VertexCache;
-use crate::cpu::raster::triangle::Corner;
+use crate::cpu::geometry::vertices::VertexScratch;
 use crate::cpu::tile::lanes::{load, map, store_whole, transform, whole, F, LANES};
 use crate::cpu::tile::screen::{Screen, SUBPIXELS};
 
@@ -15,8 +14,7 @@ pub(in crate::cpu) struct InstanceScratch {
     x: Vec<i32>,
     y: Vec<i32>,
     gaps: Vec<i32>,
-    pub(super) cache: VertexCache,
-    pub(super) corners: Vec<Corner>,
+    pub(super) vertices: VertexScratch,
 }
 
 impl InstanceScratch {
