@@ -70,7 +70,7 @@ pub struct PointBytes<'a> {
     pub data: &'a [u8],
     /// Bytes of a point; not 0.
     pub point_step: usize,
-    /// Where a point's position is.
+    /// Layout of a point's position.
     pub positions: PositionLayout,
     /// Number of visible points of each share of [`POINTS_PER_SHARE`]: those with a finite position.
     pub shown: &'a [usize],

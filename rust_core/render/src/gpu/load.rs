@@ -28,7 +28,7 @@ const SAMPLES: usize = 1024;
 /// Some of a cloud's positions.
 struct Sample {
     positions: Vec<[f32; 3]>,
-    /// For how many points each of them stands.
+    /// Number of points that each of them stands for.
     step: usize,
     /// Points of the cloud.
     count: usize,

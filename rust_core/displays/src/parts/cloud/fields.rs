@@ -111,7 +111,7 @@ impl CloudLayout {
         Ok(Self { position, point_step: point_step as usize, point_count, channels })
     }
 
-    /// Where a point's position is in its bytes.
+    /// Layout of a position in a point's bytes.
     pub(super) fn positions(&self, is_big_endian: bool) -> PositionLayout {
         PositionLayout::new(self.position.each_ref().map(|channel| channel.offset), is_big_endian)
     }
