@@ -2,8 +2,8 @@
 //!
 //! The scene's drawables, in their order, are cut into [jobs](Job) of about equal size ([`Builder`]). A job turns a
 //! chunk of a cloud, several meshes, lines and texts, or many small solids together into primitives that are sorted
-//! into the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order give
-//! the picture.
+//! into the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
+//! give the picture.
 //!
 //! A plan borrows from its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
 
