@@ -190,8 +190,7 @@ def light_steps(row):
     steps = row['steps']
     rest_ms = row['latency_ms'] - sum(steps.values())
     named = ', '.join('{} {:.1f}'.format(name, ms) for name, ms in steps.items())
-    return ('Of the {latency_ms:.1f} ms of {name}: {named}; {rest:.1f} before it is received and after the X server has read '
-            'it.').format(named=named, rest=rest_ms, **row)
+    return 'Of the {latency_ms:.1f} ms of {name}: {named}; {rest:.1f} outside the node.'.format(named=named, rest=rest_ms, **row)
 
 
 def blackout(_, result):
