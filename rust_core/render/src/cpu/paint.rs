@@ -97,13 +97,15 @@ impl Surface {
     }
 
     /// Of the fragments seen, given their interpolated vertex colours and texture coordinates, those that the surface
-    /// has, and their colours. `level_of` gives the level of a texture for a lane and its texture coordinates.
+    /// has, and their colours. `texture_level` is that of its texture, or `level_of` gives it for a lane and its texture
+    /// coordinates.
     #[inline(always)]
     pub(in crate::cpu) fn colors<S: Simd>(
         &self,
         color: [F<S>; 4],
         uv: [F<S>; 2],
         seen: M<S>,
+        texture_level: Option<usize>,
         level_of: impl Fn(&MipTexture, usize, [f32; 2]) -> usize,
     ) -> (M<S>, U<S>) {
         match &self.paint {
@@ -118,6 +120,7 @@ impl Surface {
                 let texel = texture.sample(
                     uv,
                     seen,
+                    texture_level,
                     #[inline(always)]
                     |lane, uv| level_of(texture, lane, uv),
                 );

@@ -11,7 +11,7 @@ use fearless_simd::Simd;
 use rcs_scene::{halved, Filtering, Texture, Wrapping};
 
 use super::tile::color::{channel_shift, pack};
-use super::tile::lanes::{map, F, I, LANES, M, U};
+use super::tile::lanes::{inlined, map, F, I, LANES, M, U};
 use crate::cache::Derived;
 
 /// A texture with its smaller copies.
@@ -54,56 +54,48 @@ impl MipTexture {
         Self { full: texture.clone(), smaller: textures.get(texture, copies).clone() }
     }
 
-    /// The texture's colours at the texture coordinates of some lanes, each channel 0 to 1. `level_of` gives a lane's
-    /// [level](Self::level_for).
+    /// The texture's colours at the texture coordinates of the lanes seen, each channel 0 to 1. `level` is the
+    /// [level](Self::level_for) of all of them, or else `level_of` gives that of a lane.
     #[inline(always)]
     pub(in crate::cpu) fn sample<S: Simd>(
         &self,
         uv: [F<S>; 2],
         seen: M<S>,
+        level: Option<usize>,
         level_of: impl Fn(usize, [f32; 2]) -> usize,
     ) -> [F<S>; 4] {
-        let simd = seen.token();
-        let [u, v] = [uv[0].to_array(), uv[1].to_array()];
-        let (mut around, mut right, mut down) = ([[0; LANES]; 4], [0.0; LANES], [0.0; LANES]);
-        let mut left = seen.to_bitmask();
+        if let Some(level) = level {
+            return self.level(level).sample(&self.full, uv, seen);
+        }
+        let ([u, v], mut left) = ([uv[0].to_array(), uv[1].to_array()], seen.to_bitmask());
+        let mut levels = [0; LANES];
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            let level = self.level(level_of(lane, [u[lane], v[lane]]));
-            let (x, y) = (u[lane] * level.width as f32, v[lane] * level.height as f32);
-            if self.full.filtering == Filtering::Nearest {
-                let texel = level.texel(self.full.wrapping, floor(x).0, floor(y).0);
-                around.iter_mut().for_each(|all| all[lane] = pack(texel));
-            } else {
-                let ((column, way_right), (row, way_down)) = (floor(x - 0.5), floor(y - 0.5));
-                (right[lane], down[lane]) = (way_right, way_down);
-                let [[a, b], [c, d]] = level.four_texels(self.full.wrapping, column, row);
-                [around[0][lane], around[1][lane]] = [pack(a), pack(b)];
-                [around[2][lane], around[3][lane]] = [pack(c), pack(d)];
-            }
+            levels[lane] = level_of(lane, [u[lane], v[lane]]) as u32;
         }
-        let [a, b, c, d] = around;
-        let around = [a, b, c, d].map(|texels| U::load_array(simd, texels));
-        let (right, down) = (F::load_array(simd, right), F::load_array(simd, down));
-        map(
-            [0, 1, 2, 3],
-            #[inline(always)]
-            |channel| {
-                let [a, b, c, d] = map(
-                    around,
-                    #[inline(always)]
-                    |texels| ((texels >> channel_shift(channel)) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
-                );
-                let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
-                (top + (bottom - top) * down) / 255.0
-            },
-        )
+        // The lanes of one level after the other.
+        let (lanes, mut left, mut colors) = (U::load_array(seen.token(), levels), seen, [uv[0]; 4]);
+        while left.any_true() {
+            let level = levels[left.to_bitmask().trailing_zeros() as usize % LANES];
+            let same = left & lanes.simd_eq(level);
+            let sampled = self.level(level as usize).sample(&self.full, uv, same);
+            for channel in 0..4 {
+                colors[channel] = same.select(sampled[channel], colors[channel]);
+            }
+            left &= !same;
+        }
+        colors
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
         let smaller = index.checked_sub(1).and_then(|i| self.smaller.get(i));
         smaller.map_or_else(|| MipLevel::of(&self.full), Texels::level)
+    }
+
+    /// True if it has smaller copies.
+    pub(in crate::cpu) fn has_smaller(&self) -> bool {
+        !self.smaller.is_empty()
     }
 
     /// The level for a change of the texture coordinates to the next pixel along the row and along the column, which
@@ -140,19 +132,65 @@ impl MipLevel<'_> {
         Some(Texels { width: width as i32, height: height as i32, rgba })
     }
 
-    /// A texel, the one to the right of it, and those below both.
-    #[inline]
-    fn four_texels(&self, wrapping: Wrapping, x: i32, y: i32) -> [[[u8; 4]; 2]; 2] {
-        // Nearly always all four are there and side by side.
-        if x >= 0 && y >= 0 && x < self.width - 1 && y < self.height - 1 {
-            let begin = y as usize * self.width as usize + x as usize;
-            let row = |begin: usize| self.rgba.get(begin..).and_then(|rest| rest.first_chunk::<2>()).copied();
-            if let (Some(upper), Some(lower)) = (row(begin), row(begin + self.width as usize)) {
-                return [upper, lower];
-            }
+    /// The colours at the texture coordinates of the lanes seen, each channel 0 to 1.
+    #[inline(always)]
+    fn sample<S: Simd>(&self, texture: &Texture, [u, v]: [F<S>; 2], seen: M<S>) -> [F<S>; 4] {
+        let (simd, is_nearest) = (seen.token(), texture.filtering == Filtering::Nearest);
+        let to_center = if is_nearest { 0.0 } else { 0.5 };
+        let (x, y) = (u * self.width as f32 - to_center, v * self.height as f32 - to_center);
+        let (column, row) = (x.floor(), y.floor());
+        let nothing = F::splat(simd, 0.0);
+        let (right, down) = if is_nearest { (nothing, nothing) } else { (x - column, y - row) };
+        let places = map(
+            [column, row],
+            #[inline(always)]
+            |place| seen.select(place, nothing).to_int_precise::<I<S>>(),
+        );
+        let around = self.around(texture.wrapping, places);
+        map(
+            [0, 1, 2, 3],
+            #[inline(always)]
+            |channel| {
+                let [a, b, c, d] = map(
+                    around,
+                    #[inline(always)]
+                    |texels| ((texels >> channel_shift(channel)) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
+                );
+                let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
+                (top + (bottom - top) * down) / 255.0
+            },
+        )
+    }
+
+    /// The texels at some columns and rows, those to the right of them, and those below both.
+    #[inline(always)]
+    fn around<S: Simd>(&self, wrapping: Wrapping, [columns, rows]: [I<S>; 2]) -> [U<S>; 4] {
+        let ([right, bottom], width) = ([self.width - 1, self.height - 1], self.width as usize);
+        let outside = columns.simd_lt(0) | columns.simd_ge(right) | rows.simd_lt(0) | rows.simd_ge(bottom);
+        let load = inlined(
+            #[inline(always)]
+            |texels: [u32; LANES]| U::load_array(columns.token(), texels),
+        );
+        // Nearly always all are there and side by side.
+        if outside.any_true() || self.rgba.len() < width * self.height as usize {
+            let [[a, b], [c, d]] = self.wrapped(wrapping, [columns.to_array(), rows.to_array()]);
+            [load(a), load(b), load(c), load(d)]
+        } else {
+            let at = (rows * self.width + columns).to_array();
+            let [a, b] = pairs(self.rgba, at);
+            let [c, d] = pairs(self.rgba.get(width..).unwrap_or(&[]), at);
+            [load(a), load(b), load(c), load(d)]
         }
-        let texel = |dx: i32, dy: i32| self.texel(wrapping, x.saturating_add(dx), y.saturating_add(dy));
-        [[texel(0, 0), texel(1, 0)], [texel(0, 1), texel(1, 1)]]
+    }
+
+    /// As [`around`](Self::around), where some are beyond the texture's edge.
+    #[inline(never)]
+    fn wrapped(&self, wrapping: Wrapping, [columns, rows]: [[i32; LANES]; 2]) -> [[[u32; LANES]; 2]; 2] {
+        let texel = |lane: usize, right, down| {
+            pack(self.texel(wrapping, columns[lane].saturating_add(right), rows[lane].saturating_add(down)))
+        };
+        let all = |right, down| std::array::from_fn(|lane| texel(lane, right, down));
+        [[all(0, 0), all(1, 0)], [all(0, 1), all(1, 1)]]
     }
 
     #[inline]
@@ -165,24 +203,25 @@ impl MipLevel<'_> {
     }
 }
 
-/// The whole number below and the rest; huge numbers end at the range of `i32`.
-#[inline]
-fn floor(value: f32) -> (i32, f32) {
-    // From here on there are no fractions.
-    const WHOLE_FROM: f32 = (1 << 23) as f32;
-    if value.abs() < WHOLE_FROM {
-        // Without a call, which old processors need to round.
-        let cut = value as i32;
-        let whole = cut - i32::from(cut as f32 > value);
-        return (whole, value - whole as f32);
-    }
-    let whole = value.floor();
-    (whole as i32, value - whole)
+/// The packed texels at some places, and those to the right of them.
+#[inline(always)]
+fn pairs(rgba: &[[u8; 4]], at: [i32; LANES]) -> [[u32; LANES]; 2] {
+    let pair = inlined(
+        #[inline(always)]
+        |lane: usize| match rgba.get(at[lane] as usize..) {
+            Some([left, right, ..]) => [pack(*left), pack(*right)],
+            _ => [0; 2],
+        },
+    );
+    // Spelled out, so that they need not go through memory.
+    let [a, b, c, d, e, f, g, h] = [pair(0), pair(1), pair(2), pair(3), pair(4), pair(5), pair(6), pair(7)];
+    [[a[0], b[0], c[0], d[0], e[0], f[0], g[0], h[0]], [a[1], b[1], c[1], d[1], e[1], f[1], g[1], h[1]]]
 }
 
 #[cfg(test)]
 mod tests {
     use fearless_simd::{dispatch, Level};
+    use proptest::prelude::*;
 
     use super::*;
 
@@ -199,7 +238,7 @@ mod tests {
         dispatch!(Level::new(), simd => {
             let uv = [F::splat(simd, u), F::splat(simd, v)];
             let level = |_: usize, _: [f32; 2]| texture.level_for(|| [[footprint, 0.0], [0.0, footprint]]);
-            texture.sample(uv, uv[0].simd_eq(u), level).map(|channel| channel.to_array()[LANES - 1])
+            texture.sample(uv, uv[0].simd_eq(u), None, level).map(|channel| channel.to_array()[LANES - 1])
         })
     }
 
@@ -214,15 +253,6 @@ mod tests {
         assert_eq!(red(&texture, 1.3, -0.7, 0.0), 80.0);
         let texture = gradient(Filtering::Nearest, Wrapping::Clamp);
         assert_eq!(red(&texture, 1.3, -0.7, 0.0), 48.0);
-    }
-
-    #[test]
-    fn numbers_are_cut_below() {
-        for value in [-2.0_f32, -1.5, -0.0, 0.0, 0.25, 7.0, 7.99, -8_388_607.5, 8_388_607.5, 3e9, -3e9] {
-            let whole = value.floor();
-            assert_eq!(floor(value), (whole as i32, value - whole), "{value}");
-        }
-        assert!(floor(f32::NAN).1.is_nan());
     }
 
     #[test]
@@ -249,5 +279,51 @@ mod tests {
             wrapping: Wrapping::Clamp,
         };
         assert_eq!(sample(&mipped(texture), [0.9, 0.9], 0.0), [1.0; 4]);
+    }
+
+    fn texture() -> impl Strategy<Value = Texture> {
+        let filtering = prop_oneof![Just(Filtering::Nearest), Just(Filtering::Bilinear)];
+        let wrapping = prop_oneof![Just(Wrapping::Repeat), Just(Wrapping::Clamp)];
+        (1..5_u32, 1..5_u32, 0..17_usize, filtering, wrapping).prop_map(
+            |(width, height, missing, filtering, wrapping)| {
+                let texel = |i: usize| [i * 37, i * 101, i * 11, i * 59].map(|level| level as u8);
+                let rgba = (0..(width * height) as usize).map(texel).take(16 - missing.min(16)).collect();
+                Texture { width, height, rgba, filtering, wrapping }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn lanes_have_the_colors_that_their_four_texels_give(
+            texture in texture(),
+            us in prop::array::uniform8(-2.0..3.0_f32),
+            vs in prop::array::uniform8(prop_oneof![-2.0..3.0_f32, 0.2..0.8_f32]),
+        ) {
+            let all = MipLevel::of(&texture);
+            let expected = |lane: usize, channel: usize| {
+                let to_center = if texture.filtering == Filtering::Nearest { 0.0 } else { 0.5 };
+                let (x, y) = (us[lane] * all.width as f32 - to_center, vs[lane] * all.height as f32 - to_center);
+                let texel = |right: i32, down: i32| {
+                    let texel = all.texel(texture.wrapping, x.floor() as i32 + right, y.floor() as i32 + down);
+                    f32::from(texel[channel])
+                };
+                let between = |one: f32, other: f32, share: f32| match texture.filtering {
+                    Filtering::Nearest => one,
+                    _ => one + (other - one) * share,
+                };
+                let row = |down: i32| between(texel(0, down), texel(1, down), x - x.floor());
+                between(row(0), row(1), y - y.floor()) / 255.0
+            };
+            let sampled = dispatch!(Level::new(), simd => {
+                let (us, vs) = (F::load_array(simd, us), F::load_array(simd, vs));
+                all.sample(&texture, [us, vs], us.simd_eq(us)).map(|channel| channel.to_array())
+            });
+            for (channel, lanes) in sampled.iter().enumerate() {
+                for (lane, sampled) in lanes.iter().enumerate() {
+                    prop_assert_eq!(*sampled, expected(lane, channel), "lane {} channel {}", lane, channel);
+                }
+            }
+        }
     }
 }

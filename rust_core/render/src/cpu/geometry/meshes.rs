@@ -242,7 +242,7 @@ impl Primitives {
         let (vertices, material) = (&text.quad(glyph), text.material());
         let source = Source { vertices, material, transform, surface, screen };
         scratch.clear();
-        glyph_triangles().into_iter().for_each(|keys| source.draw(keys, scratch, band));
+        source.draw_pair(glyph_triangles(), scratch, band);
     }
 
     /// Draws a triangle or a line.

@@ -72,6 +72,18 @@ impl Source<'_> {
         }
     }
 
+    /// As [`draw`](Self::draw), of two triangles that share an edge.
+    pub(in crate::cpu) fn draw_pair(&self, pair: [[u32; 3]; 2], scratch: &mut VertexScratch, band: &mut Band<'_>) {
+        let VertexScratch { cache, corners } = scratch;
+        let [InView::Whole(one), InView::Whole(other)] = pair.map(|keys| self.look(keys, cache)) else {
+            return pair.into_iter().for_each(|keys| self.draw(keys, scratch, band));
+        };
+        let one = cache.indices(pair[0], &one, self, corners);
+        let other = cache.indices(pair[1], &other, self, corners);
+        let pair = [one, other].map(|triangle| triangle.map(|index| &corners[index as usize]));
+        triangle::draw_pair(pair, self.surface, band);
+    }
+
     /// Finds what of a triangle may be seen. Its corners have no need of light for that.
     #[inline]
     pub(in crate::cpu) fn look(&self, [a, b, c]: [u32; 3], cache: &mut VertexCache) -> InView {

@@ -102,8 +102,7 @@ impl Edge<i64> {
         self.value(x, y) >= 0
     }
 
-    /// The edge measured from a pixel, with numbers of 32 bits: right within [`MAX_ROWS`] rows of a
-    /// narrow triangle, and within a tile of any.
+    /// The edge measured from a pixel, with numbers of 32 bits: right within a tile.
     #[inline(always)]
     pub(in crate::cpu) fn measured_at(&self, x: i32, y: i32) -> Edge<i32> {
         // Snapped places reach to ±2^24, and a tile's pixels are fewer than 8 away on each axis.
@@ -118,9 +117,6 @@ impl Edge<i64> {
         self.value(area.left, area.top) + (self.dx * right).max(0) + (self.dy * down).max(0) < 0
     }
 }
-
-/// The most rows of a triangle that is at most [`LANES`](crate::cpu::tile::lanes::LANES) pixels wide, for [`RowEdges`].
-pub(in crate::cpu) const MAX_ROWS: i32 = 64;
 
 /// The edges of a face at pixels side by side, row by row.
 #[derive(Clone, Copy)]

@@ -12,12 +12,14 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
 
 use super::clip::{ClipVertex, Polygon};
-use super::edges::{Edge, RowEdges, SpanEdges, MAX_ROWS};
+use super::edges::{Edge, RowEdges, SpanEdges};
 use crate::cpu::paint::{DepthBias, Paint, Surface};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::color::{pack, unorm8};
 use crate::cpu::tile::lanes::{lane_indices, map, F, LANES, M, U};
-use crate::cpu::tile::screen::{first_pixel, rounding, Area, DepthPlane, Screen, ScreenPosition, FARTHEST, SUBPIXELS};
+use crate::cpu::tile::screen::{
+    first_pixel, rounding, Area, DepthPlane, Screen, ScreenPosition, FARTHEST, SUBPIXELS, TILE_PX,
+};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
 /// and by a pixel down.
@@ -165,60 +167,127 @@ pub(in crate::cpu) fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3]
 /// Draws the rows of a band. Culling is done by then.
 #[inline]
 pub(in crate::cpu) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
-    let positions = corners.map(|corner| &corner.position);
-    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
-    let (begin, end) = rows(positions);
-    let Range { start: top, end: bottom } = band.rows(begin, end);
-    let area = Area { left: left.max(0), right: right.min(band.width), top, bottom };
+    let area = area_of(corners, band);
     if area.is_empty() {
         return;
     }
-    let is_narrow = right - left <= LANES as i32 && end - begin <= MAX_ROWS;
     if let Some((corners, doubled_area)) = clockwise(corners) {
-        let triangle = Triangle { corners, doubled_area, surface, area, is_narrow };
+        let triangle = Triangles { corners: [corners], doubled_areas: [doubled_area], surface, area };
         dispatch!(band.simd_level, simd => triangle.draw(simd, band));
     }
 }
 
-/// A triangle in a band.
-struct Triangle<'a> {
-    /// With the inside on the right of each edge as the picture shows it.
-    corners: [&'a Corner; 3],
-    doubled_area: i64,
-    surface: &'a Surface,
-    /// The band's pixels around it.
-    area: Area,
-    is_narrow: bool,
+/// Draws the rows of a band of a glyph's triangles, which share an edge and have one colour: as [`draw`] does one after
+/// the other, in less time.
+pub(in crate::cpu) fn draw_pair(pair: [[&Corner; 3]; 2], surface: &Surface, band: &mut Band<'_>) {
+    let is_clockwise = |corners: [&Corner; 3]| doubled_area(corners.map(|corner| &corner.position)) > 0;
+    match pair.map(clockwise) {
+        // Only those of one orientation lie on both sides of their edge.
+        [Some((one, one_area)), Some((other, other_area))] if is_clockwise(pair[0]) == is_clockwise(pair[1]) => {
+            let area = area_of(one, band).around(&area_of(other, band));
+            let both = Triangles { corners: [one, other], doubled_areas: [one_area, other_area], surface, area };
+            dispatch!(band.simd_level, simd => both.draw_tiles(simd, band));
+        }
+        _ => pair.into_iter().for_each(|corners| draw(corners, surface, band)),
+    }
 }
 
-impl Triangle<'_> {
+/// A band's pixels around a triangle.
+#[inline]
+fn area_of([a, b, c]: [&Corner; 3], band: &Band<'_>) -> Area {
+    let (left, right) = between(a.position.x, b.position.x, c.position.x);
+    let (begin, end) = rows([&a.position, &b.position, &c.position]);
+    let Range { start: top, end: bottom } = band.rows(begin, end);
+    Area { left: left.max(0), right: right.min(band.width), top, bottom }
+}
+
+/// A triangle in a band, or several that share no pixel and have one colour.
+struct Triangles<'a, const N: usize> {
+    /// With the inside on the right of each edge as the picture shows it.
+    corners: [[&'a Corner; 3]; N],
+    doubled_areas: [i64; N],
+    surface: &'a Surface,
+    /// The band's pixels around them.
+    area: Area,
+}
+
+impl<const N: usize> Triangles<'_, N> {
+    /// Draws tile by tile.
+    #[inline(always)]
+    fn draw_tiles<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
+        let edges = self.corners.map(|corners| Edge::around(corners.map(|corner| &corner.position)));
+        let (area, mut fragments) = (self.area, None);
+        for top in (area.top..area.bottom).step_by(TILE_PX as usize) {
+            for left in (area.left..area.right).step_by(TILE_PX as usize) {
+                let tile = Area { left, right: left + TILE_PX, top, bottom: area.bottom.min(top + TILE_PX) };
+                self.draw_tile(simd, &edges, tile, &mut fragments, band);
+            }
+        }
+    }
+
+    /// Draws the pixels of a tile, or of some rows of it. Returns true if some are seen.
+    #[inline(always)]
+    fn draw_tile<'b, S: Simd>(
+        &'b self,
+        simd: S,
+        edges: &[[Edge<i64>; 3]; N],
+        tile: Area,
+        fragments: &mut Option<Fragments<'b, S, N>>,
+        band: &mut Band<'_>,
+    ) -> bool {
+        let mut rows = map(
+            *edges,
+            #[inline(always)]
+            |[a, b, c]| {
+                let edges = [a, b, c].map(|edge| edge.measured_at(tile.left, tile.top));
+                RowEdges::new(&edges, lane_indices(simd), 0)
+            },
+        );
+        let (columns, mut y, mut is_seen) = (columns(simd, tile.left), tile.top as f32, false);
+        band.for_windows(
+            tile.top..tile.bottom,
+            tile.left,
+            #[inline(always)]
+            |window| {
+                let mut covered = [rows[0].next(); N];
+                let mut all = covered[0];
+                for k in 1..N {
+                    covered[k] = rows[k].next();
+                    all |= covered[k];
+                }
+                // Many a triangle of a detailed mesh lies between the pixels' centres.
+                if all.any_true() {
+                    let fragments = fragments.get_or_insert_with(|| Fragments::new(simd, self.planes(), self.surface));
+                    is_seen |= window.meet(
+                        all,
+                        fragments.depths(covered, columns, y),
+                        self.surface.mode,
+                        #[inline(always)]
+                        |seen| fragments.colors(covered, columns, y, seen),
+                    );
+                }
+                y += 1.0;
+            },
+        );
+        is_seen
+    }
+
+    fn planes(&self) -> [Planes; N] {
+        std::array::from_fn(|k| Planes::new(self.corners[k], self.doubled_areas[k], self.surface))
+    }
+}
+
+impl Triangles<'_, 1> {
     #[inline(always)]
     fn draw<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
-        let edges = Edge::around(self.corners.map(|corner| &corner.position));
         if band.is_ranked() {
-            self.draw_visible(simd, &edges, band);
-        } else if self.is_narrow {
-            let [a, b, c] = edges;
-            let edges = map(
-                [a, b, c],
-                #[inline(always)]
-                |edge| edge.measured_at(self.area.left, self.area.top),
-            );
-            // Many a triangle of a detailed mesh lies between the pixels' centres.
-            let mut rows = RowEdges::new(&edges, lane_indices(simd), 0);
-            let mut row = self.area.top;
-            while row < self.area.bottom && !rows.next().any_true() {
-                row += 1;
-            }
-            if row < self.area.bottom {
-                let planes = self.planes();
-                let rows = Area { top: row, ..self.area };
-                Fragments::new(simd, &planes, self.surface).draw_narrow(&edges, row - self.area.top, rows, band);
-            }
+            self.draw_visible(simd, band);
+        } else if self.area.right - self.area.left <= TILE_PX {
+            self.draw_tiles(simd, band);
         } else {
+            let edges = Edge::around(self.corners[0].map(|corner| &corner.position));
             let mut spans = SpanEdges::new(&edges, self.area.top, self.area.left..self.area.right);
-            let planes = self.planes();
-            let fragments = Fragments::new(simd, &planes, self.surface);
+            let fragments = Fragments::new(simd, self.planes(), self.surface);
             for y in self.area.top..self.area.bottom {
                 let span = spans.next();
                 if span.start < span.end {
@@ -230,11 +299,11 @@ impl Triangle<'_> {
 
     /// Draws the tiles in which something of it may be seen.
     #[inline(always)]
-    fn draw_visible<S: Simd>(&self, simd: S, edges: &[Edge<i64>; 3], band: &mut Band<'_>) {
-        let planes = self.planes();
-        let least = least_depth(self.corners.map(|corner| &corner.position), self.surface);
-        let depth = planes.depth_bound(self.area, least);
-        let fragments = Fragments::new(simd, &planes, self.surface);
+    fn draw_visible<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
+        let positions = self.corners[0].map(|corner| &corner.position);
+        let (edges, planes) = (Edge::around(positions), self.planes());
+        let depth = planes[0].depth_bound(self.area, least_depth(positions, self.surface));
+        let mut fragments = Some(Fragments::new(simd, planes, self.surface));
         band.draw_visible(
             simd,
             depth,
@@ -246,18 +315,9 @@ impl Triangle<'_> {
                 }
                 let pixels =
                     Area { top: tile.top.max(self.area.top), bottom: tile.bottom.min(self.area.bottom), ..tile };
-                let edges = map(
-                    [edges[0], edges[1], edges[2]],
-                    #[inline(always)]
-                    |edge| edge.measured_at(pixels.left, pixels.top),
-                );
-                fragments.draw_narrow(&edges, 0, pixels, band)
+                self.draw_tile(simd, &[edges], pixels, &mut fragments, band)
             },
         );
-    }
-
-    fn planes(&self) -> Planes {
-        Planes::new(self.corners, self.doubled_area, self.surface)
     }
 }
 
@@ -385,10 +445,10 @@ impl Planes {
     }
 }
 
-/// The fragments of a triangle, several at once.
-struct Fragments<'a, S: Simd> {
+/// The fragments of [`Triangles`], several at once.
+struct Fragments<'a, S: Simd, const N: usize> {
     simd: S,
-    planes: &'a Planes,
+    planes: [Planes; N],
     surface: &'a Surface,
     /// The only colour, packed.
     single: Option<u32>,
@@ -396,29 +456,36 @@ struct Fragments<'a, S: Simd> {
     level: Option<usize>,
 }
 
-impl<'a, S: Simd> Fragments<'a, S> {
+impl<'a, S: Simd, const N: usize> Fragments<'a, S, N> {
     #[inline(always)]
-    fn new(simd: S, planes: &'a Planes, surface: &'a Surface) -> Self {
-        let is_single = planes.flat && matches!(surface.paint, Paint::Color);
-        let single = is_single.then(|| pack(planes.color.map(|plane| unorm8(plane.at))));
+    fn new(simd: S, planes: [Planes; N], surface: &'a Surface) -> Self {
+        let first = &planes[0];
+        let is_single = first.flat && matches!(surface.paint, Paint::Color);
+        let single = is_single.then(|| pack(first.color.map(|plane| unorm8(plane.at))));
         let level = match &surface.paint {
-            Paint::Texture(texture) if planes.inverse_w.dx == 0.0 && planes.inverse_w.dy == 0.0 => {
-                Some(texture.level_for(|| planes.footprint([0.0; 2], 1.0 / planes.inverse_w.at)))
+            Paint::Texture(texture)
+                if !texture.has_smaller() || (first.inverse_w.dx == 0.0 && first.inverse_w.dy == 0.0) =>
+            {
+                Some(texture.level_for(|| first.footprint([0.0; 2], 1.0 / first.inverse_w.at)))
             }
             _ => None,
         };
         Self { simd, planes, surface, single, level }
     }
 
-    /// The places of [`LANES`] pixels from `x` on.
+    /// The values of the triangles that cover each pixel.
     #[inline(always)]
-    fn columns(&self, x: i32) -> F<S> {
-        lane_indices(self.simd).to_float::<F<S>>() + x as f32
+    fn values(&self, covered: [M<S>; N], x: F<S>, y: f32, plane: impl Fn(&Planes) -> Plane) -> F<S> {
+        let mut values = plane(&self.planes[0]).values(x, y);
+        for k in 1..N {
+            values = covered[k].select(plane(&self.planes[k]).values(x, y), values);
+        }
+        values
     }
 
     #[inline(always)]
-    fn depths(&self, x: F<S>, y: f32) -> F<S> {
-        let depth = self.planes.depth.values(x, y);
+    fn depths(&self, covered: [M<S>; N], x: F<S>, y: f32) -> F<S> {
+        let depth = self.values(covered, x, y, |planes| planes.depth);
         // NaN stays.
         let depth = depth.simd_lt(0.0).select(F::splat(self.simd, 0.0), depth);
         depth.simd_gt(FARTHEST).select(F::splat(self.simd, FARTHEST), depth)
@@ -426,76 +493,59 @@ impl<'a, S: Simd> Fragments<'a, S> {
 
     /// The fragments seen there that the surface has, and their colours.
     #[inline(always)]
-    fn colors(&self, x: F<S>, y: f32, seen: M<S>) -> (M<S>, U<S>) {
+    fn colors(&self, covered: [M<S>; N], x: F<S>, y: f32, seen: M<S>) -> (M<S>, U<S>) {
         if let Some(single) = self.single {
             return (seen, U::splat(self.simd, single));
         }
-        let planes = self.planes;
-        let w = 1.0 / planes.inverse_w.values(x, y);
-        let color = if planes.flat {
+        let first = &self.planes[0];
+        let w = 1.0 / self.values(covered, x, y, |planes| planes.inverse_w);
+        let color = if first.flat {
             map(
-                planes.color,
+                first.color,
                 #[inline(always)]
                 |plane| F::splat(self.simd, plane.at),
             )
         } else {
             map(
-                planes.color,
+                first.color,
                 #[inline(always)]
                 |plane| plane.values(x, y) * w,
             )
         };
         let uv = map(
-            planes.uv,
+            [0, 1],
             #[inline(always)]
-            |plane| plane.values(x, y) * w,
+            |i: usize| self.values(covered, x, y, |planes| planes.uv[i]) * w,
         );
-        self.surface.colors(color, uv, seen, |texture, lane, uv| {
-            self.level.unwrap_or_else(|| texture.level_for(|| planes.footprint(uv, w.to_array()[lane])))
+        self.surface.colors(color, uv, seen, self.level, |texture, lane, uv| {
+            texture.level_for(|| first.footprint(uv, w.to_array()[lane]))
         })
     }
+}
 
+impl<S: Simd> Fragments<'_, S, 1> {
     /// Draws the pixels of a row's span, which must be the picture's.
     #[inline(always)]
     fn draw_span(&self, y: i32, span: Range<i32>, band: &mut Band<'_>) {
         let row = y as f32;
         for begin in span.clone().step_by(LANES) {
-            let columns = self.columns(begin);
+            let columns = columns(self.simd, begin);
             let mask = columns.simd_lt(span.end as f32);
-            let depths = self.depths(columns, row);
+            let depths = self.depths([mask], columns, row);
             let Some(window) = band.window(begin, y) else { return };
             window.meet(
                 mask,
                 depths,
                 self.surface.mode,
                 #[inline(always)]
-                |seen| self.colors(columns, row, seen),
+                |seen| self.colors([mask], columns, row, seen),
             );
         }
     }
+}
 
-    /// Draws the pixels of an area of at most [`LANES`] columns that are inside of edges, which are measured from its
-    /// first column and `row` rows above its first row. Returns true if some are seen.
-    #[inline(always)]
-    fn draw_narrow(&self, edges: &[Edge<i32>; 3], row: i32, area: Area, band: &mut Band<'_>) -> bool {
-        let columns = self.columns(area.left);
-        let mut rows = RowEdges::new(edges, lane_indices(self.simd), row);
-        let (mut y, mut is_seen) = (area.top as f32, false);
-        band.for_windows(
-            area.top..area.bottom,
-            area.left,
-            #[inline(always)]
-            |window| {
-                is_seen |= window.meet(
-                    rows.next(),
-                    self.depths(columns, y),
-                    self.surface.mode,
-                    #[inline(always)]
-                    |seen| self.colors(columns, y, seen),
-                );
-                y += 1.0;
-            },
-        );
-        is_seen
-    }
+/// The places of [`LANES`] pixels from `x` on.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, x: i32) -> F<S> {
+    lane_indices(simd).to_float::<F<S>>() + x as f32
 }

@@ -45,6 +45,17 @@ impl Area {
     pub(in crate::cpu) fn is_empty(&self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
+
+    /// The least area with the columns and rows of both.
+    #[inline(always)]
+    pub(in crate::cpu) fn around(&self, other: &Self) -> Self {
+        Self {
+            left: self.left.min(other.left),
+            right: self.right.max(other.right),
+            top: self.top.min(other.top),
+            bottom: self.bottom.max(other.bottom),
+        }
+    }
 }
 
 /// The depths of a face's fragments: `at` at pixel (x, y) and its change to the right and down; each may be off by
