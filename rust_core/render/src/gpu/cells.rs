@@ -208,8 +208,8 @@ impl CellPipelines {
         })?;
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        let chunks = vec![Instances { buffer: self.corners.clone(), count: 1 }];
-        Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, chunks })
+        let instances = Instances { buffer: self.corners.clone(), count: 1 };
+        Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, instances })
     }
 
     /// The texture with the values of cells.

@@ -13,7 +13,7 @@ pub(super) struct InstancedDraw {
     pub(super) images: Option<wgpu::BindGroup>,
     /// Vertices of an instance.
     pub(super) vertices: u32,
-    pub(super) chunks: Vec<Instances>,
+    pub(super) instances: Instances,
 }
 
 /// One drawable in one picture.
@@ -39,10 +39,8 @@ impl InstancedDraw {
         if let Some(images) = &self.images {
             pass.set_bind_group(1, images, &[]);
         }
-        for chunk in &self.chunks {
-            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
-            pass.draw(0..self.vertices, 0..chunk.count);
-        }
+        pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
+        pass.draw(0..self.vertices, 0..self.instances.count);
     }
 }
 

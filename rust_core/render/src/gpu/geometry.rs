@@ -5,9 +5,6 @@ use rayon::prelude::*;
 
 use super::device::Device;
 
-/// No buffer is larger than this; larger geometries are split.
-pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;
-
 /// A vertex buffer of instances.
 #[derive(Clone, Debug)]
 pub(super) struct Instances {
@@ -17,21 +14,28 @@ pub(super) struct Instances {
     pub(super) count: u32,
 }
 
+impl Instances {
+    /// Uploads instances; `None` where there are none.
+    pub(super) fn upload<T: Pod>(device: &Device, label: &str, all: &[T]) -> Option<Self> {
+        let buffer = || device.buffer(label, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(all));
+        (!all.is_empty()).then(|| Self { buffer: buffer(), count: all.len() as u32 })
+    }
+}
+
 /// True if all coordinates are finite.
 pub(super) fn is_finite(position: &[f32; 3]) -> bool {
     position.iter().all(|c| c.is_finite())
 }
 
-/// A buffer of what is made of each of some things and its index. All cores write, `SHARE_BYTES` at a time.
+/// A vertex buffer of what is made of each of some things and its index. All cores write, `SHARE_BYTES` at a time.
 pub(super) fn written<S: Sync, T: Pod + Send, const SHARE_BYTES: usize>(
     device: &Device,
     label: &str,
-    usage: wgpu::BufferUsages,
     from: &[S],
     make: impl Fn(usize, &S) -> T + Sync,
 ) -> wgpu::Buffer {
     let in_share = SHARE_BYTES / size_of::<T>();
-    device.written_buffer(label, usage, from.len() * size_of::<T>(), |memory| {
+    device.written_buffer(label, wgpu::BufferUsages::VERTEX, from.len() * size_of::<T>(), |memory| {
         let (shares, mut rest) = memory.into_chunks::<SHARE_BYTES>();
         let shares: Vec<_> = shares.into_iter().collect();
         let make_share = |(share, from): (usize, &[S]), made: &mut Vec<T>| {

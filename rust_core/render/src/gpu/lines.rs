@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::device::Device;
 use super::draw::InstancedDraw;
-use super::geometry::{is_finite, Instances, MAX_CHUNK_BYTES};
+use super::geometry::{is_finite, Instances};
 use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::Uniforms;
 use super::Viewpoint;
@@ -21,7 +21,7 @@ use crate::cache::Derived;
 #[derive(Debug)]
 pub(super) struct LinePipelines {
     pipelines: PipelineSet,
-    lines: Derived<Lines, Vec<Instances>>,
+    lines: Derived<Lines, Option<Instances>>,
 }
 
 /// A segment as the shader takes it.
@@ -76,10 +76,7 @@ impl LinePipelines {
         fixed_from_object: &Matrix4<f64>,
         lines: &Arc<Lines>,
     ) -> Option<InstancedDraw> {
-        let chunks = self.lines.get(lines, |lines| upload(device, lines)).clone();
-        if chunks.is_empty() {
-            return None;
-        }
+        let instances = self.lines.get(lines, |lines| upload(device, lines)).clone()?;
         let slot = uniforms.push(&Chain {
             clip_from_object: viewpoint.clip_from_object(fixed_from_object),
             size_px: viewpoint.size_px(),
@@ -87,11 +84,11 @@ impl LinePipelines {
         })?;
         let state = FixedState::plain(lines.blending == Blending::Alpha);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, chunks })
+        Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, instances })
     }
 }
 
-fn upload(device: &Device, lines: &Lines) -> Vec<Instances> {
+fn upload(device: &Device, lines: &Lines) -> Option<Instances> {
     let segments: Vec<Segment> = lines
         .segments(0..lines.segment_count())
         .filter_map(|(start, end)| {
@@ -104,11 +101,5 @@ fn upload(device: &Device, lines: &Lines) -> Vec<Instances> {
             })
         })
         .collect();
-    segments
-        .chunks(MAX_CHUNK_BYTES / size_of::<Segment>())
-        .map(|chunk| Instances {
-            buffer: device.buffer("lines", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(chunk)),
-            count: chunk.len() as u32,
-        })
-        .collect()
+    Instances::upload(device, "lines", &segments)
 }

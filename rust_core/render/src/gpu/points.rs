@@ -1,10 +1,10 @@
 //! Point clouds: every point an instance of a triangle around its disc, of a square of four vertices, or of the visible
 //! half of a box.
 //!
-//! A cloud's points, each a position and a colour, are one vertex buffer that is made once (several for millions of
-//! points); style, size and opacity are uniforms, so that changing them costs nothing. Packed points are the bytes of
-//! their message: the shader decodes the colours. It drops points whose position is not finite. There is a pipeline for
-//! each style, opaque and blended; other strides than that of decoded points get theirs when they are first seen.
+//! A cloud's points, each a position and a colour, are one vertex buffer that is made once; style, size and opacity are
+//! uniforms, so that changing them costs nothing. Packed points are the bytes of their message: the shader decodes the
+//! colours. It drops points whose position is not finite. There is a pipeline for each style, opaque and blended; other
+//! strides than that of decoded points get theirs when they are first seen.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use rcs_scene::{Aabb, Geometry, InFrustum, PackedColors, PackedPoints, PointBuffer, PointLook, PointStyle};
 
 use super::device::Device;
-use super::geometry::{written, Instances, MAX_CHUNK_BYTES};
+use super::geometry::{written, Instances};
 use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
@@ -45,7 +45,7 @@ struct UploadedClouds {
 #[derive(Debug)]
 struct UploadedCloud {
     bounds: Option<Aabb>,
-    chunks: Vec<Instances>,
+    instances: Instances,
     stride: u64,
     /// Offsets of position and colour in a point.
     offsets: [u64; 2],
@@ -55,7 +55,7 @@ struct UploadedCloud {
 pub(super) struct PointsDraw {
     pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     vertices: u32,
-    chunks: Vec<Instances>,
+    instances: Instances,
     offsets: [u64; 2],
     slot: Slot,
 }
@@ -182,7 +182,7 @@ impl PointPipelines {
         let set = self.pipelines.entry((style, stride)).or_insert_with(new);
         let pipelines = set.get(device, FixedState::plain(look.blended), &viewpoint.outputs);
         let vertices = if shows_insides(look) { INSIDE_OUT_BOX_VERTICES } else { STYLES[style].1 };
-        Some(PointsDraw { pipelines, vertices, chunks: cloud.chunks.clone(), offsets: cloud.offsets, slot })
+        Some(PointsDraw { pipelines, vertices, instances: cloud.instances.clone(), offsets: cloud.offsets, slot })
     }
 }
 
@@ -221,12 +221,10 @@ fn shows_insides(look: PointLook) -> bool {
 impl PointsDraw {
     pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        for chunk in &self.chunks {
-            for (slot, offset) in (0..).zip(self.offsets) {
-                pass.set_vertex_buffer(slot, chunk.buffer.slice(offset..));
-            }
-            pass.draw(0..self.vertices, 0..chunk.count);
+        for (slot, offset) in (0..).zip(self.offsets) {
+            pass.set_vertex_buffer(slot, self.instances.buffer.slice(offset..));
         }
+        pass.draw(0..self.vertices, 0..self.instances.count);
     }
 }
 
@@ -281,28 +279,20 @@ fn constants(
 
 impl UploadedCloud {
     fn new(device: &Device, cloud: &PointBuffer) -> Self {
-        const POINTS_IN_CHUNK: usize = MAX_CHUNK_BYTES / POINT_BYTES;
         let shares = cloud.positions.par_chunks(POINTS_IN_SHARE);
         let bounds = shares.filter_map(|positions| Aabb::around(positions.iter().copied())).reduce_with(Aabb::joined);
-        let upload = |(first, positions): (usize, &[[f32; 3]])| {
-            let point = |i, &position: &_| GpuPoint { position, color: cloud.colors.get(first + i) };
-            let usage = wgpu::BufferUsages::VERTEX;
-            let buffer = written::<_, _, { POINTS_IN_SHARE * POINT_BYTES }>(device, "points", usage, positions, point);
-            Instances { buffer, count: positions.len() as u32 }
-        };
-        let chunks = (0..).step_by(POINTS_IN_CHUNK).zip(cloud.positions.chunks(POINTS_IN_CHUNK)).map(upload).collect();
-        Self { bounds, chunks, stride: POINT_BYTES as u64, offsets: [0, size_of::<[f32; 3]>() as u64] }
+        let point = |i, &position: &_| GpuPoint { position, color: cloud.colors.get(i) };
+        let buffer = written::<_, _, { POINTS_IN_SHARE * POINT_BYTES }>(device, "points", &cloud.positions, point);
+        let instances = Instances { buffer, count: cloud.positions.len() as u32 };
+        Self { bounds, instances, stride: POINT_BYTES as u64, offsets: [0, size_of::<[f32; 3]>() as u64] }
     }
 
     /// Uploads a message's bytes as they are.
     fn packed(device: &Device, cloud: &PackedPoints) -> Self {
         let (stride, position) = (cloud.stride(), cloud.position_offset());
-        let upload = |bytes: &[u8]| Instances {
-            buffer: device.buffer("points", wgpu::BufferUsages::VERTEX, bytes),
-            count: (bytes.len() / stride) as u32,
-        };
-        let chunks = cloud.bytes().chunks(MAX_CHUNK_BYTES / stride * stride).map(upload).collect();
+        let buffer = device.buffer("points", wgpu::BufferUsages::VERTEX, cloud.bytes());
+        let instances = Instances { buffer, count: cloud.count() as u32 };
         let color = if let PackedColors::Rgb { offset } = *cloud.colors() { offset } else { position };
-        Self { bounds: cloud.bounds(), chunks, stride: stride as u64, offsets: [position as u64, color as u64] }
+        Self { bounds: cloud.bounds(), instances, stride: stride as u64, offsets: [position as u64, color as u64] }
     }
 }

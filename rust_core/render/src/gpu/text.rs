@@ -11,7 +11,7 @@ use rcs_scene::{glyph_atlas, Text};
 
 use super::device::Device;
 use super::draw::InstancedDraw;
-use super::geometry::{Instances, MAX_CHUNK_BYTES};
+use super::geometry::Instances;
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::triangles::fixed_state;
 use super::uniforms::Uniforms;
@@ -25,7 +25,7 @@ pub(super) struct TextPipelines {
     image_layout: wgpu::BindGroupLayout,
     /// The texture of all glyphs, uploaded with the first text.
     atlas: Option<wgpu::BindGroup>,
-    texts: Derived<Text, Vec<Instances>>,
+    texts: Derived<Text, Option<Instances>>,
 }
 
 /// A glyph as the shader takes it.
@@ -83,10 +83,7 @@ impl TextPipelines {
         fixed_from_object: &Matrix4<f64>,
         text: &Arc<Text>,
     ) -> Option<InstancedDraw> {
-        let chunks = self.texts.get(text, |text| upload(device, text)).clone();
-        if chunks.is_empty() {
-            return None;
-        }
+        let instances = self.texts.get(text, |text| upload(device, text)).clone()?;
         let view_from_text = viewpoint.camera.view_from_facing(fixed_from_object);
         let slot = uniforms.push(&Caption {
             clip_from_text: columns(&(viewpoint.clip_from_view * view_from_text.cast()).cast()),
@@ -96,25 +93,17 @@ impl TextPipelines {
         let images = Some(self.atlas.get_or_insert_with(upload).clone());
         let state = fixed_state(text.material(), false);
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
-        Some(InstancedDraw { pipelines, slot, images, vertices: 4, chunks })
+        Some(InstancedDraw { pipelines, slot, images, vertices: 4, instances })
     }
 }
 
 /// The glyphs whose edges are finite.
-fn upload(device: &Device, text: &Text) -> Vec<Instances> {
+fn upload(device: &Device, text: &Text) -> Option<Instances> {
     let glyph = |glyph: &rcs_scene::Glyph| {
         let bottom_m = glyph.top_m - text.height_m();
         let edges_m = [glyph.left_m, glyph.top_m, glyph.right_m, bottom_m];
         edges_m.iter().all(|edge| edge.is_finite()).then(|| GpuGlyph { edges_m, uv: glyph.uv() })
     };
-    text.glyphs()
-        .chunks(MAX_CHUNK_BYTES / size_of::<GpuGlyph>())
-        .filter_map(|glyphs| {
-            let glyphs: Vec<GpuGlyph> = glyphs.iter().filter_map(glyph).collect();
-            (!glyphs.is_empty()).then(|| Instances {
-                buffer: device.buffer("text", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&glyphs)),
-                count: glyphs.len() as u32,
-            })
-        })
-        .collect()
+    let glyphs: Vec<GpuGlyph> = text.glyphs().iter().filter_map(glyph).collect();
+    Instances::upload(device, "text", &glyphs)
 }

@@ -28,7 +28,7 @@ pub(super) struct TrianglePipelines {
     pipelines: PipelineSet,
     image_layout: wgpu::BindGroupLayout,
     white: wgpu::BindGroup,
-    meshes: Derived<Mesh, Arc<[Triangles]>>,
+    meshes: Derived<Mesh, Option<Triangles>>,
     ribbons: Derived<Ribbons, TurnedRibbons>,
     images: Derived<Texture, wgpu::BindGroup>,
     /// Instances of this picture.
@@ -43,7 +43,7 @@ pub(super) struct TrianglePipelines {
 pub(super) struct TrianglesDraw {
     pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     image: wgpu::BindGroup,
-    chunks: Arc<[Triangles]>,
+    triangles: Triangles,
     instances: Range<u32>,
     light: Slot,
 }
@@ -52,7 +52,7 @@ pub(super) struct TrianglesDraw {
 #[derive(Debug)]
 struct TurnedRibbons {
     eye: Point3<f32>,
-    chunks: Arc<[Triangles]>,
+    triangles: Option<Triangles>,
 }
 
 /// A mesh's place and colours as the shader takes them.
@@ -166,11 +166,11 @@ impl TrianglePipelines {
         mesh: &Arc<Mesh>,
         material: &Material,
     ) -> Option<TrianglesDraw> {
-        let chunks = self.meshes.get(mesh, |mesh| upload(device, mesh)).clone();
+        let triangles = self.meshes.get(mesh, |mesh| upload(device, mesh)).clone()?;
         let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, material);
         // Ogre turns the culling round for mirrored objects.
         let state = fixed_state(material, is_mirrored);
-        self.draw((device, viewpoint), chunks, instance, state, material.texture.as_ref())
+        self.draw((device, viewpoint), triangles, instance, state, material.texture.as_ref())
     }
 
     /// Adds draws of some solids, in their order.
@@ -183,22 +183,20 @@ impl TrianglePipelines {
         mut add: impl FnMut(TrianglesDraw),
     ) {
         let meshes = solids.shapes().iter().map(|mesh| self.meshes.get(mesh, |mesh| upload(device, mesh)).clone());
-        let meshes: Vec<Arc<[Triangles]>> = meshes.collect();
+        let meshes: Vec<Option<Triangles>> = meshes.collect();
         let mut open: Option<(usize, FixedState, TrianglesDraw)> = None;
         for solid in solids.as_slice().get(range).unwrap_or(&[]) {
             let material = Material::lit(solid.color);
             let (instance, is_mirrored) = instance_of_mesh(viewpoint, &solid.matrix(), &material);
             let state = fixed_state(&material, is_mirrored);
             let shape = solid.shape();
-            let is_same = |(last, known, draw): &(usize, FixedState, TrianglesDraw)| {
-                (*last, *known) == (shape, state) && draw.chunks.len() == 1
-            };
+            let is_same = |(last, known, _): &(usize, FixedState, TrianglesDraw)| (*last, *known) == (shape, state);
             if let Some((_, _, draw)) = open.as_mut().filter(|open| is_same(open)) {
                 draw.instances.end += u32::from(self.push(instance).is_some());
                 continue;
             }
-            let chunks = meshes.get(shape).cloned();
-            let draw = chunks.and_then(|chunks| self.draw((device, viewpoint), chunks, instance, state, None));
+            let triangles = meshes.get(shape).cloned().flatten();
+            let draw = triangles.and_then(|all| self.draw((device, viewpoint), all, instance, state, None));
             let last = std::mem::replace(&mut open, draw.map(|draw| (shape, state, draw)));
             last.into_iter().for_each(|(_, _, draw)| add(draw));
         }
@@ -213,16 +211,16 @@ impl TrianglePipelines {
         ribbons: &Arc<Ribbons>,
     ) -> Option<TrianglesDraw> {
         let eye = viewpoint.camera.eye_in_object(fixed_from_object);
-        let turn = |ribbons: &Ribbons| TurnedRibbons { eye, chunks: upload(device, &ribbons.to_mesh(eye)) };
+        let turn = |ribbons: &Ribbons| TurnedRibbons { eye, triangles: upload(device, &ribbons.to_mesh(eye)) };
         let turned = self.ribbons.get(ribbons, turn);
         if turned.eye != eye {
             *turned = turn(ribbons);
         }
-        let chunks = turned.chunks.clone();
+        let triangles = turned.triangles.clone()?;
         // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
         let material = Material::unlit(ribbons.blending == Blending::Alpha);
         let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, &material);
-        self.draw((device, viewpoint), chunks, instance, fixed_state(&material, is_mirrored), None)
+        self.draw((device, viewpoint), triangles, instance, fixed_state(&material, is_mirrored), None)
     }
 
     /// Adds an instance to the picture's; `None` when there are too many.
@@ -238,14 +236,11 @@ impl TrianglePipelines {
     fn draw(
         &mut self,
         (device, viewpoint): (&Device, &Viewpoint<'_>),
-        chunks: Arc<[Triangles]>,
+        triangles: Triangles,
         instance: Instance,
         state: FixedState,
         texture: Option<&Arc<Texture>>,
     ) -> Option<TrianglesDraw> {
-        if chunks.is_empty() {
-            return None;
-        }
         let light = self.light?;
         let image = match texture {
             Some(texture) => {
@@ -255,24 +250,19 @@ impl TrianglePipelines {
         };
         let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
         let first = self.push(instance)?;
-        Some(TrianglesDraw { pipelines, image, chunks, instances: first..first + 1, light })
+        Some(TrianglesDraw { pipelines, image, triangles, instances: first..first + 1, light })
     }
 }
 
 impl TrianglesDraw {
     /// Takes the instances of the next draw into this one, where all else is the same.
     pub(super) fn join(&mut self, next: &Self) -> bool {
-        // Several chunks are drawn one after another, each for all instances, which would change their order.
-        let is_same = self.shares_mesh(next) && self.chunks.len() == 1 && self.shares_state(next);
+        let is_same = self.triangles == next.triangles && self.shares_state(next);
         let is_next = is_same && self.instances.end == next.instances.start;
         if is_next {
             self.instances.end = next.instances.end;
         }
         is_next
-    }
-
-    fn shares_mesh(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.chunks, &other.chunks)
     }
 
     fn shares_state(&self, other: &Self) -> bool {
@@ -294,14 +284,11 @@ impl TrianglesDraw {
         if previous.is_none_or(|previous| !self.shares_state(previous)) {
             pass.set_bind_group(1, &self.image, &[]);
         }
-        let is_bound = previous.is_some_and(|previous| self.shares_mesh(previous)) && self.chunks.len() == 1;
-        for chunk in self.chunks.iter() {
-            if !is_bound {
-                pass.set_vertex_buffer(0, chunk.vertices.slice(..));
-                pass.set_index_buffer(chunk.indices.slice(..), wgpu::IndexFormat::Uint32);
-            }
-            pass.draw_indexed(0..chunk.index_count, 0, self.instances.clone());
+        if previous.is_none_or(|previous| self.triangles != previous.triangles) {
+            pass.set_vertex_buffer(0, self.triangles.vertices.slice(..));
+            pass.set_index_buffer(self.triangles.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
+        pass.draw_indexed(0..self.triangles.index_count, 0, self.instances.clone());
     }
 }
 
