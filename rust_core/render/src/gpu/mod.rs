@@ -54,7 +54,7 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
 use rcs_scene::{
-    Camera, DisplayId, DisplayMask, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap, Scene,
+    Camera, DisplayId, DisplayMask, DrawOrder, Encoding, Flip, Geometry, Material, Ordered, Picture, PixelMap, Scene,
 };
 
 use self::cells::CellPipelines;
@@ -383,30 +383,19 @@ impl Gpu {
         order.sort(view.scene, view.visible, &camera.eye());
         let mut draws = Vec::new();
         for ordered in order.of(view.scene) {
-            let first = draws.len();
             viewpoint.outputs = outputs(request, ordered.drawable.display);
-            if let Some(draw) = self.prepare_one(&viewpoint, &ordered, &mut draws) {
-                draws.push(draw);
-            }
-            // What this drawable begins with may go on with what the last one ended with.
-            if let (Some(first), true) = (first.checked_sub(1), draws.len() > first) {
-                if let [Draw::Triangles(last), Draw::Triangles(next), ..] = &mut draws[first..] {
-                    if last.join(next) {
-                        draws.remove(first + 1);
-                    }
-                }
-            }
+            self.prepare_one(&viewpoint, &ordered, &mut draws);
         }
         self.order = order;
         draws
     }
 
-    /// The draw of a drawable; those of solids, of which there may be many, are added to the list.
-    fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) -> Option<Draw> {
+    /// Adds the draw of a drawable, or those of its solids.
+    fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) {
         let (device, uniforms) = (&self.device, &mut self.uniforms);
         let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
         let fixed_from_object = &ordered.drawable.fixed_from_object;
-        match &ordered.drawable.geometry {
+        let draw = match &ordered.drawable.geometry {
             cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => {
                 points.prepare(device, uniforms, viewpoint, fixed_from_object, cloud).map(Draw::Points)
             }
@@ -426,12 +415,17 @@ impl Gpu {
                 cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Instanced)
             }
             Geometry::Solids(solids) => {
-                let range = ordered.solids.clone();
-                triangles.prepare_solids(device, viewpoint, solids, range, |draw| draws.push(Draw::Triangles(draw)));
+                for solid in solids.as_slice().get(ordered.solids.clone()).unwrap_or(&[]) {
+                    let Some(mesh) = solids.shapes().get(solid.shape()) else { continue };
+                    let (matrix, material) = (solid.matrix(), Material::lit(solid.color));
+                    let draw = triangles.prepare_mesh(device, viewpoint, &matrix, mesh, &material);
+                    add(draws, draw.map(Draw::Triangles));
+                }
                 None
             }
             Geometry::Facing(_) => None,
-        }
+        };
+        add(draws, draw);
     }
 }
 
@@ -460,6 +454,17 @@ impl Submitted {
             layer.readback.read(device, arrival, &mut depth.depths_m, write_metres)?;
         }
         Ok(())
+    }
+}
+
+/// Adds a draw to a picture's, or its instances to those of the last one.
+fn add(draws: &mut Vec<Draw>, draw: Option<Draw>) {
+    let is_joined = match (draws.last_mut(), &draw) {
+        (Some(Draw::Triangles(last)), Some(Draw::Triangles(next))) => last.join(next),
+        _ => false,
+    };
+    if !is_joined {
+        draws.extend(draw);
     }
 }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Matrix4, Point3};
-use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Solids, Texture, Wrapping};
+use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Texture, Wrapping};
 
 use super::device::Device;
 use super::mesh::{upload, GpuVertex, Triangles};
@@ -171,36 +171,6 @@ impl TrianglePipelines {
         // Ogre turns the culling round for mirrored objects.
         let state = fixed_state(material, is_mirrored);
         self.draw((device, viewpoint), triangles, instance, state, material.texture.as_ref())
-    }
-
-    /// Adds draws of some solids, in their order.
-    pub(super) fn prepare_solids(
-        &mut self,
-        device: &Device,
-        viewpoint: &Viewpoint<'_>,
-        solids: &Solids,
-        range: Range<usize>,
-        mut add: impl FnMut(TrianglesDraw),
-    ) {
-        let meshes = solids.shapes().iter().map(|mesh| self.meshes.get(mesh, |mesh| upload(device, mesh)).clone());
-        let meshes: Vec<Option<Triangles>> = meshes.collect();
-        let mut open: Option<(usize, FixedState, TrianglesDraw)> = None;
-        for solid in solids.as_slice().get(range).unwrap_or(&[]) {
-            let material = Material::lit(solid.color);
-            let (instance, is_mirrored) = instance_of_mesh(viewpoint, &solid.matrix(), &material);
-            let state = fixed_state(&material, is_mirrored);
-            let shape = solid.shape();
-            let is_same = |(last, known, _): &(usize, FixedState, TrianglesDraw)| (*last, *known) == (shape, state);
-            if let Some((_, _, draw)) = open.as_mut().filter(|open| is_same(open)) {
-                draw.instances.end += u32::from(self.push(instance).is_some());
-                continue;
-            }
-            let triangles = meshes.get(shape).cloned().flatten();
-            let draw = triangles.and_then(|all| self.draw((device, viewpoint), all, instance, state, None));
-            let last = std::mem::replace(&mut open, draw.map(|draw| (shape, state, draw)));
-            last.into_iter().for_each(|(_, _, draw)| add(draw));
-        }
-        open.into_iter().for_each(|(_, _, draw)| add(draw));
     }
 
     pub(super) fn prepare_ribbons(
