@@ -7,15 +7,13 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::Matrix4;
 use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
 
 use super::device::Device;
 use super::draw::InstancedDraw;
 use super::geometry::Instances;
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
-use super::uniforms::Uniforms;
-use super::Viewpoint;
+use super::DrawContext;
 use crate::cache::Derived;
 
 /// The pipelines, and the cells and palettes that are on the GPU.
@@ -180,14 +178,8 @@ impl CellPipelines {
         });
     }
 
-    pub(super) fn prepare(
-        &mut self,
-        device: &Device,
-        uniforms: &mut Uniforms,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
-        sheet: &CellSheet,
-    ) -> Option<InstancedDraw> {
+    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, sheet: &CellSheet) -> Option<InstancedDraw> {
+        let device = context.device;
         let (values, layers) = self.values(device, &sheet.cells)?;
         let palette = self.palettes.get(&sheet.palette, |palette| upload_palette(device, palette));
         let content = device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
@@ -198,8 +190,8 @@ impl CellPipelines {
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(palette) },
             ],
         });
-        let slot = uniforms.push(&Sheet {
-            clip_from_object: viewpoint.clip_from_object(fixed_from_object),
+        let slot = context.uniforms.push(&Sheet {
+            clip_from_object: context.clip_from_object(),
             size: layers.size.map(|side| side as f32),
             layer_side: layers.side,
             layer_columns: layers.columns,
@@ -207,7 +199,7 @@ impl CellPipelines {
             padding: [0.0; 3],
         })?;
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
-        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        let pipelines = self.pipelines.get(device, state, &context.outputs);
         let instances = Instances { buffer: self.corners.clone(), count: 1 };
         Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, instances })
     }

@@ -5,7 +5,6 @@
 //! primitives would leave all that to the driver, and drivers choose differently.
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::Matrix4;
 use rcs_scene::{Blending, Lines};
 use std::sync::Arc;
 
@@ -13,8 +12,7 @@ use super::device::Device;
 use super::draw::InstancedDraw;
 use super::geometry::{is_finite, Instances};
 use super::pipeline::{FixedState, PipelineSet, Program, Stages};
-use super::uniforms::Uniforms;
-use super::Viewpoint;
+use super::DrawContext;
 use crate::cache::Derived;
 
 /// The pipelines, and the lines that are on the GPU.
@@ -68,22 +66,16 @@ impl LinePipelines {
         self.lines.forget_dead();
     }
 
-    pub(super) fn prepare(
-        &mut self,
-        device: &Device,
-        uniforms: &mut Uniforms,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
-        lines: &Arc<Lines>,
-    ) -> Option<InstancedDraw> {
+    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, lines: &Arc<Lines>) -> Option<InstancedDraw> {
+        let device = context.device;
         let instances = self.lines.get(lines, |lines| upload(device, lines)).clone()?;
-        let slot = uniforms.push(&Chain {
-            clip_from_object: viewpoint.clip_from_object(fixed_from_object),
-            size_px: viewpoint.size_px(),
+        let slot = context.uniforms.push(&Chain {
+            clip_from_object: context.clip_from_object(),
+            size_px: context.size_px(),
             padding: [0.0; 2],
         })?;
         let state = FixedState::plain(lines.blending == Blending::Alpha);
-        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        let pipelines = self.pipelines.get(device, state, &context.outputs);
         Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, instances })
     }
 }

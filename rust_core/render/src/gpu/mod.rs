@@ -145,8 +145,10 @@ struct LensView {
 /// One picture is drawn while others are prepared and encoded; as many as a node usually has cameras.
 const PICTURES_AT_ONCE: usize = 4;
 
-/// The part common to all drawables of a picture.
-struct Viewpoint<'a> {
+/// The drawable at hand, and what all drawables of a picture have in common.
+struct DrawContext<'a> {
+    device: &'a Device,
+    uniforms: &'a mut Uniforms,
     camera: &'a Camera,
     /// From the view frame to wgpu's clip coordinates: depth 0 to w.
     clip_from_view: Matrix4<f64>,
@@ -154,9 +156,9 @@ struct Viewpoint<'a> {
     clip_from_fixed: Matrix4<f64>,
     /// For OpenGL's clip coordinates: depth −w to w.
     clip_from_fixed_gl: Matrix4<f64>,
-    /// Unit vector towards the light, in the view frame.
-    to_light: Option<[f32; 3]>,
-    /// Outputs of the drawable at hand in each pass.
+    /// Of the drawable.
+    fixed_from_object: Matrix4<f64>,
+    /// Outputs of the drawable in each pass.
     outputs: ByPass<Output>,
 }
 
@@ -369,56 +371,46 @@ impl Gpu {
         let camera = view.camera;
         let clip_from_view = depth_from_zero() * camera.clip_from_view();
         let view_from_fixed = camera.fixed_from_view().inverse().to_homogeneous();
-        let mut viewpoint = Viewpoint {
+        let mut context = DrawContext {
+            device: &self.device,
+            uniforms: &mut self.uniforms,
             camera,
             clip_from_view,
             view_from_fixed,
             clip_from_fixed: clip_from_view * view_from_fixed,
             clip_from_fixed_gl: camera.clip_from_view() * view_from_fixed,
-            to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
+            fixed_from_object: Matrix4::identity(),
             outputs: [None; 3],
         };
-        self.pipelines.triangles.begin(&mut self.uniforms, &viewpoint);
-        let mut order = std::mem::take(&mut self.order);
-        order.sort(view.scene, view.visible, &camera.eye());
+        let to_light = to_light(camera, view.scene.light.as_ref()).map(Into::into);
+        self.pipelines.triangles.begin(&mut context, to_light);
+        self.order.sort(view.scene, view.visible, &camera.eye());
         let mut draws = Vec::new();
-        for ordered in order.of(view.scene) {
-            viewpoint.outputs = outputs(request, ordered.drawable.display);
-            self.prepare_one(&viewpoint, &ordered, &mut draws);
+        for ordered in self.order.of(view.scene) {
+            context.fixed_from_object = ordered.drawable.fixed_from_object;
+            context.outputs = outputs(request, ordered.drawable.display);
+            self.pipelines.prepare(&mut context, &ordered, &mut draws);
         }
-        self.order = order;
         draws
     }
+}
 
+impl Pipelines {
     /// Adds the draw of a drawable, or those of its solids.
-    fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) {
-        let (device, uniforms) = (&self.device, &mut self.uniforms);
-        let Pipelines { points, lines, triangles, texts, cells } = &mut self.pipelines;
-        let fixed_from_object = &ordered.drawable.fixed_from_object;
+    fn prepare(&mut self, context: &mut DrawContext<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) {
+        let Self { points, lines, triangles, texts, cells } = self;
         let draw = match &ordered.drawable.geometry {
-            cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => {
-                points.prepare(device, uniforms, viewpoint, fixed_from_object, cloud).map(Draw::Points)
-            }
-            Geometry::Lines(strips) => {
-                lines.prepare(device, uniforms, viewpoint, fixed_from_object, strips).map(Draw::Instanced)
-            }
-            Geometry::Ribbons(ribbons) => {
-                triangles.prepare_ribbons(device, viewpoint, fixed_from_object, ribbons).map(Draw::Triangles)
-            }
-            Geometry::Mesh { mesh, material } => {
-                triangles.prepare_mesh(device, viewpoint, fixed_from_object, mesh, material).map(Draw::Triangles)
-            }
-            Geometry::Text(text) => {
-                texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Instanced)
-            }
-            Geometry::Cells(sheet) => {
-                cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Instanced)
-            }
+            cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => points.prepare(context, cloud).map(Draw::Points),
+            Geometry::Lines(strips) => lines.prepare(context, strips).map(Draw::Instanced),
+            Geometry::Ribbons(ribbons) => triangles.prepare_ribbons(context, ribbons).map(Draw::Triangles),
+            Geometry::Mesh { mesh, material } => triangles.prepare_mesh(context, mesh, material).map(Draw::Triangles),
+            Geometry::Text(text) => texts.prepare(context, text).map(Draw::Instanced),
+            Geometry::Cells(sheet) => cells.prepare(context, sheet).map(Draw::Instanced),
             Geometry::Solids(solids) => {
                 for solid in solids.as_slice().get(ordered.solids.clone()).unwrap_or(&[]) {
                     let Some(mesh) = solids.shapes().get(solid.shape()) else { continue };
-                    let (matrix, material) = (solid.matrix(), Material::lit(solid.color));
-                    let draw = triangles.prepare_mesh(device, viewpoint, &matrix, mesh, &material);
+                    context.fixed_from_object = solid.matrix();
+                    let draw = triangles.prepare_mesh(context, mesh, &Material::lit(solid.color));
                     add(draws, draw.map(Draw::Triangles));
                 }
                 None
@@ -474,15 +466,15 @@ fn outputs(request: &DepthRequest<'_>, display: DisplayId) -> ByPass<Output> {
     [Some(Output::Color), request.opaque.then_some(Output::OpaqueDepth), object]
 }
 
-impl Viewpoint<'_> {
-    /// From an object's frame to wgpu's clip coordinates, computed in `f64`.
-    fn clip_from_object(&self, fixed_from_object: &Matrix4<f64>) -> [[f32; 4]; 4] {
-        columns(&(self.clip_from_fixed * fixed_from_object).cast())
+impl DrawContext<'_> {
+    /// From the drawable's frame to wgpu's clip coordinates, computed in `f64`; the columns, as a shader takes them.
+    fn clip_from_object(&self) -> [[f32; 4]; 4] {
+        (self.clip_from_fixed * self.fixed_from_object).cast().into()
     }
 
-    /// From an object's frame to the view frame, computed in `f64`.
-    fn view_from_object(&self, fixed_from_object: &Matrix4<f64>) -> Matrix4<f32> {
-        (self.view_from_fixed * fixed_from_object).cast()
+    /// From the drawable's frame to the view frame, computed in `f64`.
+    fn view_from_object(&self) -> Matrix4<f32> {
+        (self.view_from_fixed * self.fixed_from_object).cast()
     }
 
     /// Pixels in a row and rows.
@@ -497,11 +489,6 @@ fn depth_from_zero() -> Matrix4<f64> {
     matrix[(2, 2)] = 0.5;
     matrix[(2, 3)] = 0.5;
     matrix
-}
-
-/// A matrix as a shader takes it.
-fn columns(matrix: &Matrix4<f32>) -> [[f32; 4]; 4] {
-    (*matrix).into()
 }
 
 #[cfg(test)]

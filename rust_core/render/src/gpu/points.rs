@@ -13,15 +13,15 @@
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::{Isometry3, Matrix4, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
 use rcs_scene::{Aabb, Geometry, InFrustum, PackedColors, PackedPoints, PointBuffer, PointLook, PointStyle};
 
 use super::device::Device;
 use super::geometry::{written, Instances};
 use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
-use super::uniforms::{Slot, Uniforms};
-use super::Viewpoint;
+use super::uniforms::Slot;
+use super::DrawContext;
 use crate::cache::Derived;
 use crate::shading::drawn_point_size_px;
 
@@ -157,14 +157,8 @@ impl PointPipelines {
     }
 
     /// `None` for what is no cloud or is not seen.
-    pub(super) fn prepare(
-        &mut self,
-        device: &Device,
-        uniforms: &mut Uniforms,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
-        geometry: &Geometry,
-    ) -> Option<PointsDraw> {
+    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, geometry: &Geometry) -> Option<PointsDraw> {
+        let device = context.device;
         let (look, colors) = match geometry {
             Geometry::Points(points) => (points.look(), None),
             Geometry::Packed(packed) => (packed.look(), Some(*packed.colors())),
@@ -172,15 +166,16 @@ impl PointPipelines {
         };
         let cloud = self.clouds.get(device, geometry)?;
         // As Ogre culls: the box lies along the fixed frame's axes, around the points without their size.
-        let bounds = cloud.bounds?.transformed(fixed_from_object);
-        if bounds.in_frustum(&viewpoint.clip_from_fixed_gl, 0.0) == InFrustum::Outside {
+        let bounds = cloud.bounds?.transformed(&context.fixed_from_object);
+        if bounds.in_frustum(&context.clip_from_fixed_gl, 0.0) == InFrustum::Outside {
             return None;
         }
-        let slot = uniforms.push(&constants(viewpoint, fixed_from_object, look, colors))?;
+        let constants = constants(context, look, colors);
+        let slot = context.uniforms.push(&constants)?;
         let (style, stride) = (style_index(&look.style), cloud.stride);
         let new = || PipelineSet::new(device, &self.program, stages(style, stride), []);
         let set = self.pipelines.entry((style, stride)).or_insert_with(new);
-        let pipelines = set.get(device, FixedState::plain(look.blended), &viewpoint.outputs);
+        let pipelines = set.get(device, FixedState::plain(look.blended), &context.outputs);
         let vertices = if shows_insides(look) { INSIDE_OUT_BOX_VERTICES } else { STYLES[style].1 };
         Some(PointsDraw { pipelines, vertices, instances: cloud.instances.clone(), offsets: cloud.offsets, slot })
     }
@@ -228,12 +223,7 @@ impl PointsDraw {
     }
 }
 
-fn constants(
-    viewpoint: &Viewpoint<'_>,
-    fixed_from_object: &Matrix4<f64>,
-    look: PointLook,
-    colors: Option<PackedColors>,
-) -> Cloud {
+fn constants(context: &DrawContext<'_>, look: PointLook, colors: Option<PackedColors>) -> Cloud {
     let mut right = Vector3::zeros();
     let mut up_direction = Vector3::zeros();
     let size = match look.style {
@@ -261,14 +251,14 @@ fn constants(
         }
     };
     Cloud {
-        clip_from_object: viewpoint.clip_from_object(fixed_from_object),
-        eye: viewpoint.camera.eye_in_object(fixed_from_object).coords.into(),
+        clip_from_object: context.clip_from_object(),
+        eye: context.camera.eye_in_object(&context.fixed_from_object).coords.into(),
         auto_size: f32::from(u8::from(look.auto_size)),
         size,
         alpha: look.alpha,
         right: with_zero(right),
         up: with_zero(up_direction),
-        size_px: viewpoint.size_px(),
+        size_px: context.size_px(),
         range_m,
         rainbow,
         color,

@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::Matrix4;
 use rcs_scene::{glyph_atlas, Text};
 
 use super::device::Device;
@@ -14,8 +13,7 @@ use super::draw::InstancedDraw;
 use super::geometry::Instances;
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::triangles::fixed_state;
-use super::uniforms::Uniforms;
-use super::{columns, texture, Viewpoint};
+use super::{texture, DrawContext};
 use crate::cache::Derived;
 
 /// The pipelines, and the texts that are on the GPU.
@@ -75,24 +73,18 @@ impl TextPipelines {
         self.texts.forget_dead();
     }
 
-    pub(super) fn prepare(
-        &mut self,
-        device: &Device,
-        uniforms: &mut Uniforms,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
-        text: &Arc<Text>,
-    ) -> Option<InstancedDraw> {
+    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, text: &Arc<Text>) -> Option<InstancedDraw> {
+        let device = context.device;
         let instances = self.texts.get(text, |text| upload(device, text)).clone()?;
-        let view_from_text = viewpoint.camera.view_from_facing(fixed_from_object);
-        let slot = uniforms.push(&Caption {
-            clip_from_text: columns(&(viewpoint.clip_from_view * view_from_text.cast()).cast()),
+        let view_from_text = context.camera.view_from_facing(&context.fixed_from_object);
+        let slot = context.uniforms.push(&Caption {
+            clip_from_text: (context.clip_from_view * view_from_text.cast()).cast().into(),
             color: text.color().map(|channel| f32::from(channel) / 255.0),
         })?;
         let upload = || texture::upload(device, &self.image_layout, glyph_atlas().texture());
         let images = Some(self.atlas.get_or_insert_with(upload).clone());
         let state = fixed_state(text.material(), false);
-        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        let pipelines = self.pipelines.get(device, state, &context.outputs);
         Some(InstancedDraw { pipelines, slot, images, vertices: 4, instances })
     }
 }

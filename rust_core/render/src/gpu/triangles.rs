@@ -10,15 +10,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::{Matrix3, Matrix4, Point3};
+use nalgebra::{Matrix3, Point3};
 use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Texture, Wrapping};
 
 use super::device::Device;
 use super::mesh::{upload, GpuVertex, Triangles};
 use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
-use super::uniforms::{Slot, Uniforms};
-use super::Viewpoint;
+use super::uniforms::Slot;
+use super::DrawContext;
 use crate::cache::Derived;
 use crate::shading::{normalizes_normals, view_from_normal};
 
@@ -138,9 +138,9 @@ impl TrianglePipelines {
     }
 
     /// Begins a picture.
-    pub(super) fn begin(&mut self, uniforms: &mut Uniforms, viewpoint: &Viewpoint<'_>) {
+    pub(super) fn begin(&mut self, context: &mut DrawContext<'_>, to_light: Option<[f32; 3]>) {
         self.instances.clear();
-        self.light = uniforms.push(&Light { to_light: viewpoint.to_light.unwrap_or_default(), padding: 0.0 });
+        self.light = context.uniforms.push(&Light { to_light: to_light.unwrap_or_default(), padding: 0.0 });
     }
 
     /// Uploads the picture's instances.
@@ -160,37 +160,28 @@ impl TrianglePipelines {
 
     pub(super) fn prepare_mesh(
         &mut self,
-        device: &Device,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
+        context: &DrawContext<'_>,
         mesh: &Arc<Mesh>,
         material: &Material,
     ) -> Option<TrianglesDraw> {
-        let triangles = self.meshes.get(mesh, |mesh| upload(device, mesh)).clone()?;
-        let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, material);
-        // Ogre turns the culling round for mirrored objects.
-        let state = fixed_state(material, is_mirrored);
-        self.draw((device, viewpoint), triangles, instance, state, material.texture.as_ref())
+        let triangles = self.meshes.get(mesh, |mesh| upload(context.device, mesh)).clone()?;
+        self.draw(context, triangles, material)
     }
 
     pub(super) fn prepare_ribbons(
         &mut self,
-        device: &Device,
-        viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
+        context: &DrawContext<'_>,
         ribbons: &Arc<Ribbons>,
     ) -> Option<TrianglesDraw> {
-        let eye = viewpoint.camera.eye_in_object(fixed_from_object);
-        let turn = |ribbons: &Ribbons| TurnedRibbons { eye, triangles: upload(device, &ribbons.to_mesh(eye)) };
+        let eye = context.camera.eye_in_object(&context.fixed_from_object);
+        let turn = |ribbons: &Ribbons| TurnedRibbons { eye, triangles: upload(context.device, &ribbons.to_mesh(eye)) };
         let turned = self.ribbons.get(ribbons, turn);
         if turned.eye != eye {
             *turned = turn(ribbons);
         }
         let triangles = turned.triangles.clone()?;
         // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
-        let material = Material::unlit(ribbons.blending == Blending::Alpha);
-        let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, &material);
-        self.draw((device, viewpoint), triangles, instance, fixed_state(&material, is_mirrored), None)
+        self.draw(context, triangles, &Material::unlit(ribbons.blending == Blending::Alpha))
     }
 
     /// Adds an instance to the picture's; `None` when there are too many.
@@ -203,22 +194,17 @@ impl TrianglePipelines {
         u32::try_from(index).ok()
     }
 
-    fn draw(
-        &mut self,
-        (device, viewpoint): (&Device, &Viewpoint<'_>),
-        triangles: Triangles,
-        instance: Instance,
-        state: FixedState,
-        texture: Option<&Arc<Texture>>,
-    ) -> Option<TrianglesDraw> {
+    fn draw(&mut self, context: &DrawContext<'_>, triangles: Triangles, material: &Material) -> Option<TrianglesDraw> {
         let light = self.light?;
-        let image = match texture {
-            Some(texture) => {
-                self.images.get(texture, |texture| texture::upload(device, &self.image_layout, texture)).clone()
-            }
+        let upload = |texture: &Texture| texture::upload(context.device, &self.image_layout, texture);
+        let image = match &material.texture {
+            Some(texture) => self.images.get(texture, upload).clone(),
             None => self.white.clone(),
         };
-        let pipelines = self.pipelines.get(device, state, &viewpoint.outputs);
+        let (instance, is_mirrored) = instance_of_mesh(context, material);
+        // Ogre turns the culling round for mirrored objects.
+        let state = fixed_state(material, is_mirrored);
+        let pipelines = self.pipelines.get(context.device, state, &context.outputs);
         let first = self.push(instance)?;
         Some(TrianglesDraw { pipelines, image, triangles, instances: first..first + 1, light })
     }
@@ -302,19 +288,15 @@ fn usual_states() -> impl Iterator<Item = FixedState> {
 }
 
 /// A mesh at its place, and whether it is mirrored there.
-fn instance_of_mesh(
-    viewpoint: &Viewpoint<'_>,
-    fixed_from_object: &Matrix4<f64>,
-    material: &Material,
-) -> (Instance, bool) {
-    let linear: Matrix3<f64> = fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
+fn instance_of_mesh(context: &DrawContext<'_>, material: &Material) -> (Instance, bool) {
+    let linear: Matrix3<f64> = context.fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
     let mut flags = 0;
     for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, normalizes_normals(&linear))] {
         flags |= if set { flag } else { 0 };
     }
     let mut instance = Instance {
-        clip_from_object: viewpoint.clip_from_object(fixed_from_object),
-        view_from_normal: view_from_normal(&viewpoint.view_from_object(fixed_from_object).cast()).into(),
+        clip_from_object: context.clip_from_object(),
+        view_from_normal: view_from_normal(&context.view_from_object().cast()).into(),
         diffuse: [1.0; 4],
         emissive: [0.0; 3],
         flags,
