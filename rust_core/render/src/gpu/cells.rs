@@ -3,6 +3,7 @@
 //! A tile of the cells is a part of a layer. Where the cells of a display change, the old ones have been dropped by
 //! then; their texture is reused, and only the tiles that changed are uploaded.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
@@ -29,12 +30,11 @@ pub(super) struct CellPipelines {
 const STAGES: Stages = Stages {
     vertex: "vertex_cells",
     fragment: "fragment_cells",
-    buffers: &[Some(wgpu::VertexBufferLayout {
+    buffers: Cow::Borrowed(&[Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<[f32; 2]>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &wgpu::vertex_attr_array![0 => Float32x2],
-    })],
-    stride: None,
+    })]),
     topology: wgpu::PrimitiveTopology::TriangleList,
 };
 
@@ -200,7 +200,7 @@ impl CellPipelines {
         })?;
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
-        let instances = Instances { buffer: self.corners.clone(), count: 1 };
+        let instances = Instances { buffer: self.corners.clone(), count: 1, offsets: [0; 2] };
         Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, instances })
     }
 

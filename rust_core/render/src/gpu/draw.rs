@@ -2,11 +2,10 @@
 
 use super::geometry::Instances;
 use super::pipeline::{ByPass, Pass};
-use super::points::PointsDraw;
 use super::triangles::TrianglesDraw;
 use super::uniforms::Slot;
 
-/// Instances of a few vertices each, such as the glyphs of a text, in one picture.
+/// Instances of a few vertices each, such as points or the glyphs of a text, in one picture.
 pub(super) struct InstancedDraw {
     pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     pub(super) slot: Slot,
@@ -18,7 +17,6 @@ pub(super) struct InstancedDraw {
 
 /// One drawable in one picture.
 pub(super) enum Draw {
-    Points(PointsDraw),
     Instanced(InstancedDraw),
     Triangles(TrianglesDraw),
 }
@@ -26,7 +24,6 @@ pub(super) enum Draw {
 impl Draw {
     fn pipelines(&self) -> &ByPass<wgpu::RenderPipeline> {
         match self {
-            Self::Points(draw) => &draw.pipelines,
             Self::Instanced(draw) => &draw.pipelines,
             Self::Triangles(draw) => &draw.pipelines,
         }
@@ -39,7 +36,9 @@ impl InstancedDraw {
         if let Some(images) = &self.images {
             pass.set_bind_group(1, images, &[]);
         }
-        pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
+        for (slot, offset) in (0..).zip(self.instances.offsets) {
+            pass.set_vertex_buffer(slot, self.instances.buffer.slice(offset..));
+        }
         pass.draw(0..self.vertices, 0..self.instances.count);
     }
 }
@@ -58,7 +57,6 @@ pub(super) fn record(
             pass.set_pipeline(pipeline);
         }
         match draw {
-            Draw::Points(draw) => draw.record(pass, uniforms),
             Draw::Instanced(draw) => draw.record(pass, uniforms),
             Draw::Triangles(draw) => draw.record(pass, uniforms, instances, previous),
         }

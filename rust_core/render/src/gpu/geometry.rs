@@ -12,13 +12,15 @@ pub(super) struct Instances {
     pub(super) buffer: wgpu::Buffer,
     /// Their number.
     pub(super) count: u32,
+    /// Where the first instance's values begin for each vertex buffer of a pipeline, bytes.
+    pub(super) offsets: [u64; 2],
 }
 
 impl Instances {
     /// Uploads instances; `None` where there are none.
     pub(super) fn upload<T: Pod>(device: &Device, label: &str, all: &[T]) -> Option<Self> {
         let buffer = || device.buffer(label, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(all));
-        (!all.is_empty()).then(|| Self { buffer: buffer(), count: all.len() as u32 })
+        (!all.is_empty()).then(|| Self { buffer: buffer(), count: all.len() as u32, offsets: [0; 2] })
     }
 }
 

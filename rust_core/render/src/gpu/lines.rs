@@ -4,9 +4,11 @@
 //! those pixels. It is clipped before it is widened and its ends follow the diamond-exit rule, as in Mesa. Line
 //! primitives would leave all that to the driver, and drivers choose differently.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use rcs_scene::{Blending, Lines};
-use std::sync::Arc;
 
 use super::device::Device;
 use super::draw::InstancedDraw;
@@ -35,12 +37,11 @@ struct Segment {
 const STAGES: Stages = Stages {
     vertex: "vertex_line",
     fragment: "fragment_line",
-    buffers: &[Some(wgpu::VertexBufferLayout {
+    buffers: Cow::Borrowed(&[Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<Segment>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Unorm8x4],
-    })],
-    stride: None,
+    })]),
     topology: wgpu::PrimitiveTopology::TriangleStrip,
 };
 

@@ -400,7 +400,7 @@ impl Pipelines {
     fn prepare(&mut self, context: &mut DrawContext<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) {
         let Self { points, lines, triangles, texts, cells } = self;
         let draw = match &ordered.drawable.geometry {
-            cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => points.prepare(context, cloud).map(Draw::Points),
+            cloud @ (Geometry::Points(_) | Geometry::Packed(_)) => points.prepare(context, cloud).map(Draw::Instanced),
             Geometry::Lines(strips) => lines.prepare(context, strips).map(Draw::Instanced),
             Geometry::Ribbons(ribbons) => triangles.prepare_ribbons(context, ribbons).map(Draw::Triangles),
             Geometry::Mesh { mesh, material } => triangles.prepare_mesh(context, mesh, material).map(Draw::Triangles),

@@ -1,5 +1,6 @@
 //! Pipelines: the parts common to all kinds of primitives, and the fixed state in which they differ.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::device::Device;
@@ -21,16 +22,14 @@ pub(super) struct Program {
 }
 
 /// Which functions of a shader are used, and the vertices that the first one takes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stages {
     /// The vertex shader's name.
     pub(super) vertex: &'static str,
     /// The fragment shader's name.
     pub(super) fragment: &'static str,
     /// The vertex buffers.
-    pub(super) buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
-    /// The stride of all these, bytes, if it is not their own.
-    pub(super) stride: Option<u64>,
+    pub(super) buffers: Cow<'static, [Option<wgpu::VertexBufferLayout<'static>>]>,
     /// How vertices make triangles.
     pub(super) topology: wgpu::PrimitiveTopology,
 }
@@ -179,11 +178,6 @@ fn build(
     output: Output,
 ) -> wgpu::RenderPipeline {
     let tested = state.depth != DepthUse::Ignore;
-    let with_stride = |buffer: &Option<wgpu::VertexBufferLayout<'static>>| {
-        let buffer = buffer.clone()?;
-        Some(wgpu::VertexBufferLayout { array_stride: stages.stride.unwrap_or(buffer.array_stride), ..buffer })
-    };
-    let buffers: Vec<_> = stages.buffers.iter().map(with_stride).collect();
     device.count(|stats| stats.pipelines += 1);
     device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(program.label),
@@ -192,7 +186,7 @@ fn build(
             module: &program.shader,
             entry_point: Some(stages.vertex),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &buffers,
+            buffers: &stages.buffers,
         },
         primitive: wgpu::PrimitiveState { topology: stages.topology, cull_mode: state.cull, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -10,6 +10,7 @@
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
 //! which a vertex could fetch its point.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
@@ -18,9 +19,9 @@ use rayon::prelude::*;
 use rcs_scene::{Aabb, Geometry, InFrustum, PackedColors, PackedPoints, PointBuffer, PointLook, PointStyle};
 
 use super::device::Device;
+use super::draw::InstancedDraw;
 use super::geometry::{written, Instances};
-use super::pipeline::{ByPass, FixedState, PipelineSet, Program, Stages};
-use super::uniforms::Slot;
+use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::DrawContext;
 use crate::cache::Derived;
 use crate::shading::drawn_point_size_px;
@@ -45,19 +46,9 @@ struct UploadedClouds {
 #[derive(Debug)]
 struct UploadedCloud {
     bounds: Option<Aabb>,
+    /// The points, with the offsets of position and colour.
     instances: Instances,
     stride: u64,
-    /// Offsets of position and colour in a point.
-    offsets: [u64; 2],
-}
-
-/// One cloud in one picture.
-pub(super) struct PointsDraw {
-    pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
-    vertices: u32,
-    instances: Instances,
-    offsets: [u64; 2],
-    slot: Slot,
 }
 
 /// A decoded point on the GPU.
@@ -109,20 +100,6 @@ const STYLES: [(&str, u32, &str); 6] = [
     ("vertex_tile", 4, "fragment_square"),
 ];
 
-/// Position and colour, from where each begins.
-const BUFFERS: &[Option<wgpu::VertexBufferLayout<'static>>] = &[
-    Some(wgpu::VertexBufferLayout {
-        array_stride: POINT_BYTES as u64,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-    }),
-    Some(wgpu::VertexBufferLayout {
-        array_stride: POINT_BYTES as u64,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![1 => Unorm8x4],
-    }),
-];
-
 fn style_index(style: &PointStyle) -> usize {
     match style {
         PointStyle::Points { .. } => 0,
@@ -157,7 +134,7 @@ impl PointPipelines {
     }
 
     /// `None` for what is no cloud or is not seen.
-    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, geometry: &Geometry) -> Option<PointsDraw> {
+    pub(super) fn prepare(&mut self, context: &mut DrawContext<'_>, geometry: &Geometry) -> Option<InstancedDraw> {
         let device = context.device;
         let (look, colors) = match geometry {
             Geometry::Points(points) => (points.look(), None),
@@ -177,7 +154,7 @@ impl PointPipelines {
         let set = self.pipelines.entry((style, stride)).or_insert_with(new);
         let pipelines = set.get(device, FixedState::plain(look.blended), &context.outputs);
         let vertices = if shows_insides(look) { INSIDE_OUT_BOX_VERTICES } else { STYLES[style].1 };
-        Some(PointsDraw { pipelines, vertices, instances: cloud.instances.clone(), offsets: cloud.offsets, slot })
+        Some(InstancedDraw { pipelines, slot, images: None, vertices, instances: cloud.instances.clone() })
     }
 }
 
@@ -199,7 +176,13 @@ fn stages(style: usize, stride: u64) -> Stages {
     let is_strip = vertices <= 4;
     let topology =
         if is_strip { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
-    Stages { vertex, fragment, buffers: BUFFERS, stride: Some(stride), topology }
+    let buffer = |attributes: &'static [wgpu::VertexAttribute]| {
+        Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode: wgpu::VertexStepMode::Instance, attributes })
+    };
+    // Each from where it begins.
+    let position = buffer(&wgpu::vertex_attr_array![0 => Float32x3]);
+    let color = buffer(&wgpu::vertex_attr_array![1 => Unorm8x4]);
+    Stages { vertex, fragment, buffers: Cow::Owned(vec![position, color]), topology }
 }
 
 /// Vertices of a box that may show its far sides.
@@ -210,16 +193,6 @@ fn shows_insides(look: PointLook) -> bool {
     match look.style {
         PointStyle::Boxes { size_m: [x, y, z] } => look.auto_size || x * y * z < 0.0,
         _ => false,
-    }
-}
-
-impl PointsDraw {
-    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        for (slot, offset) in (0..).zip(self.offsets) {
-            pass.set_vertex_buffer(slot, self.instances.buffer.slice(offset..));
-        }
-        pass.draw(0..self.vertices, 0..self.instances.count);
     }
 }
 
@@ -273,16 +246,16 @@ impl UploadedCloud {
         let bounds = shares.filter_map(|positions| Aabb::around(positions.iter().copied())).reduce_with(Aabb::joined);
         let point = |i, &position: &_| GpuPoint { position, color: cloud.colors.get(i) };
         let buffer = written::<_, _, { POINTS_IN_SHARE * POINT_BYTES }>(device, "points", &cloud.positions, point);
-        let instances = Instances { buffer, count: cloud.positions.len() as u32 };
-        Self { bounds, instances, stride: POINT_BYTES as u64, offsets: [0, size_of::<[f32; 3]>() as u64] }
+        let (count, offsets) = (cloud.positions.len() as u32, [0, size_of::<[f32; 3]>() as u64]);
+        Self { bounds, instances: Instances { buffer, count, offsets }, stride: POINT_BYTES as u64 }
     }
 
     /// Uploads a message's bytes as they are.
     fn packed(device: &Device, cloud: &PackedPoints) -> Self {
         let (stride, position) = (cloud.stride(), cloud.position_offset());
         let buffer = device.buffer("points", wgpu::BufferUsages::VERTEX, cloud.bytes());
-        let instances = Instances { buffer, count: cloud.count() as u32 };
         let color = if let PackedColors::Rgb { offset } = *cloud.colors() { offset } else { position };
-        Self { bounds: cloud.bounds(), instances, stride: stride as u64, offsets: [position as u64, color as u64] }
+        let (count, offsets) = (cloud.count() as u32, [position as u64, color as u64]);
+        Self { bounds: cloud.bounds(), instances: Instances { buffer, count, offsets }, stride: stride as u64 }
     }
 }

@@ -3,6 +3,7 @@
 //! The glyphs of a text go to the GPU once, 32 bytes each; where the text stands and its colour are uniforms. Its
 //! fixed state is that of its material, as for other triangles.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -38,12 +39,11 @@ struct GpuGlyph {
 const STAGES: Stages = Stages {
     vertex: "vertex_text",
     fragment: "fragment_text",
-    buffers: &[Some(wgpu::VertexBufferLayout {
+    buffers: Cow::Borrowed(&[Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<GpuGlyph>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4],
-    })],
-    stride: None,
+    })]),
     topology: wgpu::PrimitiveTopology::TriangleStrip,
 };
 

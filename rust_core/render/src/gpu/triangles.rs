@@ -6,6 +6,7 @@
 //! one buffer: neighbours that share mesh, state and texture are drawn in one call. Surfaces without a texture have a
 //! white one.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -69,7 +70,7 @@ struct Instance {
 const STAGES: Stages = Stages {
     vertex: "vertex_triangle",
     fragment: "fragment_triangle",
-    buffers: &[
+    buffers: Cow::Borrowed(&[
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<GpuVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -84,8 +85,7 @@ const STAGES: Stages = Stages {
                 11 => Float32x4, 12 => Float32x3, 13 => Uint32,
             ],
         }),
-    ],
-    stride: None,
+    ]),
     topology: wgpu::PrimitiveTopology::TriangleList,
 };
 
