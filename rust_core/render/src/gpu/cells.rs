@@ -197,7 +197,7 @@ impl CellPipelines {
             layer_columns: layers.columns,
             alpha: sheet.alpha,
             padding: [0.0; 3],
-        })?;
+        });
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
         let instances = Instances { buffer: self.corners.clone(), count: 1, offsets: [0; 2] };

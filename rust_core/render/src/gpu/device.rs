@@ -179,6 +179,26 @@ impl Device {
         });
     }
 
+    /// A buffer of this number of bytes.
+    pub(super) fn empty_buffer(&self, label: &str, usage: wgpu::BufferUsages, bytes: usize) -> wgpu::Buffer {
+        self.wgpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes as u64,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Writes a picture's values to a buffer. Returns true if that was replaced, because they did not fit.
+    pub(super) fn rewrite(&self, buffer: &mut wgpu::Buffer, values: &[u8]) -> bool {
+        let is_too_small = values.len() as u64 > buffer.size();
+        if is_too_small {
+            *buffer = self.empty_buffer("values of a picture", buffer.usage(), values.len().next_power_of_two());
+        }
+        self.queue.write_buffer(buffer, 0, values);
+        is_too_small
+    }
+
     /// A buffer with this content, which all cores copy.
     pub(super) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, content: &[u8]) -> wgpu::Buffer {
         const SHARE_BYTES: usize = 1 << 18;
@@ -199,12 +219,7 @@ impl Device {
         bytes: usize,
         write: impl FnOnce(wgpu::WriteOnly<'_, [u8]>),
     ) -> wgpu::Buffer {
-        let buffer = self.wgpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes as u64,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let buffer = self.empty_buffer(label, usage | wgpu::BufferUsages::COPY_DST, bytes);
         // Without memory to write to, there is an error to be reported.
         let size = wgpu::BufferSize::new(bytes as u64);
         if let Some(mut memory) = size.and_then(|size| self.queue.write_buffer_with(&buffer, 0, size)) {

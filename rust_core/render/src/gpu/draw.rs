@@ -3,12 +3,12 @@
 use super::geometry::Instances;
 use super::pipeline::{ByPass, Pass};
 use super::triangles::TrianglesDraw;
-use super::uniforms::Slot;
 
 /// Instances of a few vertices each, such as points or the glyphs of a text, in one picture.
 pub(super) struct InstancedDraw {
     pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
-    pub(super) slot: Slot,
+    /// The offset of its constants among the uniforms.
+    pub(super) slot: u32,
     pub(super) images: Option<wgpu::BindGroup>,
     /// Vertices of an instance.
     pub(super) vertices: u32,
@@ -32,7 +32,7 @@ impl Draw {
 
 impl InstancedDraw {
     fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
+        pass.set_bind_group(0, uniforms, &[self.slot]);
         if let Some(images) = &self.images {
             pass.set_bind_group(1, images, &[]);
         }

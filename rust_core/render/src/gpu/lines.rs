@@ -74,7 +74,7 @@ impl LinePipelines {
             clip_from_object: context.clip_from_object(),
             size_px: context.size_px(),
             padding: [0.0; 2],
-        })?;
+        });
         let state = FixedState::plain(lines.blending == Blending::Alpha);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
         Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, instances })

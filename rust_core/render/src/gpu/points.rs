@@ -148,7 +148,7 @@ impl PointPipelines {
             return None;
         }
         let constants = constants(context, look, colors);
-        let slot = context.uniforms.push(&constants)?;
+        let slot = context.uniforms.push(&constants);
         let (style, stride) = (style_index(&look.style), cloud.stride);
         let new = || PipelineSet::new(device, &self.program, stages(style, stride), []);
         let set = self.pipelines.entry((style, stride)).or_insert_with(new);

@@ -35,12 +35,8 @@ pub(super) struct Arrival {
 impl Readback {
     pub(super) fn new(device: &Device, width_px: u32, height_px: u32) -> Self {
         let step = (width_px * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture rows"),
-            size: u64::from(step) * u64::from(height_px),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let buffer = device.empty_buffer("picture rows", usage, step as usize * height_px as usize);
         Self { width_px, step, buffer }
     }
 

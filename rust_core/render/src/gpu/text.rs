@@ -80,7 +80,7 @@ impl TextPipelines {
         let slot = context.uniforms.push(&Caption {
             clip_from_text: (context.clip_from_view * view_from_text.cast()).cast().into(),
             color: text.color().map(|channel| f32::from(channel) / 255.0),
-        })?;
+        });
         let upload = || texture::upload(device, &self.image_layout, glyph_atlas().texture());
         let images = Some(self.atlas.get_or_insert_with(upload).clone());
         let state = fixed_state(text.material(), false);

@@ -18,7 +18,6 @@ use super::device::Device;
 use super::mesh::{upload, GpuVertex, Triangles};
 use super::pipeline::{ByPass, DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
-use super::uniforms::Slot;
 use super::DrawContext;
 use crate::cache::Derived;
 use crate::shading::{normalizes_normals, view_from_normal};
@@ -34,10 +33,9 @@ pub(super) struct TrianglePipelines {
     images: Derived<Texture, wgpu::BindGroup>,
     /// Instances of this picture.
     instances: Vec<Instance>,
-    max_instances: usize,
     instance_buffer: wgpu::Buffer,
-    /// The light's place among the uniforms.
-    light: Option<Slot>,
+    /// The light's offset among the uniforms.
+    light: u32,
 }
 
 /// Instances of a mesh that are drawn together.
@@ -46,7 +44,7 @@ pub(super) struct TrianglesDraw {
     image: wgpu::BindGroup,
     triangles: Triangles,
     instances: Range<u32>,
-    light: Slot,
+    light: u32,
 }
 
 /// Wide lines as they are seen from one place.
@@ -124,10 +122,12 @@ impl TrianglePipelines {
             ribbons: Derived::default(),
             images: Derived::default(),
             instances: Vec::new(),
-            max_instances: usize::try_from(device.limits().max_buffer_size).unwrap_or(usize::MAX)
-                / size_of::<Instance>(),
-            instance_buffer: instance_buffer(device, FIRST_INSTANCES),
-            light: None,
+            instance_buffer: device.empty_buffer(
+                "instances",
+                wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                256 * size_of::<Instance>(),
+            ),
+            light: 0,
         }
     }
 
@@ -145,16 +145,7 @@ impl TrianglePipelines {
 
     /// Uploads the picture's instances.
     pub(super) fn upload_instances(&mut self, device: &Device) -> &wgpu::Buffer {
-        let (needed, room) = (self.instances.len(), self.instance_buffer.size() as usize / size_of::<Instance>());
-        // One that a few of the largest picture's instances would fit into is given back.
-        if needed > room || needed.max(FIRST_INSTANCES) < room / 8 {
-            let count = needed.next_power_of_two().clamp(FIRST_INSTANCES, self.max_instances.max(FIRST_INSTANCES));
-            self.instance_buffer = instance_buffer(device, count);
-            self.instances.shrink_to(count);
-        }
-        if needed > 0 {
-            device.queue().write_buffer(&self.instance_buffer, 0, bytemuck::cast_slice(&self.instances));
-        }
+        device.rewrite(&mut self.instance_buffer, bytemuck::cast_slice(&self.instances));
         &self.instance_buffer
     }
 
@@ -165,7 +156,7 @@ impl TrianglePipelines {
         material: &Material,
     ) -> Option<TrianglesDraw> {
         let triangles = self.meshes.get(mesh, |mesh| upload(context.device, mesh)).clone()?;
-        self.draw(context, triangles, material)
+        Some(self.draw(context, triangles, material))
     }
 
     pub(super) fn prepare_ribbons(
@@ -181,21 +172,10 @@ impl TrianglePipelines {
         }
         let triangles = turned.triangles.clone()?;
         // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
-        self.draw(context, triangles, &Material::unlit(ribbons.blending == Blending::Alpha))
+        Some(self.draw(context, triangles, &Material::unlit(ribbons.blending == Blending::Alpha)))
     }
 
-    /// Adds an instance to the picture's; `None` when there are too many.
-    fn push(&mut self, instance: Instance) -> Option<u32> {
-        let index = self.instances.len();
-        if index >= self.max_instances {
-            return None;
-        }
-        self.instances.push(instance);
-        u32::try_from(index).ok()
-    }
-
-    fn draw(&mut self, context: &DrawContext<'_>, triangles: Triangles, material: &Material) -> Option<TrianglesDraw> {
-        let light = self.light?;
+    fn draw(&mut self, context: &DrawContext<'_>, triangles: Triangles, material: &Material) -> TrianglesDraw {
         let upload = |texture: &Texture| texture::upload(context.device, &self.image_layout, texture);
         let image = match &material.texture {
             Some(texture) => self.images.get(texture, upload).clone(),
@@ -205,8 +185,9 @@ impl TrianglePipelines {
         // Ogre turns the culling round for mirrored objects.
         let state = fixed_state(material, is_mirrored);
         let pipelines = self.pipelines.get(context.device, state, &context.outputs);
-        let first = self.push(instance)?;
-        Some(TrianglesDraw { pipelines, image, triangles, instances: first..first + 1, light })
+        let first = self.instances.len() as u32;
+        self.instances.push(instance);
+        TrianglesDraw { pipelines, image, triangles, instances: first..first + 1, light: self.light }
     }
 }
 
@@ -234,7 +215,7 @@ impl TrianglesDraw {
         previous: Option<&Self>,
     ) {
         if previous.is_none() {
-            pass.set_bind_group(0, uniforms, &[self.light.offset()]);
+            pass.set_bind_group(0, uniforms, &[self.light]);
             pass.set_vertex_buffer(1, instances.slice(..));
         }
         if previous.is_none_or(|previous| !self.shares_state(previous)) {
@@ -246,18 +227,6 @@ impl TrianglesDraw {
         }
         pass.draw_indexed(0..self.triangles.index_count, 0, self.instances.clone());
     }
-}
-
-/// The fewest instances that there is room for.
-const FIRST_INSTANCES: usize = 256;
-
-fn instance_buffer(device: &Device, count: usize) -> wgpu::Buffer {
-    device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-        label: Some("instances"),
-        size: (count * size_of::<Instance>()) as u64,
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }
 
 /// The part of a material that belongs to a pipeline.

@@ -9,23 +9,11 @@ use super::device::Device;
 /// Bytes of a slot; the alignment that WebGL 2 asks for.
 const SLOT_BYTES: usize = 256;
 
-/// The place of a drawable's constants.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slot(u32);
-
-impl Slot {
-    /// The dynamic offset in bytes.
-    pub(super) fn offset(self) -> u32 {
-        self.0
-    }
-}
-
-/// The buffer, and its content in this picture.
+/// The buffer, and its content in this picture. The CPU draws pictures of too many drawables, so that it stays small.
 #[derive(Debug)]
 pub(super) struct Uniforms {
     layout: wgpu::BindGroupLayout,
     content: Vec<u8>,
-    max_bytes: usize,
     buffer: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
 }
@@ -45,9 +33,10 @@ impl Uniforms {
                 count: None,
             }],
         });
-        let (buffer, bind_group) = allocate(device, &layout, 64 * SLOT_BYTES);
-        let max_bytes = usize::try_from(device.limits().max_buffer_size).unwrap_or(usize::MAX).min(u32::MAX as usize);
-        Self { layout, content: Vec::new(), max_bytes, buffer, bind_group }
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let buffer = device.empty_buffer("uniforms", usage, 64 * SLOT_BYTES);
+        let bind_group = bind_group(device, &layout, &buffer);
+        Self { layout, content: Vec::new(), buffer, bind_group }
     }
 
     /// The layout of the bind group, number 0 of every pipeline.
@@ -60,49 +49,32 @@ impl Uniforms {
         self.content.clear();
     }
 
-    /// Adds a drawable's constants, at most a slot's bytes; `None` when there are too many drawables.
-    pub(super) fn push<T: Pod + Zeroable>(&mut self, constants: &T) -> Option<Slot> {
+    /// Adds a drawable's constants, at most a slot's bytes. Returns their dynamic offset.
+    pub(super) fn push<T: Pod + Zeroable>(&mut self, constants: &T) -> u32 {
         const { assert!(size_of::<T>() <= SLOT_BYTES) };
         let offset = self.content.len();
-        if offset + SLOT_BYTES > self.max_bytes {
-            return None;
-        }
         self.content.extend_from_slice(bytemuck::bytes_of(constants));
         self.content.resize(offset + SLOT_BYTES, 0);
-        Some(Slot(u32::try_from(offset).ok()?))
+        offset as u32
     }
 
     /// Uploads them.
     pub(super) fn upload(&mut self, device: &Device) -> &wgpu::BindGroup {
-        if self.content.len() as u64 > self.buffer.size() {
-            let bytes = self.content.len().next_power_of_two().min(self.max_bytes);
-            (self.buffer, self.bind_group) = allocate(device, &self.layout, bytes);
-        }
-        if !self.content.is_empty() {
-            device.queue().write_buffer(&self.buffer, 0, &self.content);
+        if device.rewrite(&mut self.buffer, &self.content) {
+            self.bind_group = bind_group(device, &self.layout, &self.buffer);
         }
         &self.bind_group
     }
 }
 
-fn allocate(device: &Device, layout: &wgpu::BindGroupLayout, bytes: usize) -> (wgpu::Buffer, wgpu::BindGroup) {
-    let buffer = device.wgpu().create_buffer(&wgpu::BufferDescriptor {
-        label: Some("uniforms"),
-        size: bytes as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let bind_group = device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+fn bind_group(device: &Device, layout: &wgpu::BindGroupLayout, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
+    let size = wgpu::BufferSize::new(SLOT_BYTES as u64);
+    device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("uniforms"),
         layout,
         entries: &[wgpu::BindGroupEntry {
             binding: 0,
-            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &buffer,
-                offset: 0,
-                size: wgpu::BufferSize::new(SLOT_BYTES as u64),
-            }),
+            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }),
         }],
-    });
-    (buffer, bind_group)
+    })
 }
