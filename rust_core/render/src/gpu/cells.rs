@@ -112,9 +112,9 @@ impl Layers {
 
 impl Uploaded {
     fn new(device: &Device, cells: &Arc<Cells>) -> Option<Self> {
-        let layers = Layers::of(cells, device.limits())?;
+        let layers = Layers::of(cells, &device.limits)?;
         let [width, height] = layers.extent();
-        let texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+        let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
             label: Some("cells"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: layers.count },
             mip_level_count: 1,
@@ -134,7 +134,7 @@ impl Uploaded {
             let known = before.next().is_some_and(|known| known.as_ptr() == Arc::as_ptr(tile.values));
             if !known {
                 device.count_upload(tile.values.len());
-                device.queue().write_texture(
+                device.queue.write_texture(
                     wgpu::TexelCopyTextureInfo {
                         texture: &self.texture,
                         mip_level: 0,
@@ -182,7 +182,7 @@ impl CellPipelines {
         let device = context.device;
         let (values, layers) = self.values(device, &sheet.cells)?;
         let palette = self.palettes.get(&sheet.palette, |palette| upload_palette(device, palette));
-        let content = device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+        let content = device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("cells"),
             layout: &self.content_layout,
             entries: &[
@@ -208,7 +208,7 @@ impl CellPipelines {
     fn values(&mut self, device: &Device, cells: &Arc<Cells>) -> Option<(wgpu::TextureView, Layers)> {
         let address = Arc::as_ptr(cells) as usize;
         if !self.values.contains_key(&address) {
-            let layers = Layers::of(cells, device.limits())?;
+            let layers = Layers::of(cells, &device.limits)?;
             let left_over = |(address, uploaded): (&usize, &Uploaded)| {
                 (uploaded.cells.strong_count() == 0 && uploaded.layers == layers).then_some(*address)
             };
@@ -231,7 +231,7 @@ impl CellPipelines {
 
 fn upload_palette(device: &Device, palette: &[[u8; 4]; 256]) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width: 256, height: 1, depth_or_array_layers: 1 };
-    let texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+    let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
         label: Some("palette"),
         size,
         mip_level_count: 1,
@@ -242,7 +242,7 @@ fn upload_palette(device: &Device, palette: &[[u8; 4]; 256]) -> wgpu::TextureVie
         view_formats: &[],
     });
     device.count_upload(size_of_val(palette));
-    device.queue().write_texture(
+    device.queue.write_texture(
         texture.as_image_copy(),
         bytemuck::cast_slice(palette),
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
@@ -258,7 +258,7 @@ fn content_layout(device: &Device) -> wgpu::BindGroupLayout {
         ty: wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false },
         count: None,
     };
-    device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+    device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("cells"),
         entries: &[
             texture(0, wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2Array),

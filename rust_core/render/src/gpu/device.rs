@@ -1,10 +1,10 @@
 //! An opened adapter: which one is chosen, and how its errors are reported.
 //!
-//! wgpu panics where it finds an error that nobody catches. Here every error is recorded, and [`Device::check`] returns
-//! the first one once a picture's work is done.
+//! wgpu panics where it finds an error that nobody catches. Here the first error is recorded, and [`Device::check`]
+//! returns it once a picture's work is done. The device is dropped then.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -20,30 +20,21 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// A GPU that can be drawn on.
 #[derive(Debug)]
 pub(super) struct Device {
-    wgpu: wgpu::Device,
-    queue: wgpu::Queue,
-    limits: wgpu::Limits,
-    name: String,
-    kind: DeviceType,
-    faults: Faults,
+    pub(super) wgpu: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    /// The limits that it was opened with.
+    pub(super) limits: wgpu::Limits,
+    /// The adapter's name and the backend.
+    pub(super) name: String,
+    /// The kind of its hardware.
+    pub(super) kind: DeviceType,
+    /// The first error.
+    fault: Arc<OnceLock<String>>,
     stats: Mutex<GpuStats>,
     /// How long a picture is waited for.
     pub(super) patience: Duration,
-    is_hung: AtomicBool,
-}
-
-/// The first error since the last [`Device::check`].
-#[derive(Clone, Debug, Default)]
-struct Faults(Arc<Mutex<Option<String>>>);
-
-impl Faults {
-    fn record(&self, reason: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
-    }
-
-    fn take(&self) -> Option<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
+    /// True if it was waited for in vain. To drop it may then take for ever.
+    pub(super) is_hung: AtomicBool,
 }
 
 impl Device {
@@ -61,6 +52,7 @@ impl Device {
             let mut adapters = adapters(backends & allowed);
             adapters.retain(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted));
             adapters.sort_by_key(rank);
+            let is_hardware = |adapter: &Adapter| kind(adapter) != DeviceType::Cpu;
             let (hardware, others): (Vec<_>, Vec<_>) = adapters.into_iter().partition(is_hardware);
             if let Some(device) = open_first(hardware, &mut failure) {
                 return Ok(device);
@@ -91,16 +83,16 @@ impl Device {
         #[expect(clippy::disallowed_methods, reason = "the driver's start; a second signal ends the program")]
         let (wgpu, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| RenderError::Gpu { adapter: name.clone(), reason: error.to_string() })?;
-        let faults = Faults::default();
-        let (errors, losses) = (faults.clone(), faults.clone());
-        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| errors.record(error.to_string())));
+        let fault: Arc<OnceLock<String>> = Arc::default();
+        let (errors, losses) = (fault.clone(), fault.clone());
+        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| _ = errors.set(error.to_string())));
         wgpu.set_device_lost_callback(move |reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
-                losses.record(format!("the device was lost: {message}"));
+                _ = losses.set(format!("the device was lost: {message}"));
             }
         });
         let (stats, patience, is_hung) = (Mutex::default(), PATIENCE, AtomicBool::new(false));
-        Ok(Self { wgpu, queue, limits, name, kind: kind(adapter), faults, stats, patience, is_hung })
+        Ok(Self { wgpu, queue, limits, name, kind: kind(adapter), fault, stats, patience, is_hung })
     }
 
     /// Waits until a submission is done.
@@ -117,48 +109,18 @@ impl Device {
                 self.is_hung.store(true, Ordering::Release);
                 Err(self.error(format!("it has not answered for {} s", self.patience.as_secs())))
             }
-            Err(error) => Err(self.error(error.to_string())),
+            Err(error) => Err(self.error(error)),
         }
     }
 
-    /// The kind of its hardware.
-    pub(super) fn kind(&self) -> DeviceType {
-        self.kind
-    }
-
-    /// True if it was waited for in vain. To drop it may then take for ever.
-    pub(super) fn is_hung(&self) -> bool {
-        self.is_hung.load(Ordering::Acquire)
-    }
-
-    /// wgpu's device.
-    pub(super) fn wgpu(&self) -> &wgpu::Device {
-        &self.wgpu
-    }
-
-    /// Its queue.
-    pub(super) fn queue(&self) -> &wgpu::Queue {
-        &self.queue
-    }
-
-    /// The limits that it was opened with.
-    pub(super) fn limits(&self) -> &wgpu::Limits {
-        &self.limits
-    }
-
-    /// The adapter's name and the backend.
-    pub(super) fn name(&self) -> &str {
-        &self.name
-    }
-
     /// An error with this reason.
-    pub(super) fn error(&self, reason: impl Into<String>) -> RenderError {
-        RenderError::Gpu { adapter: self.name.clone(), reason: reason.into() }
+    pub(super) fn error(&self, reason: impl ToString) -> RenderError {
+        RenderError::Gpu { adapter: self.name.clone(), reason: reason.to_string() }
     }
 
-    /// The first error since the last call.
+    /// The first error that there was.
     pub(super) fn check(&self) -> Result<(), RenderError> {
-        self.faults.take().map_or(Ok(()), |reason| Err(self.error(reason)))
+        self.fault.get().map_or(Ok(()), |reason| Err(self.error(reason)))
     }
 
     /// Counts and times of the work done on it.
@@ -268,11 +230,6 @@ fn kind(adapter: &Adapter) -> DeviceType {
     } else {
         DeviceType::Other
     }
-}
-
-/// True if it is no software driver.
-fn is_hardware(adapter: &Adapter) -> bool {
-    kind(adapter) != DeviceType::Cpu
 }
 
 fn rank(adapter: &Adapter) -> u8 {

@@ -49,6 +49,7 @@ mod uniforms;
 
 use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::atomic::Ordering;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -170,7 +171,7 @@ impl GpuRenderer {
     /// [`RenderError::NoAdapter`], or [`RenderError::Gpu`] when the only adapter does not work.
     pub fn new(hardware_only: bool) -> Result<Self, RenderError> {
         let gpu = Gpu::open(hardware_only)?;
-        Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu), cpu: None, last_by_cpu: false })
+        Ok(Self { hardware_only, name: gpu.device.name.clone(), gpu: Some(gpu), cpu: None, last_by_cpu: false })
     }
 
     /// Counts and times since the device was opened; zeros while it is lost and not open again.
@@ -186,7 +187,7 @@ impl GpuRenderer {
         });
         if !matches!(result, Err(RenderError::Gpu { .. })) {
             self.gpu = Some(gpu);
-        } else if gpu.device.is_hung() {
+        } else if gpu.device.is_hung.load(Ordering::Acquire) {
             // A queue that is dropped waits for all of its work.
             let closing = std::thread::Builder::new().name("gpu-close".to_owned()).spawn(move || drop(gpu));
             if let Err(error) = closing {
@@ -235,7 +236,7 @@ impl Renderer for GpuRenderer {
             Some(gpu) => gpu,
             None => Gpu::open(self.hardware_only)?,
         };
-        gpu.device.name().clone_into(&mut self.name);
+        gpu.device.name.clone_into(&mut self.name);
         let mut is_heavy = false;
         self.on(gpu, |gpu| {
             is_heavy = gpu.load.is_cpus(view);
@@ -284,7 +285,7 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind()), Drawn::default());
+        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind), Drawn::default());
         Ok(Self {
             device,
             uniforms,
@@ -301,9 +302,9 @@ impl Gpu {
     fn submit(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
-        let limit_px = self.device.limits().max_texture_dimension_2d;
+        let limit_px = self.device.limits.max_texture_dimension_2d;
         if width_px.max(height_px) > limit_px {
-            let renderer = format!("gpu ({})", self.device.name());
+            let renderer = format!("gpu ({})", self.device.name);
             return Err(RenderError::TooLarge { width_px, height_px, limit_px, renderer });
         }
         let target = self.targets.take(&self.device, [width_px, height_px], request.wanted());
@@ -313,13 +314,13 @@ impl Gpu {
 
         let bind_group = self.uniforms.upload(&self.device);
         let instances = self.pipelines.triangles.upload_instances(&self.device);
-        let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for layer in target.layers() {
             let mut pass = target.begin(layer, &mut encoder, view.background);
             record(&draws, layer.pass, &mut pass, (bind_group, instances));
         }
         target.record_copies(&mut encoder);
-        let submission = self.device.queue().submit([encoder.finish()]);
+        let submission = self.device.queue.submit([encoder.finish()]);
         self.device.check()?;
         let arrivals = target.layers().iter().map(|layer| layer.readback.map(submission.clone())).collect();
         self.device.check()?;
@@ -535,7 +536,7 @@ mod tests {
             View { scene: &scene, camera: &camera, visible: &visible, background: [3, 2, 1], encoding: Encoding::Rgb8 };
         let is_lost = |result: &Result<_, RenderError>| matches!(result, Err(RenderError::Gpu { .. }));
         let mut renderer = GpuRenderer::new(false).unwrap();
-        let lose = |renderer: &GpuRenderer| renderer.gpu.as_ref().unwrap().device.wgpu().destroy();
+        let lose = |renderer: &GpuRenderer| renderer.gpu.as_ref().unwrap().device.wgpu.destroy();
         let mut picture = Picture::default();
 
         renderer.submit(&view).unwrap();

@@ -100,13 +100,13 @@ impl Program {
     /// groups of these layouts.
     pub(super) fn new(device: &Device, label: &'static str, wgsl: &str, groups: &[&wgpu::BindGroupLayout]) -> Self {
         let groups: Vec<_> = groups.iter().copied().map(Some).collect();
-        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let layout = device.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(label),
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
         let source = wgpu::ShaderSource::Wgsl((with_shading(wgsl) + include_str!("output.wgsl")).into());
-        let shader = device.wgpu().create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
+        let shader = device.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
         Self { label, shader, layout }
     }
 }
@@ -179,7 +179,7 @@ fn build(
 ) -> wgpu::RenderPipeline {
     let tested = state.depth != DepthUse::Ignore;
     device.count(|stats| stats.pipelines += 1);
-    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    device.wgpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(program.label),
         layout: Some(&program.layout),
         vertex: wgpu::VertexState {

@@ -67,7 +67,7 @@ impl Target {
         device.count(|stats| stats.targets += 1);
         let [width, height] = size_px;
         let texture = |format, usage| {
-            device.wgpu().create_texture(&wgpu::TextureDescriptor {
+            device.wgpu.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture"),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,

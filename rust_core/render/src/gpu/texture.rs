@@ -13,8 +13,8 @@ struct MipLevel {
 
 /// A bind group with an image and the way it is read.
 pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &Texture) -> wgpu::BindGroup {
-    let levels = levels(texture, device.limits().max_texture_dimension_2d);
-    let gpu_texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+    let levels = levels(texture, device.limits.max_texture_dimension_2d);
+    let gpu_texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
         label: Some("image"),
         size: extent(&levels[0]),
         mip_level_count: levels.len() as u32,
@@ -26,7 +26,7 @@ pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &
     });
     device.count_upload(levels.iter().map(|level| size_of_val(level.rgba.as_slice())).sum());
     for (mip_level, level) in levels.iter().enumerate() {
-        device.queue().write_texture(
+        device.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &gpu_texture,
                 mip_level: mip_level as u32,
@@ -46,14 +46,14 @@ pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &
         Wrapping::Repeat => wgpu::AddressMode::Repeat,
         Wrapping::Clamp => wgpu::AddressMode::ClampToEdge,
     };
-    let sampler = device.wgpu().create_sampler(&wgpu::SamplerDescriptor {
+    let sampler = device.wgpu.create_sampler(&wgpu::SamplerDescriptor {
         address_mode_u: wrap,
         address_mode_v: wrap,
         mag_filter: filter,
         min_filter: filter,
         ..Default::default()
     });
-    device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+    device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("image"),
         layout,
         entries: &[
@@ -70,7 +70,7 @@ pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &
 
 /// The layout of [`upload`]'s bind groups.
 pub(super) fn layout(device: &Device) -> wgpu::BindGroupLayout {
-    device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+    device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("image"),
         entries: &[
             wgpu::BindGroupLayoutEntry {

@@ -20,7 +20,7 @@ pub(super) struct Uniforms {
 
 impl Uniforms {
     pub(super) fn new(device: &Device) -> Self {
-        let layout = device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        let layout = device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("uniforms"),
             entries: &[wgpu::BindGroupLayoutEntry {
                 binding: 0,
@@ -69,7 +69,7 @@ impl Uniforms {
 
 fn bind_group(device: &Device, layout: &wgpu::BindGroupLayout, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
     let size = wgpu::BufferSize::new(SLOT_BYTES as u64);
-    device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+    device.wgpu.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("uniforms"),
         layout,
         entries: &[wgpu::BindGroupEntry {
