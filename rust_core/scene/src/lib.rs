@@ -48,7 +48,6 @@ pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use memory::resize_block;
 pub use mesh::{Mesh, Vertex};
-pub use mip::halved;
 pub use packed_points::{rainbow, rgb_at, AxisRainbow, PackedColors, PackedPoints, SharedBytes};
 pub use picture::{DepthPicture, Encoding, Picture, PixelOrder, MAX_SIDE_PX};
 pub use pixel_map::{MapRun, PixelMap};

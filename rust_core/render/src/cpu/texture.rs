@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
-use rcs_scene::{halved, Filtering, Texture, Wrapping};
+use rcs_scene::{Filtering, Texture, Wrapping};
 
 use super::tile::color::{channel_shift, pack};
 use super::tile::lanes::{inlined, map, F, I, LANES, M, U};
@@ -19,36 +19,17 @@ use crate::cache::Derived;
 pub(in crate::cpu) struct MipTexture {
     full: Arc<Texture>,
     /// Its smaller copies, where the filtering asks for them.
-    smaller: Arc<[Texels]>,
+    smaller: Arc<[Texture]>,
 }
 
-/// The mipmaps of the textures that are alive.
-pub(in crate::cpu) type Textures = Derived<Texture, Arc<[Texels]>>;
-
-/// The texels of a smaller copy.
-#[derive(Debug)]
-pub(in crate::cpu) struct Texels {
-    width: i32,
-    height: i32,
-    rgba: Vec<[u8; 4]>,
-}
-
-/// One size of the texture. Missing texels are white.
-#[derive(Clone, Copy)]
-struct MipLevel<'a> {
-    width: i32,
-    height: i32,
-    rgba: &'a [[u8; 4]],
-}
+/// The smaller copies of the textures that are alive.
+pub(in crate::cpu) type Textures = Derived<Texture, Arc<[Texture]>>;
 
 impl MipTexture {
     /// A texture with its mipmaps out of the cache, which are made now if there are none.
     pub(in crate::cpu) fn new(texture: &Arc<Texture>, textures: &mut Textures) -> Self {
         let copies = |texture: &Texture| match texture.filtering {
-            Filtering::BilinearMipmap => {
-                let first = MipLevel::of(texture).halved();
-                std::iter::successors(first, |last| last.level().halved()).collect()
-            }
+            Filtering::BilinearMipmap => std::iter::successors(texture.halved(), Texture::halved).collect(),
             _ => Arc::default(),
         };
         Self { full: texture.clone(), smaller: textures.get(texture, copies).clone() }
@@ -65,7 +46,7 @@ impl MipTexture {
         level_of: impl Fn(usize, [f32; 2]) -> usize,
     ) -> [F<S>; 4] {
         if let Some(level) = level {
-            return self.level(level).sample(&self.full, uv, seen);
+            return sample(self.level(level), uv, seen);
         }
         let ([u, v], mut left) = ([uv[0].to_array(), uv[1].to_array()], seen.to_bitmask());
         let mut levels = [0; LANES];
@@ -79,7 +60,7 @@ impl MipTexture {
         while left.any_true() {
             let level = levels[left.to_bitmask().trailing_zeros() as usize % LANES];
             let same = left & lanes.simd_eq(level);
-            let sampled = self.level(level as usize).sample(&self.full, uv, same);
+            let sampled = sample(self.level(level as usize), uv, same);
             for channel in 0..4 {
                 colors[channel] = same.select(sampled[channel], colors[channel]);
             }
@@ -88,9 +69,8 @@ impl MipTexture {
         colors
     }
 
-    fn level(&self, index: usize) -> MipLevel<'_> {
-        let smaller = index.checked_sub(1).and_then(|i| self.smaller.get(i));
-        smaller.map_or_else(|| MipLevel::of(&self.full), Texels::level)
+    fn level(&self, index: usize) -> &Texture {
+        index.checked_sub(1).and_then(|i| self.smaller.get(i)).unwrap_or(&self.full)
     }
 
     /// True if it has smaller copies.
@@ -113,94 +93,82 @@ impl MipTexture {
     }
 }
 
-impl Texels {
-    fn level(&self) -> MipLevel<'_> {
-        MipLevel { width: self.width, height: self.height, rgba: &self.rgba }
+/// The colours of a level at the texture coordinates of the lanes seen, each channel 0 to 1.
+#[inline(always)]
+fn sample<S: Simd>(level: &Texture, [u, v]: [F<S>; 2], seen: M<S>) -> [F<S>; 4] {
+    let ([width, height], is_nearest) = (size(level), level.filtering == Filtering::Nearest);
+    let to_center = if is_nearest { 0.0 } else { 0.5 };
+    let (x, y) = (u * width as f32 - to_center, v * height as f32 - to_center);
+    let (column, row) = (x.floor(), y.floor());
+    let nothing = F::splat(seen.token(), 0.0);
+    let (right, down) = if is_nearest { (nothing, nothing) } else { (x - column, y - row) };
+    let places = map(
+        [column, row],
+        #[inline(always)]
+        |place| seen.select(place, nothing).to_int_precise::<I<S>>(),
+    );
+    let around = around(level, places);
+    map(
+        [0, 1, 2, 3],
+        #[inline(always)]
+        |channel| {
+            let [a, b, c, d] = map(
+                around,
+                #[inline(always)]
+                |texels| ((texels >> channel_shift(channel)) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
+            );
+            let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
+            (top + (bottom - top) * down) / 255.0
+        },
+    )
+}
+
+/// The packed texels at some columns and rows, those to the right of them, and those below both.
+#[inline(always)]
+fn around<S: Simd>(level: &Texture, [columns, rows]: [I<S>; 2]) -> [U<S>; 4] {
+    let [width, height] = size(level);
+    let outside = columns.simd_lt(0) | columns.simd_ge(width - 1) | rows.simd_lt(0) | rows.simd_ge(height - 1);
+    let load = inlined(
+        #[inline(always)]
+        |texels: [u32; LANES]| U::load_array(columns.token(), texels),
+    );
+    // Nearly always all are there and side by side.
+    if outside.any_true() || level.rgba.len() < width as usize * height as usize {
+        let [[a, b], [c, d]] = wrapped(level, [columns.to_array(), rows.to_array()]);
+        [load(a), load(b), load(c), load(d)]
+    } else {
+        let at = (rows * width + columns).to_array();
+        let [a, b] = pairs(&level.rgba, at);
+        let [c, d] = pairs(level.rgba.get(width as usize..).unwrap_or(&[]), at);
+        [load(a), load(b), load(c), load(d)]
     }
 }
 
-impl<'a> MipLevel<'a> {
-    fn of(texture: &'a Texture) -> Self {
-        let side = |length: u32| length.clamp(1, i32::MAX as u32) as i32;
-        Self { width: side(texture.width), height: side(texture.height), rgba: &texture.rgba }
-    }
+/// As [`around`], where some are beyond the texture's edge.
+#[inline(never)]
+fn wrapped(level: &Texture, [columns, rows]: [[i32; LANES]; 2]) -> [[[u32; LANES]; 2]; 2] {
+    let at = |lane: usize, right, down| {
+        pack(texel(level, columns[lane].saturating_add(right), rows[lane].saturating_add(down)))
+    };
+    let all = |right, down| std::array::from_fn(|lane| at(lane, right, down));
+    [[all(0, 0), all(1, 0)], [all(0, 1), all(1, 1)]]
 }
 
-impl MipLevel<'_> {
-    fn halved(&self) -> Option<Texels> {
-        let ([width, height], rgba) = halved([self.width as u32, self.height as u32], self.rgba)?;
-        Some(Texels { width: width as i32, height: height as i32, rgba })
-    }
+/// A texel, which is white where it is missing.
+#[inline]
+fn texel(level: &Texture, x: i32, y: i32) -> [u8; 4] {
+    let [width, height] = size(level);
+    let (x, y) = match level.wrapping {
+        Wrapping::Repeat => (x.rem_euclid(width), y.rem_euclid(height)),
+        Wrapping::Clamp => (x.clamp(0, width - 1), y.clamp(0, height - 1)),
+    };
+    level.rgba.get(y as usize * width as usize + x as usize).copied().unwrap_or([255; 4])
+}
 
-    /// The colours at the texture coordinates of the lanes seen, each channel 0 to 1.
-    #[inline(always)]
-    fn sample<S: Simd>(&self, texture: &Texture, [u, v]: [F<S>; 2], seen: M<S>) -> [F<S>; 4] {
-        let (simd, is_nearest) = (seen.token(), texture.filtering == Filtering::Nearest);
-        let to_center = if is_nearest { 0.0 } else { 0.5 };
-        let (x, y) = (u * self.width as f32 - to_center, v * self.height as f32 - to_center);
-        let (column, row) = (x.floor(), y.floor());
-        let nothing = F::splat(simd, 0.0);
-        let (right, down) = if is_nearest { (nothing, nothing) } else { (x - column, y - row) };
-        let places = map(
-            [column, row],
-            #[inline(always)]
-            |place| seen.select(place, nothing).to_int_precise::<I<S>>(),
-        );
-        let around = self.around(texture.wrapping, places);
-        map(
-            [0, 1, 2, 3],
-            #[inline(always)]
-            |channel| {
-                let [a, b, c, d] = map(
-                    around,
-                    #[inline(always)]
-                    |texels| ((texels >> channel_shift(channel)) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
-                );
-                let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
-                (top + (bottom - top) * down) / 255.0
-            },
-        )
-    }
-
-    /// The texels at some columns and rows, those to the right of them, and those below both.
-    #[inline(always)]
-    fn around<S: Simd>(&self, wrapping: Wrapping, [columns, rows]: [I<S>; 2]) -> [U<S>; 4] {
-        let ([right, bottom], width) = ([self.width - 1, self.height - 1], self.width as usize);
-        let outside = columns.simd_lt(0) | columns.simd_ge(right) | rows.simd_lt(0) | rows.simd_ge(bottom);
-        let load = inlined(
-            #[inline(always)]
-            |texels: [u32; LANES]| U::load_array(columns.token(), texels),
-        );
-        // Nearly always all are there and side by side.
-        if outside.any_true() || self.rgba.len() < width * self.height as usize {
-            let [[a, b], [c, d]] = self.wrapped(wrapping, [columns.to_array(), rows.to_array()]);
-            [load(a), load(b), load(c), load(d)]
-        } else {
-            let at = (rows * self.width + columns).to_array();
-            let [a, b] = pairs(self.rgba, at);
-            let [c, d] = pairs(self.rgba.get(width..).unwrap_or(&[]), at);
-            [load(a), load(b), load(c), load(d)]
-        }
-    }
-
-    /// As [`around`](Self::around), where some are beyond the texture's edge.
-    #[inline(never)]
-    fn wrapped(&self, wrapping: Wrapping, [columns, rows]: [[i32; LANES]; 2]) -> [[[u32; LANES]; 2]; 2] {
-        let texel = |lane: usize, right, down| {
-            pack(self.texel(wrapping, columns[lane].saturating_add(right), rows[lane].saturating_add(down)))
-        };
-        let all = |right, down| std::array::from_fn(|lane| texel(lane, right, down));
-        [[all(0, 0), all(1, 0)], [all(0, 1), all(1, 1)]]
-    }
-
-    #[inline]
-    fn texel(&self, wrapping: Wrapping, x: i32, y: i32) -> [u8; 4] {
-        let (x, y) = match wrapping {
-            Wrapping::Repeat => (x.rem_euclid(self.width), y.rem_euclid(self.height)),
-            Wrapping::Clamp => (x.clamp(0, self.width - 1), y.clamp(0, self.height - 1)),
-        };
-        self.rgba.get(y as usize * self.width as usize + x as usize).copied().unwrap_or([255; 4])
-    }
+/// Width and height, at least 1.
+#[inline]
+fn size(level: &Texture) -> [i32; 2] {
+    [level.width, level.height].map(|side| side.clamp(1, i32::MAX as u32) as i32)
 }
 
 /// The packed texels at some places, and those to the right of them.
@@ -300,12 +268,12 @@ mod tests {
             us in prop::array::uniform8(-2.0..3.0_f32),
             vs in prop::array::uniform8(prop_oneof![-2.0..3.0_f32, 0.2..0.8_f32]),
         ) {
-            let all = MipLevel::of(&texture);
+            let [width, height] = size(&texture);
             let expected = |lane: usize, channel: usize| {
                 let to_center = if texture.filtering == Filtering::Nearest { 0.0 } else { 0.5 };
-                let (x, y) = (us[lane] * all.width as f32 - to_center, vs[lane] * all.height as f32 - to_center);
+                let (x, y) = (us[lane] * width as f32 - to_center, vs[lane] * height as f32 - to_center);
                 let texel = |right: i32, down: i32| {
-                    let texel = all.texel(texture.wrapping, x.floor() as i32 + right, y.floor() as i32 + down);
+                    let texel = super::texel(&texture, x.floor() as i32 + right, y.floor() as i32 + down);
                     f32::from(texel[channel])
                 };
                 let between = |one: f32, other: f32, share: f32| match texture.filtering {
@@ -317,7 +285,7 @@ mod tests {
             };
             let sampled = dispatch!(Level::new(), simd => {
                 let (us, vs) = (F::load_array(simd, us), F::load_array(simd, vs));
-                all.sample(&texture, [us, vs], us.simd_eq(us)).map(|channel| channel.to_array())
+                super::sample(&texture, [us, vs], us.simd_eq(us)).map(|channel| channel.to_array())
             });
             for (channel, lanes) in sampled.iter().enumerate() {
                 for (lane, sampled) in lanes.iter().enumerate() {

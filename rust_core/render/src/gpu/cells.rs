@@ -114,16 +114,8 @@ impl Uploaded {
     fn new(device: &Device, cells: &Arc<Cells>) -> Option<Self> {
         let layers = Layers::of(cells, &device.limits)?;
         let [width, height] = layers.extent();
-        let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
-            label: Some("cells"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers.count },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R8Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers.count };
+        let texture = device.texture("cells", size, 1, wgpu::TextureFormat::R8Uint);
         Some(Self { cells: Arc::downgrade(cells), was_dead: false, tiles: Vec::new(), texture, layers })
     }
 
@@ -133,18 +125,10 @@ impl Uploaded {
         for tile in cells.tiles() {
             let known = before.next().is_some_and(|known| known.as_ptr() == Arc::as_ptr(tile.values));
             if !known {
-                device.count_upload(tile.values.len());
-                device.queue.write_texture(
-                    wgpu::TexelCopyTextureInfo {
-                        texture: &self.texture,
-                        mip_level: 0,
-                        origin: self.layers.place(&tile),
-                        aspect: wgpu::TextureAspect::All,
-                    },
-                    tile.values,
-                    wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(tile.width), rows_per_image: None },
-                    wgpu::Extent3d { width: tile.width, height: tile.height, depth_or_array_layers: 1 },
-                );
+                let origin = self.layers.place(&tile);
+                let to = wgpu::TexelCopyTextureInfo { origin, ..self.texture.as_image_copy() };
+                let size = wgpu::Extent3d { width: tile.width, height: tile.height, depth_or_array_layers: 1 };
+                device.write_texture(to, tile.values, size);
             }
             self.tiles.push(Arc::downgrade(tile.values));
         }
@@ -231,23 +215,8 @@ impl CellPipelines {
 
 fn upload_palette(device: &Device, palette: &[[u8; 4]; 256]) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width: 256, height: 1, depth_or_array_layers: 1 };
-    let texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
-        label: Some("palette"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    device.count_upload(size_of_val(palette));
-    device.queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(palette),
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
-        size,
-    );
+    let texture = device.texture("palette", size, 1, wgpu::TextureFormat::Rgba8Unorm);
+    device.write_texture(texture.as_image_copy(), bytemuck::cast_slice(palette), size);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 

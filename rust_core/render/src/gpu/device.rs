@@ -141,6 +141,34 @@ impl Device {
         });
     }
 
+    /// A texture for shaders to read.
+    pub(super) fn texture(
+        &self,
+        label: &str,
+        size: wgpu::Extent3d,
+        mip_level_count: u32,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
+        self.wgpu.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    }
+
+    /// Uploads texels, row by row, to a part of a texture.
+    pub(super) fn write_texture(&self, to: wgpu::TexelCopyTextureInfo<'_>, texels: &[u8], size: wgpu::Extent3d) {
+        self.count_upload(texels.len());
+        let bytes_per_row = Some(texels.len() as u32 / size.height);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+        self.queue.write_texture(to, texels, layout, size);
+    }
+
     /// A buffer of this number of bytes.
     pub(super) fn empty_buffer(&self, label: &str, usage: wgpu::BufferUsages, bytes: usize) -> wgpu::Buffer {
         self.wgpu.create_buffer(&wgpu::BufferDescriptor {

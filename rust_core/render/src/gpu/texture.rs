@@ -1,42 +1,17 @@
 //! Images on surfaces: textures with the mipmaps that OpenGL drivers make.
 
-use rcs_scene::{halved, Filtering, Texture, Wrapping};
+use rcs_scene::{Filtering, Texture, Wrapping};
 
 use super::device::Device;
-
-/// A level of an image.
-struct MipLevel {
-    width: u32,
-    height: u32,
-    rgba: Vec<[u8; 4]>,
-}
 
 /// A bind group with an image and the way it is read.
 pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &Texture) -> wgpu::BindGroup {
     let levels = levels(texture, device.limits.max_texture_dimension_2d);
-    let gpu_texture = device.wgpu.create_texture(&wgpu::TextureDescriptor {
-        label: Some("image"),
-        size: extent(&levels[0]),
-        mip_level_count: levels.len() as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    device.count_upload(levels.iter().map(|level| size_of_val(level.rgba.as_slice())).sum());
-    for (mip_level, level) in levels.iter().enumerate() {
-        device.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &gpu_texture,
-                mip_level: mip_level as u32,
-                origin: wgpu::Origin3d::ZERO,
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(&level.rgba),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(level.width * 4), rows_per_image: None },
-            extent(level),
-        );
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let gpu_texture = device.texture("image", extent(&levels[0]), levels.len() as u32, format);
+    for (mip_level, level) in (0..).zip(&levels) {
+        let to = wgpu::TexelCopyTextureInfo { mip_level, ..gpu_texture.as_image_copy() };
+        device.write_texture(to, bytemuck::cast_slice(&level.rgba), extent(level));
     }
     let filter = match texture.filtering {
         Filtering::Nearest => wgpu::FilterMode::Nearest,
@@ -93,25 +68,21 @@ pub(super) fn layout(device: &Device) -> wgpu::BindGroupLayout {
     })
 }
 
-fn extent(level: &MipLevel) -> wgpu::Extent3d {
+fn extent(level: &Texture) -> wgpu::Extent3d {
     wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 }
 }
 
 /// The image, halved until it fits, and its mipmaps where it is read with them.
-fn levels(texture: &Texture, max_side: u32) -> Vec<MipLevel> {
-    let (width, height) = (texture.width.max(1), texture.height.max(1));
-    let mut rgba = texture.rgba.clone();
-    rgba.resize(width as usize * height as usize, [255; 4]);
-    let mut level = MipLevel { width, height, rgba };
-    let half = |level: &MipLevel| {
-        let ([width, height], rgba) = halved([level.width, level.height], &level.rgba)?;
-        Some(MipLevel { width, height, rgba })
-    };
-    while let Some(smaller) = half(&level).filter(|_| level.width.max(level.height) > max_side.max(1)) {
+fn levels(texture: &Texture, max_side: u32) -> Vec<Texture> {
+    let mut level = texture.clone();
+    (level.width, level.height) = (level.width.max(1), level.height.max(1));
+    level.rgba.resize(level.width as usize * level.height as usize, [255; 4]);
+    while level.width.max(level.height) > max_side {
+        let Some(smaller) = level.halved() else { break };
         level = smaller;
     }
     let has_mipmaps = texture.filtering == Filtering::BilinearMipmap;
-    std::iter::successors(Some(level), |last| half(last).filter(|_| has_mipmaps)).collect()
+    std::iter::successors(Some(level), |last| has_mipmaps.then(|| last.halved()).flatten()).collect()
 }
 
 #[cfg(test)]
