@@ -223,7 +223,6 @@ impl CpuRenderer {
         let mut screen = Screen::new(width_px, height_px, self.active);
         screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.prepare(&plan, &screen);
-        plan.cull_clouds(&self.outcomes);
         self.list_runs(&plan, &screen);
         self.draw_bands(&DrawContext { plan: &plan, screen: &screen }, view, drawn);
         std::mem::swap(&mut self.job_displays, &mut plan.job_displays);

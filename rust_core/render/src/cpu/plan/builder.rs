@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::Matrix4;
 use rcs_scene::{
-    Blending, CellSheet, CullMode, DisplayId, DisplayMask, Drawable, Geometry, Material, Mesh, Ordered, Vertex,
+    Blending, CellSheet, CullMode, DisplayId, DisplayMask, Drawable, Geometry, Material, Mesh, Ordered, Points, Vertex,
 };
 
 use super::{Job, Piece, Plan, PlanMemory};
@@ -145,11 +146,9 @@ impl<'a, 'c> Builder<'a, 'c> {
         let transform = ObjectTransform::new(camera, &view_from_object, view.scene.light.as_ref());
         let (surface, shape) = match &drawable.geometry {
             Geometry::Solids(_) | Geometry::Facing(_) => return,
-            Geometry::Points(points) => {
-                return self.add_cloud(Cloud::new(points, transform, camera, &drawable.fixed_from_object));
-            }
+            Geometry::Points(points) => return self.add_cloud(points, transform, &drawable.fixed_from_object),
             Geometry::Packed(packed) => {
-                return self.add_cloud(Cloud::new(packed.points(), transform, camera, &drawable.fixed_from_object));
+                return self.add_cloud(packed.points(), transform, &drawable.fixed_from_object);
             }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);
@@ -180,17 +179,19 @@ impl<'a, 'c> Builder<'a, 'c> {
         self.add_pieces(index, 0..count, work_of_each, false);
     }
 
-    fn add_cloud(&mut self, cloud: Cloud<'a>) {
+    fn add_cloud(&mut self, points: &'a Points, transform: ObjectTransform, fixed_from_object: &Matrix4<f64>) {
         self.close();
-        let index = self.plan.clouds.len();
-        let count = cloud.points.buffer.positions.len();
+        let camera = self.view.camera;
+        let cloud = Cloud::new(points, transform, camera.eye_in_object(fixed_from_object));
+        if cloud.lies_outside(camera, fixed_from_object) {
+            return;
+        }
+        let (index, count) = (self.plan.clouds.len(), points.buffer.positions.len());
         self.plan.clouds.push(cloud);
-        let first_job = self.plan.jobs.len();
         for begin in (0..count).step_by(POINTS_PER_JOB) {
             self.plan.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
             self.plan.job_displays.push(self.display);
         }
-        self.plan.cloud_jobs.push(first_job..self.plan.jobs.len());
     }
 
     /// Adds pieces of a batch or of a solid to the open job, and to as many others as they need.

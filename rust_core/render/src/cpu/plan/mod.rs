@@ -64,8 +64,6 @@ pub(in crate::cpu) struct Plan<'a> {
     /// The displays whose objects' depths are wanted. Either all of a job's displays are among them, or none is.
     objects_of: Option<&'a DisplayMask>,
     clouds: Vec<Cloud<'a>>,
-    /// The jobs of each cloud.
-    cloud_jobs: Vec<Range<usize>>,
     /// Meshes, ribbons, lines and texts.
     solids: Vec<Solid<'a>>,
     /// Many small solids together.
@@ -99,7 +97,6 @@ impl PlanMemory {
             job_displays: emptied(plan.job_displays),
             objects_of: None,
             clouds: emptied(plan.clouds),
-            cloud_jobs: emptied(plan.cloud_jobs),
             solids: emptied(plan.solids),
             pieces: emptied(plan.pieces),
             batches: None,
@@ -140,13 +137,5 @@ impl<'a> Plan<'a> {
     pub(in crate::cpu) fn is_listed(&self, job: usize) -> bool {
         let display = self.job_displays.get(job);
         display.zip(self.objects_of).is_some_and(|(display, objects_of)| objects_of.shows(*display))
-    }
-
-    /// Marks the clouds that Ogre would not draw, given the outcomes of the jobs.
-    pub(in crate::cpu) fn cull_clouds(&mut self, outcomes: &[Outcome]) {
-        for (cloud, jobs) in self.clouds.iter_mut().zip(&self.cloud_jobs) {
-            let outcomes = outcomes.get(jobs.clone()).unwrap_or_default();
-            cloud.is_culled = cloud.lies_outside(outcomes.iter().flat_map(Outcome::points));
-        }
     }
 }

@@ -45,12 +45,6 @@ pub(in crate::cpu) struct DrawContext<'a> {
 }
 
 impl Outcome {
-    /// The points that may be seen, if it is of points.
-    pub(super) fn points(&self) -> impl Iterator<Item = u32> + '_ {
-        let points = if let Self::Points(points) = self { Some(points) } else { None };
-        points.into_iter().flat_map(|points| points.bins.all())
-    }
-
     /// The amount that is to be drawn.
     pub(in crate::cpu) fn load(&self, job: &Job, plan: &Plan<'_>) -> Load {
         match (job, self) {
@@ -114,7 +108,7 @@ impl Outcome {
         match (job, self) {
             (Job::Points(cloud, _), Self::Points(points)) => {
                 if let Some(cloud) = context.plan.clouds.get(*cloud) {
-                    points::draw(cloud, points.bins.band(index), context.screen, &mut scratch.points, band);
+                    points::draw(cloud, (points.bins.band(index), &[]), context.screen, &mut scratch.points, band);
                 }
             }
             (_, Self::Meshes(primitives)) => {

@@ -47,11 +47,6 @@ impl Bins {
         self.add(number, row(begin), row(end));
     }
 
-    /// All things, those that touch several bands several times.
-    pub(in crate::cpu) fn all(&self) -> impl Iterator<Item = u32> + '_ {
-        self.bands.iter().flatten().copied()
-    }
-
     /// The things that touch a band, in their order.
     pub(in crate::cpu) fn band(&self, index: usize) -> &[u32] {
         self.bands.get(index).map_or(&[], Vec::as_slice)
@@ -73,7 +68,6 @@ mod tests {
         }
         let names = |band: usize| bins.band(band).iter().filter_map(|&t| char::from_u32(t)).collect::<String>();
         assert_eq!([names(0), names(1), names(2), names(3), names(4)], ["bcd", "bd", "d", "ad", ""]);
-        assert_eq!(bins.all().count(), 8);
         bins.reset(&screen);
         assert!(bins.band(0).is_empty());
     }

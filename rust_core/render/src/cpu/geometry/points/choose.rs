@@ -5,7 +5,8 @@
 use std::ops::Range;
 
 use fearless_simd::{dispatch, Simd};
-use rcs_scene::{Aabb, InFrustum, PointBuffer};
+use nalgebra::Matrix4;
+use rcs_scene::{Aabb, Camera, InFrustum, PointBuffer};
 
 use super::faces::diameter_px;
 use super::{Cloud, BLOCK};
@@ -33,13 +34,14 @@ impl Cloud<'_> {
     #[inline(always)]
     fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Bins) -> Load {
         let mut load = Load::default();
-        let reach = PointRadius::of(self);
+        // The farthest that a point's faces or disc reach from its position, and a margin.
+        let reach = (self.clip_reach(), diameter_px(self.points).unwrap_or(0.0) * 0.5 + 0.01);
         let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
         let mut rows = [[0u32; BLOCK]; 2];
         let mut coordinates = [[f32::NAN; BLOCK]; 3];
         for (positions, begin) in positions.chunks(BLOCK).zip(range.step_by(BLOCK)) {
             transpose(positions, &mut coordinates);
-            self.rows(screen, &reach, &coordinates, &mut rows);
+            self.rows(screen, reach, &coordinates, &mut rows);
             let [first, after] = &rows;
             // About as wide as high.
             let pixels = first.iter().zip(after).take(positions.len()).map(|(first, after)| {
@@ -58,21 +60,19 @@ impl Cloud<'_> {
     /// True if Ogre culls the whole cloud: it tests only the box around the points' positions, so that faces that reach
     /// into the view from outside are not seen where all positions are off the same side of the view.
     ///
-    /// `selected` are the points that may be seen; a position inside of the view settles the question at once.
-    pub(in crate::cpu) fn lies_outside(&self, mut selected: impl Iterator<Item = u32>) -> bool {
+    /// A position inside of the view settles the question at once.
+    pub(in crate::cpu) fn lies_outside(&self, camera: &Camera, fixed_from_object: &Matrix4<f64>) -> bool {
         let positions = &self.points.buffer.positions;
-        let outside = |position: [f32; 3]| {
-            let [x, y, z, w] = self.transform.clip(position);
-            [z < -w, z > w, x < -w, x > w, y < -w, y > w]
+        let is_inside = |position: &[f32; 3]| {
+            let [x, y, z, w] = self.transform.clip(*position);
+            x.abs() <= w && y.abs() <= w && z.abs() <= w
         };
-        let is_inside =
-            |index: u32| positions.get(index as usize).is_some_and(|position| outside(*position) == [false; 6]);
-        if selected.any(is_inside) {
+        if positions.iter().any(is_inside) {
             return false;
         }
-        let clip_from_fixed = self.camera.clip_from_view() * self.camera.fixed_from_view().inverse().to_homogeneous();
+        let clip_from_fixed = camera.clip_from_view() * camera.fixed_from_view().inverse().to_homogeneous();
         // The box lies along the fixed frame's axes.
-        let bounds = Aabb::around(positions.iter().copied()).map(|bounds| bounds.transformed(self.fixed_from_object));
+        let bounds = Aabb::around(positions.iter().copied()).map(|bounds| bounds.transformed(fixed_from_object));
         bounds.is_none_or(|bounds| bounds.in_frustum(&clip_from_fixed, 0.0) == InFrustum::Outside)
     }
 
@@ -80,7 +80,7 @@ impl Cloud<'_> {
     fn rows(
         &self,
         screen: &Screen,
-        reach: &PointRadius,
+        (reach, margin_px): ([f32; 4], f32),
         coordinates: &[[f32; BLOCK]; 3],
         rows: &mut [[u32; BLOCK]; 2],
     ) {
@@ -91,7 +91,7 @@ impl Cloud<'_> {
             let row = |r: [f32; 4]| r[0] * xs[i] + r[1] * ys[i] + r[2] * zs[i] + r[3];
             let (x, y, z, w) = (row(m[0]), row(m[1]), row(m[2]), row(m[3]));
             let factor = if self.points.auto_size { zs[i].abs() } else { 1.0 };
-            let [rx, ry, rz, rw] = reach.clip.map(|r| r * factor);
+            let [rx, ry, rz, rw] = reach.map(|r| r * factor);
             let (far_w, near_w) = (w + rw, w - rw);
             let inside = (z + rz >= -far_w) & (z - rz <= far_w) & (x - rx <= far_w) & (x + rx >= -far_w);
             // The smallest and the largest y over w, where w stays in front of the eye's plane.
@@ -99,36 +99,15 @@ impl Cloud<'_> {
             let (low, high) = (y - ry, y + ry);
             let low = low * if low < 0.0 { near } else { far };
             let high = high * if high < 0.0 { far } else { near };
-            let margin = reach.pixels + 0.01;
             let is_bounded = near_w > 1e-3 * w.abs();
-            let first = if is_bounded { screen.y(high) - margin } else { 0.0 };
-            let last = if is_bounded { screen.y(low) + margin } else { height };
+            let first = if is_bounded { screen.y(high) - margin_px } else { 0.0 };
+            let last = if is_bounded { screen.y(low) + margin_px } else { height };
             // To the rows whose centres lie between.
             let first = if first > 0.5 { first + 0.5 } else { 0.0 };
             let last = if last < height - 0.5 { (last + 0.5).max(0.0) } else { height };
             rows[0][i] = first as i32 as u32;
             rows[1][i] = if inside { last as i32 as u32 } else { 0 };
         }
-    }
-}
-
-/// The farthest that a point's faces or disc reach from its position.
-struct PointRadius {
-    /// In clip coordinates, for a size factor of 1.
-    clip: [f32; 4],
-    /// On the picture.
-    pixels: f32,
-}
-
-impl PointRadius {
-    fn of(cloud: &Cloud<'_>) -> Self {
-        let length = |v: [f32; 3]| v[0].hypot(v[1]).hypot(v[2]);
-        if let Some(diameter_px) = diameter_px(cloud.points) {
-            return Self { clip: [0.0; 4], pixels: diameter_px * 0.5 };
-        }
-        let radius_m = cloud.faces.reach_m();
-        let clip = cloud.transform.clip_from_object.map(|row| length([row[0], row[1], row[2]]) * radius_m);
-        Self { clip, pixels: 0.0 }
     }
 }
 

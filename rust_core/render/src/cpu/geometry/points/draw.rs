@@ -20,19 +20,6 @@ pub(super) struct PointOrder {
     ranks: Vec<u32>,
 }
 
-/// Draws a band's rows of a cloud, given the indices of the points that touch the band.
-pub(in crate::cpu) fn draw(
-    cloud: &Cloud<'_>,
-    indices: &[u32],
-    screen: &Screen,
-    scratch: &mut PointScratch,
-    band: &mut Band<'_>,
-) {
-    if !cloud.is_culled {
-        draw_points(cloud, (indices, &[]), screen, scratch, band);
-    }
-}
-
 /// Draws a band's rows of a cloud by the ranks of its points, given the indices of those that touch the band, by job.
 pub(in crate::cpu) fn draw_ranked(
     cloud: &Cloud<'_>,
@@ -41,10 +28,7 @@ pub(in crate::cpu) fn draw_ranked(
     (scratch, order): (&mut PointScratch, &mut NearToFar),
     band: &mut Band<'_>,
 ) {
-    if cloud.is_culled {
-        return;
-    }
-    let (eye, positions) = (cloud.faces.eye(), &cloud.points.buffer.positions);
+    let (eye, positions) = (cloud.eye, &cloud.points.buffer.positions);
     let count = order.sort(indices, |_, index| match positions.get(index as usize) {
         Some([x, y, z]) => (x - eye[0]).powi(2) + (y - eye[1]).powi(2) + (z - eye[2]).powi(2),
         None => f32::INFINITY,
@@ -58,16 +42,17 @@ pub(in crate::cpu) fn draw_ranked(
                 sorted.push(face.number);
                 ranks.push(first + face.rank);
             }
-            draw_points(cloud, (&sorted, &ranks), screen, scratch, band);
+            draw(cloud, (&sorted, &ranks), screen, scratch, band);
             scratch.order = PointOrder { indices: sorted, ranks };
         }
-        None => indices.iter().for_each(|indices| draw(cloud, indices, screen, scratch, band)),
+        None => indices.iter().for_each(|indices| draw(cloud, (indices, &[]), screen, scratch, band)),
     }
     band.end_ranks();
 }
 
-/// Draws points, given by their indices, and their ranks where they have some.
-fn draw_points(
+/// Draws a band's rows of a cloud, given the indices of the points that touch the band, and their ranks where they have
+/// some.
+pub(in crate::cpu) fn draw(
     cloud: &Cloud<'_>,
     points: (&[u32], &[u32]),
     screen: &Screen,
@@ -179,7 +164,7 @@ fn draw_quad<S: Simd, const PAINT: u8>(
 /// Draws a point's faces as triangles: those that are too large for quadrangles, or cut by the near plane.
 #[cold]
 pub(in crate::cpu) fn draw_triangles(cloud: &Cloud<'_>, index: u32, screen: &Screen, band: &mut Band<'_>) {
-    cloud.faces.triangles(&cloud.transform, index as usize, |triangle| {
+    cloud.triangles(index as usize, |triangle| {
         triangle::cut(triangle, &cloud.surface, screen, |corners| {
             triangle::draw(corners.each_ref(), &cloud.surface, band);
         });

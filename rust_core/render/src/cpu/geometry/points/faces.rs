@@ -15,81 +15,57 @@
 //!   0 ────┼──── 1
 //! ```
 
-use nalgebra::Point3;
 use rcs_scene::{CullMode, PointStyle, Points};
 
-use super::is_visible;
+use super::{is_visible, Cloud};
 use crate::cpu::paint::{DepthBias, Paint, Surface};
 use crate::cpu::raster::clip::ClipVertex;
 use crate::cpu::tile::band::Mode;
-use crate::cpu::tile::screen::ObjectTransform;
 use crate::shading::{drawn_point_size_px, Number, BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
-/// The faces of a cloud.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct Faces<'a> {
-    points: &'a Points,
-    /// The eye in the cloud's frame.
-    eye: [f32; 3],
+/// The surface of all of a cloud's faces.
+pub(super) fn surface(points: &Points) -> Surface {
+    let (paint, cull) = match points.style {
+        PointStyle::Squares { .. } => (Paint::Edged, CullMode::Back),
+        PointStyle::Spheres { .. } => (Paint::Disc, CullMode::Back),
+        PointStyle::Boxes { .. } => (Paint::BoxSide, CullMode::Back),
+        PointStyle::Tiles { .. } => (Paint::Edged, CullMode::None),
+        PointStyle::FlatSquares { .. } | PointStyle::Points { .. } => (Paint::Color, CullMode::Back),
+    };
+    Surface { paint, mode: Mode::new(points.blended), cull, depth_bias: DepthBias::NONE }
 }
 
-impl<'a> Faces<'a> {
-    /// The faces of a cloud; of one that is drawn as round points there are none.
-    pub(in crate::cpu) fn of(points: &'a Points, eye_in_object: Point3<f32>) -> Self {
-        Self { points, eye: eye_in_object.coords.into() }
-    }
-
-    /// The eye in the cloud's frame.
-    pub(in crate::cpu) fn eye(&self) -> [f32; 3] {
-        self.eye
-    }
-
-    /// The surface that all faces have.
-    pub(in crate::cpu) fn surface(&self) -> Surface {
-        let (paint, cull) = match self.points.style {
-            PointStyle::Squares { .. } => (Paint::Edged, CullMode::Back),
-            PointStyle::Spheres { .. } => (Paint::Disc, CullMode::Back),
-            PointStyle::Boxes { .. } => (Paint::BoxSide, CullMode::Back),
-            PointStyle::Tiles { .. } => (Paint::Edged, CullMode::None),
-            PointStyle::FlatSquares { .. } | PointStyle::Points { .. } => (Paint::Color, CullMode::Back),
-        };
-        Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: DepthBias::NONE }
-    }
-
+impl Cloud<'_> {
     /// Half of a tile's sides, to the right and up, in the cloud's frame; none where the faces are no tiles.
-    pub(in crate::cpu) fn tile_sides(&self) -> Option<[[f32; 3]; 2]> {
+    pub(super) fn tile_sides(&self) -> Option<[[f32; 3]; 2]> {
         let PointStyle::Tiles { size_m, normal, up } = self.points.style else { return None };
         Some([cross(up, normal).map(|c| c * size_m[0] * 0.5), up.map(|c| c * size_m[1] * 0.5)])
     }
 
-    /// The farthest that a face reaches from its point, in the cloud's frame and for a size factor of 1.
-    pub(in crate::cpu) fn reach_m(&self) -> f32 {
+    /// The farthest that a face reaches from its point, in clip coordinates and for a size factor of 1.
+    pub(super) fn clip_reach(&self) -> [f32; 4] {
         let length = |v: &[f32]| v.iter().fold(0.0, |sum: f32, c| sum.hypot(*c));
-        match self.points.style {
+        let reach_m = match self.points.style {
             PointStyle::Tiles { size_m, normal, up } => {
                 let right = cross(up, normal);
                 (length(&right) * size_m[0].abs() + length(&up) * size_m[1].abs()) * 0.5
             }
             PointStyle::Boxes { size_m } => length(&size_m) * 0.5,
             style => length(&size_m(style)) * 0.5,
-        }
+        };
+        self.transform.clip_from_object.map(|row| length(&row[..3]) * reach_m)
     }
 
     /// Makes the triangles of a point's faces.
-    pub(in crate::cpu) fn triangles(
-        &self,
-        transform: &ObjectTransform,
-        index: usize,
-        mut out: impl FnMut([&ClipVertex; 3]),
-    ) {
+    pub(super) fn triangles(&self, index: usize, mut out: impl FnMut([&ClipVertex; 3])) {
         let Some(&position) = self.points.buffer.positions.get(index) else { return };
         let [r, g, b, a] = self.points.buffer.colors.get(index).map(|c| f32::from(c) / 255.0);
         let alpha = a * self.points.alpha;
         let color = |brightness: f32| [r * brightness, g * brightness, b * brightness, alpha.clamp(0.0, 1.0)];
         let factor = if self.points.auto_size { position[2] } else { 1.0 };
-        let center = transform.clip(position);
+        let center = self.transform.clip(position);
         let along = |[x, y, z]: [f32; 3], length: f32| {
-            transform.clip_from_object.map(|row| (row[0] * x + row[1] * y + row[2] * z) * length)
+            self.transform.clip_from_object.map(|row| (row[0] * x + row[1] * y + row[2] * z) * length)
         };
         let mut face = |middle: [f32; 4], right: [f32; 4], up: [f32; 4], color: [f32; 4]| {
             let corner = |u: f32, v: f32| ClipVertex {
@@ -130,7 +106,7 @@ impl<'a> Faces<'a> {
 }
 
 /// The points' diameter on the picture, in pixels; none where the cloud has another style.
-pub(in crate::cpu) fn diameter_px(points: &Points) -> Option<f32> {
+pub(super) fn diameter_px(points: &Points) -> Option<f32> {
     match points.style {
         PointStyle::Points { diameter_px } => Some(drawn_point_size_px(diameter_px)),
         _ => None,
@@ -139,7 +115,7 @@ pub(in crate::cpu) fn diameter_px(points: &Points) -> Option<f32> {
 
 /// Width and height of faces that face the eye.
 #[inline]
-pub(in crate::cpu) fn size_m(style: PointStyle) -> [f32; 2] {
+pub(super) fn size_m(style: PointStyle) -> [f32; 2] {
     match style {
         PointStyle::Squares { size_m } | PointStyle::Spheres { size_m } => size_m,
         PointStyle::FlatSquares { side_m } => [side_m; 2],
@@ -147,14 +123,14 @@ pub(in crate::cpu) fn size_m(style: PointStyle) -> [f32; 2] {
     }
 }
 
-pub(in crate::cpu) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Half sides to the right (its x and z; its y is 0) and up of a face that faces the eye, given the vector to the eye
 /// and the half sides' lengths. NaN where the eye is straight above or below.
 #[inline(always)]
-pub(in crate::cpu) fn upright<T: Number>([x, y, z]: [T; 3], [half_width, half_height]: [T; 2]) -> ([T; 2], [T; 3]) {
+pub(super) fn upright<T: Number>([x, y, z]: [T; 3], [half_width, half_height]: [T; 2]) -> ([T; 2], [T; 3]) {
     let level = x * x + z * z;
     let right = half_width / level.root();
     let up = half_height / (level * (level + y * y)).root();

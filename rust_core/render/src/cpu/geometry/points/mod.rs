@@ -28,14 +28,13 @@ mod sprites;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::Matrix4;
-use rcs_scene::{Camera, PointStyle, Points};
+use nalgebra::Point3;
+use rcs_scene::{PointStyle, Points};
 
 pub(in crate::cpu) use self::choose::BinnedPoints;
 use self::choose::PointBlock;
 use self::draw::PointOrder;
 pub(in crate::cpu) use self::draw::{draw, draw_ranked};
-use self::faces::Faces;
 use self::place::{FaceBlock, SIDES};
 use self::sprites::SpriteBlock;
 use crate::cpu::paint::Surface;
@@ -52,32 +51,22 @@ pub(in crate::cpu) struct Cloud<'a> {
     /// The scene's cloud.
     pub points: &'a Points,
     transform: ObjectTransform,
-    faces: Faces<'a>,
+    /// The eye in the cloud's frame.
+    eye: [f32; 3],
     surface: Surface,
-    camera: &'a Camera,
-    fixed_from_object: &'a Matrix4<f64>,
-    /// Ogre would not draw it.
-    pub is_culled: bool,
     /// For each opacity of a colour that which is drawn; none where that is too faint.
     opacities: [Option<u8>; 256],
 }
 
 impl<'a> Cloud<'a> {
-    /// A cloud at a pose, seen by a camera.
-    pub(in crate::cpu) fn new(
-        points: &'a Points,
-        transform: ObjectTransform,
-        camera: &'a Camera,
-        fixed_from_object: &'a Matrix4<f64>,
-    ) -> Self {
-        let faces = Faces::of(points, camera.eye_in_object(fixed_from_object));
+    /// A cloud at a pose, given the eye in its frame.
+    pub(in crate::cpu) fn new(points: &'a Points, transform: ObjectTransform, eye: Point3<f32>) -> Self {
         let is_box = matches!(points.style, PointStyle::Boxes { .. });
         let opacities = std::array::from_fn(|level| {
             let alpha = level as f32 / 255.0 * points.alpha;
             (is_box || is_visible(alpha)).then(|| unorm8(alpha))
         });
-        let surface = faces.surface();
-        Self { points, transform, faces, surface, camera, fixed_from_object, is_culled: false, opacities }
+        Self { points, transform, eye: eye.coords.into(), surface: faces::surface(points), opacities }
     }
 }
 

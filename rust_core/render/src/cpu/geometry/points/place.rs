@@ -383,7 +383,7 @@ pub(in crate::cpu) fn place_faces<S: Simd, const PAINT: u8>(lanes: &PointLanes<'
 fn place_upright<S: Simd>(lanes: &PointLanes<'_, S>, with_place: bool, faces: &mut FaceBlock) {
     let PointLanes { simd, cloud, view, begin, .. } = *lanes;
     let ([x, y, z], factor, middle) = positions(lanes);
-    let [eye_x, eye_y, eye_z] = cloud.faces.eye();
+    let [eye_x, eye_y, eye_z] = cloud.eye;
     let [width, height] = size_m(cloud.points.style);
     let half = [factor * (width * 0.5), factor * (height * 0.5)];
     let (right, up) = upright([eye_x - x, eye_y - y, eye_z - z], half);
@@ -406,10 +406,10 @@ fn place_upright<S: Simd>(lanes: &PointLanes<'_, S>, with_place: bool, faces: &m
 #[inline(always)]
 fn place_tiles<S: Simd>(lanes: &PointLanes<'_, S>, faces: &mut FaceBlock) {
     let PointLanes { simd, cloud, view, begin, .. } = *lanes;
-    let [right, up] = cloud.faces.tile_sides().unwrap_or_default();
+    let [right, up] = cloud.tile_sides().unwrap_or_default();
     let (position, _, middle) = positions(lanes);
     let across = cross(right, up);
-    let [x, y, z] = cloud.faces.eye();
+    let [x, y, z] = cloud.eye;
     let from_above = (x - position[0]) * across[0] + (y - position[1]) * across[1] + (z - position[2]) * across[2];
     let is_turned = from_above.simd_lt(0.0);
     let m = cloud.transform.clip_from_object;
@@ -455,7 +455,7 @@ fn place_boxes<S: Simd>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES
     let size_m = if let PointStyle::Boxes { size_m } = cloud.points.style { size_m } else { [0.0; 3] };
     let (position, factor, middle) = positions(lanes);
     let (zero, one) = (F::splat(simd, 0.0), F::splat(simd, 1.0));
-    let eye = cloud.faces.eye();
+    let eye = cloud.eye;
     let along = map(
         [0, 1, 2],
         #[inline(always)]

@@ -104,13 +104,13 @@ fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
         ] {
             let points = Points { buffer: buffer.clone(), style, alpha: 1.0, blended: false, auto_size: false };
             let transform = ObjectTransform::new(&camera, &view_from_object, None);
-            let cloud = Cloud::new(&points, transform, &camera, &object);
+            let cloud = Cloud::new(&points, transform, camera.eye_in_object(&object));
             let (mut differ, mut apart) = (0, 0.0_f32);
             let (mut near, mut far) = (f32::MAX, f32::MIN);
             for index in 0..screen.bands() {
                 let background = pack([1, 2, 3, 255]);
                 let mut band = one_way.begin(&screen, index, background, false);
-                draw(&cloud, &[0], &screen, &mut scratch, &mut band);
+                draw(&cloud, (&[0], &[]), &screen, &mut scratch, &mut band);
                 let mut other_band = other_way.begin(&screen, index, background, false);
                 draw_triangles(&cloud, 0, &screen, &mut other_band);
                 let is_covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
