@@ -4,7 +4,7 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::PointStyle;
 
 use super::place::{place_faces, sides_of, BandView, FaceBlock, PointLanes, AXES};
-use super::{is_inside_out, sprites, Cloud, PointScratch, BLOCK};
+use super::{sprites, Cloud, PointScratch, BLOCK};
 use crate::cpu::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
 use crate::cpu::raster::quad::depth_bound;
 use crate::cpu::raster::triangle;
@@ -68,9 +68,6 @@ pub(in crate::cpu) fn draw(
             draw_faces::<{ EDGED }>(cloud, points, screen, scratch, band);
         }
         PointStyle::Spheres { .. } => draw_faces::<{ DISC }>(cloud, points, screen, scratch, band),
-        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
-            points.0.iter().for_each(|&index| draw_triangles(cloud, index, screen, band));
-        }
         PointStyle::Boxes { .. } => draw_faces::<{ BOX_SIDE }>(cloud, points, screen, scratch, band),
     }
 }
@@ -101,11 +98,7 @@ fn draw_block<S: Simd, const PAINT: u8>(
     band: &mut Band<'_>,
 ) {
     let PointScratch { points, faces, .. } = scratch;
-    let view = BandView {
-        width_px: screen.width_px as f32,
-        rows: [band.first_row as f32, band.end_row as f32],
-        half_size: screen.half_size(),
-    };
+    let view = BandView::new(screen, band);
     faces.iter_mut().take(sides_of::<PAINT>()).for_each(FaceBlock::clear);
     for begin in (0..points.len).step_by(LANES) {
         place_faces::<S, PAINT>(&PointLanes { simd, cloud, view: &view, points, begin }, faces);

@@ -73,18 +73,8 @@ impl<'a> Cloud<'a> {
 impl Cloud<'_> {
     /// True if its faces need not be drawn in their order.
     pub(in crate::cpu) fn can_be_ranked(&self) -> bool {
-        let has_faces = match self.points.style {
-            PointStyle::Points { .. } => false,
-            PointStyle::Boxes { size_m } => !is_inside_out(size_m),
-            _ => true,
-        };
-        has_faces && self.surface.mode == Mode::OPAQUE
+        self.surface.mode == Mode::OPAQUE && !matches!(self.points.style, PointStyle::Points { .. })
     }
-}
-
-/// Boxes that a negative size turns inside out show other sides.
-fn is_inside_out(size_m: [f32; 3]) -> bool {
-    !size_m.iter().all(|side_m| *side_m >= 0.0)
 }
 
 /// True if something of this opacity is drawn at all; boxes are, whatever theirs is.

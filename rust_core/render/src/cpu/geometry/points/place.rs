@@ -16,7 +16,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
-use rcs_scene::PointStyle;
+use rcs_scene::{CullMode, PointStyle};
 
 use super::choose::PointBlock;
 use super::faces::{cross, size_m, upright};
@@ -24,8 +24,9 @@ use super::{Cloud, BLOCK};
 use crate::cpu::paint::{FaceColor, BOX_SIDE, PLAIN};
 use crate::cpu::raster::edges::Edge;
 use crate::cpu::raster::quad::{Gradient, Quad, EDGES};
+use crate::cpu::tile::band::Band;
 use crate::cpu::tile::lanes::{inlined, load, map, nearest, store, store_whole, transform, whole, F, LANES, M};
-use crate::cpu::tile::screen::{Area, FARTHEST, SUBPIXELS};
+use crate::cpu::tile::screen::{Area, Screen, FARTHEST, SUBPIXELS};
 use crate::shading::{BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
 /// Sides of a box that can be seen at once: those across z, x and y. Other faces have one.
@@ -86,13 +87,6 @@ impl FaceBlock {
         (self.small, self.general, self.along) = (0, 0, 0);
     }
 
-    /// The depth of a face, and its pixels in the band.
-    #[inline(always)]
-    pub(in crate::cpu) fn depth(&self, i: usize) -> (Gradient<f32>, Area) {
-        let [left, right, top, bottom] = self.bounds.each_ref().map(|all| all[i]);
-        (self.plane(DEPTH, i), Area { left, right, top, bottom })
-    }
-
     /// A face that was traced, in its packed colour; of a box it is the side across an axis.
     #[inline(always)]
     pub(in crate::cpu) fn quad<S: Simd, const PAINT: u8>(
@@ -102,7 +96,7 @@ impl FaceBlock {
         axis: usize,
         color: u32,
     ) -> Quad<S, PAINT> {
-        let (depth, area) = self.depth(i);
+        let [left, right, top, bottom] = self.bounds.each_ref().map(|all| all[i]);
         let edge = inlined(
             #[inline(always)]
             |edge: usize| {
@@ -114,10 +108,10 @@ impl FaceBlock {
         let brightness = if PAINT == BOX_SIDE { sides[axis] } else { 1.0 };
         Quad {
             simd,
-            area,
+            area: Area { left, right, top, bottom },
             first_row: self.first_rows[i],
             edges: [edge(0), edge(1), edge(2), edge(3)],
-            depth,
+            depth: self.plane(DEPTH, i),
             place: [self.plane(PLACE, i), self.plane(PLACE + 1, i), self.plane(PLACE + 2, i)],
             color: FaceColor::new(simd, color, brightness),
         }
@@ -202,17 +196,6 @@ fn greatest<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
     a.max(b).max(c.max(d))
 }
 
-/// A kind of faces.
-#[derive(Clone, Copy)]
-struct FaceKind {
-    /// They are culled from behind.
-    is_one_sided: bool,
-    /// Their colour depends on the place (u, v).
-    with_place: bool,
-}
-
-const SIDE_OF_BOX: FaceKind = FaceKind { is_one_sided: true, with_place: true };
-
 /// The band that faces are placed in.
 #[derive(Clone, Copy)]
 pub(in crate::cpu) struct BandView {
@@ -222,6 +205,14 @@ pub(in crate::cpu) struct BandView {
     pub rows: [f32; 2],
     /// Half of the picture's width and height in pixels.
     pub half_size: (f32, f32),
+}
+
+impl BandView {
+    /// Of a band of the picture.
+    pub(in crate::cpu) fn new(screen: &Screen, band: &Band<'_>) -> Self {
+        let rows = [band.first_row as f32, band.end_row as f32];
+        Self { width_px: screen.width_px as f32, rows, half_size: screen.half_size() }
+    }
 }
 
 /// Some points' faces on the picture.
@@ -265,7 +256,8 @@ impl<S: Simd> Quads<S> {
 impl FaceBlock {
     /// Places the faces of the points from `begin` on, given by their corners counter-clockwise from the lower left.
     #[inline(always)]
-    fn place<S: Simd>(&mut self, simd: S, corners: [FaceCorner<S>; 4], view: &BandView, begin: usize, kind: FaceKind) {
+    fn place<S: Simd, const PAINT: u8>(&mut self, lanes: &PointLanes<'_, S>, corners: [FaceCorner<S>; 4]) {
+        let PointLanes { simd, cloud, view, begin, .. } = *lanes;
         let [a, b, c, d] = &corners;
         let (xs, ys) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let (x_low, x_high, y_low, y_high) = (least(xs), greatest(xs), least(ys), greatest(ys));
@@ -290,7 +282,7 @@ impl FaceBlock {
         let is_convex = half_a[0].simd_gt(half_a[1]) & half_b[0].simd_gt(half_b[1]) & spread[0].simd_lt(-spread[1]);
         let is_back = half_a[0].simd_le(-half_a[1]) & half_b[0].simd_le(-half_b[1]);
         let small = (is_small & is_convex & is_seen).to_bitmask() as u32;
-        let is_done = if kind.is_one_sided { is_convex | is_back } else { is_convex };
+        let is_done = if cloud.surface.cull == CullMode::None { is_convex } else { is_convex | is_back };
         let is_done = is_small & is_done;
         self.small |= small << begin;
         self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
@@ -298,13 +290,13 @@ impl FaceBlock {
             for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
                 store_whole(all, begin, whole(value));
             }
-            self.set_up(&quads, begin, kind.with_place);
+            self.set_up::<_, PAINT>(&quads, begin);
         }
     }
 
     /// Sets up the edges of faces, and what is linear in the window.
     #[inline(always)]
-    fn set_up<S: Simd>(&mut self, quads: &Quads<S>, begin: usize, with_place: bool) {
+    fn set_up<S: Simd, const PAINT: u8>(&mut self, quads: &Quads<S>, begin: usize) {
         let [a, b, c, d] = &quads.corners;
         let origin = [whole(quads.left), whole(quads.first_row)];
         store_whole(&mut self.first_rows, begin, origin[1]);
@@ -316,7 +308,8 @@ impl FaceBlock {
             }
         }
         self.store_plane(DEPTH, begin, quads.plane(a.depth, b.depth - a.depth, d.depth - a.depth));
-        if with_place {
+        // The colour of the others does not depend on the place.
+        if PAINT != PLAIN {
             self.store_plane(PLACE, begin, quads.plane(a.q, b.q - a.q, d.q - a.q));
             self.store_plane(PLACE + 1, begin, quads.plane(a.q * -0.5, (b.q + a.q) * 0.5, (a.q - d.q) * 0.5));
             self.store_plane(PLACE + 2, begin, quads.plane(a.q * -0.5, (a.q - b.q) * 0.5, (d.q + a.q) * 0.5));
@@ -369,19 +362,19 @@ pub(in crate::cpu) const fn sides_of<const PAINT: u8>() -> usize {
 #[inline(always)]
 pub(in crate::cpu) fn place_faces<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, faces: &mut [FaceBlock; SIDES]) {
     if PAINT == BOX_SIDE {
-        return place_boxes(lanes, faces);
+        return place_boxes::<_, PAINT>(lanes, faces);
     }
     let [faces, ..] = faces;
     match lanes.cloud.points.style {
-        PointStyle::Tiles { .. } => place_tiles(lanes, faces),
-        _ => place_upright(lanes, PAINT != PLAIN, faces),
+        PointStyle::Tiles { .. } => place_tiles::<_, PAINT>(lanes, faces),
+        _ => place_upright::<_, PAINT>(lanes, faces),
     }
 }
 
 /// Places faces that face the eye and stand upright.
 #[inline(always)]
-fn place_upright<S: Simd>(lanes: &PointLanes<'_, S>, with_place: bool, faces: &mut FaceBlock) {
-    let PointLanes { simd, cloud, view, begin, .. } = *lanes;
+fn place_upright<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, faces: &mut FaceBlock) {
+    let PointLanes { cloud, view, .. } = *lanes;
     let ([x, y, z], factor, middle) = positions(lanes);
     let [eye_x, eye_y, eye_z] = cloud.eye;
     let [width, height] = size_m(cloud.points.style);
@@ -398,14 +391,13 @@ fn place_upright<S: Simd>(lanes: &PointLanes<'_, S>, with_place: bool, faces: &m
         #[inline(always)]
         |row| up[0] * row[0] + up[1] * row[1] + up[2] * row[2],
     );
-    let around = corners(middle, right, up, view);
-    faces.place(simd, around, view, begin, FaceKind { is_one_sided: true, with_place });
+    faces.place::<_, PAINT>(lanes, corners(middle, right, up, view));
 }
 
 /// Places rectangles of a fixed orientation, which are seen from both sides.
 #[inline(always)]
-fn place_tiles<S: Simd>(lanes: &PointLanes<'_, S>, faces: &mut FaceBlock) {
-    let PointLanes { simd, cloud, view, begin, .. } = *lanes;
+fn place_tiles<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, faces: &mut FaceBlock) {
+    let PointLanes { simd, cloud, view, .. } = *lanes;
     let [right, up] = cloud.tile_sides().unwrap_or_default();
     let (position, _, middle) = positions(lanes);
     let across = cross(right, up);
@@ -426,8 +418,7 @@ fn place_tiles<S: Simd>(lanes: &PointLanes<'_, S>, faces: &mut FaceBlock) {
     let [lower_left, right, upper_right, up] = corners(middle, along(right), along(up), view);
     let lower_right = FaceCorner::select(is_turned, &up, &right);
     let upper_left = FaceCorner::select(is_turned, &right, &up);
-    let around = [lower_left, lower_right, upper_right, upper_left];
-    faces.place(simd, around, view, begin, FaceKind { is_one_sided: false, with_place: true });
+    faces.place::<_, PAINT>(lanes, [lower_left, lower_right, upper_right, upper_left]);
 }
 
 /// The corners of faces by their middles and half sides in clip coordinates: lower left, lower right, upper right and
@@ -450,7 +441,7 @@ fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], view: &B
 
 /// Places the sides of boxes that are turned to the eye.
 #[inline(always)]
-fn place_boxes<S: Simd>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES]) {
+fn place_boxes<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES]) {
     let PointLanes { simd, cloud, view, begin, .. } = *lanes;
     let size_m = if let PointStyle::Boxes { size_m } = cloud.points.style { size_m } else { [0.0; 3] };
     let (position, factor, middle) = positions(lanes);
@@ -493,7 +484,9 @@ fn place_boxes<S: Simd>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES
     let only = [corner([true, false, false]), corner([false, true, false]), corner([false, false, true])];
     // Where an odd number of axes point away from the eye, the sides' corners go round the other way.
     let is_turned = !(along[0] ^ along[1] ^ along[2]);
-    let is_inside_out = (factor.simd_lt(zero).to_bitmask() as u32) << begin;
+    let is_mirrored = !size_m.iter().all(|side_m| *side_m >= 0.0);
+    // Boxes that a negative size turns inside out show other sides.
+    let is_inside_out = if is_mirrored { u32::MAX } else { (factor.simd_lt(zero).to_bitmask() as u32) << begin };
     let mut place = inlined(
         #[inline(always)]
         |side: usize| {
@@ -503,7 +496,7 @@ fn place_boxes<S: Simd>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES
             let upper_left = FaceCorner::select(is_turned, &without[last], &without[next]);
             side.along |= (along[axis].to_bitmask() as u32) << begin;
             side.general |= is_inside_out;
-            side.place(simd, [only[axis], lower_right, near, upper_left], view, begin, SIDE_OF_BOX);
+            side.place::<_, PAINT>(lanes, [only[axis], lower_right, near, upper_left]);
         },
     );
     place(0);

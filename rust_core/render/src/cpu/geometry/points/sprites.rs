@@ -9,19 +9,17 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
 use super::faces::diameter_px;
+use super::place::BandView;
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::lanes::{lane_indices, load, map, store, store_whole, transform, whole, F, LANES, U};
 use crate::cpu::tile::screen::{Screen, FARTHEST};
 use crate::shading::DISC_RADIUS_SQUARED;
 
-/// The band that points are drawn in.
+/// The points that are drawn, and the band that they are drawn in.
 struct SpriteBand<'a> {
     cloud: &'a Cloud<'a>,
-    half_size: (f32, f32),
-    width_px: f32,
-    /// The band's first row and the one after its last.
-    rows: [f32; 2],
+    view: BandView,
     diameter_px: f32,
 }
 
@@ -51,14 +49,14 @@ impl SpriteBlock {
         let [x, y, z, w] = transform(&in_band.cloud.transform.clip_from_object, position);
         let is_inside = w.simd_gt(0.0) & z.simd_ge(-w) & z.simd_le(w) & x.abs().simd_le(w) & y.abs().simd_le(w);
         let inverse_w = 1.0 / w;
-        let (half_width, half_height) = in_band.half_size;
+        let (half_width, half_height) = in_band.view.half_size;
         let (x, y) = ((x * inverse_w) * half_width + half_width, half_height - (y * inverse_w) * half_height);
         store(&mut self.x, begin, x);
         store(&mut self.y, begin, y);
         store(&mut self.depth, begin, (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST);
         let reach = in_band.diameter_px * 0.5 + 0.5;
-        let columns = [(x - reach).ceil().max(0.0), (x + reach).ceil().min(in_band.width_px)];
-        let rows = [(y - reach).ceil().max(in_band.rows[0]), (y + reach).ceil().min(in_band.rows[1])];
+        let columns = [(x - reach).ceil().max(0.0), (x + reach).ceil().min(in_band.view.width_px)];
+        let rows = [(y - reach).ceil().max(in_band.view.rows[0]), (y + reach).ceil().min(in_band.view.rows[1])];
         let [left, right] = map(columns, whole);
         let [top, bottom] = map(rows, whole);
         let right = is_inside.select(right, left);
@@ -110,13 +108,7 @@ pub(in crate::cpu) fn draw<S: Simd>(
     band: &mut Band<'_>,
 ) {
     let Some(diameter_px) = diameter_px(cloud.points) else { return };
-    let in_band = SpriteBand {
-        cloud,
-        half_size: screen.half_size(),
-        width_px: band.width as f32,
-        rows: [band.first_row as f32, band.end_row as f32],
-        diameter_px,
-    };
+    let in_band = SpriteBand { cloud, view: BandView::new(screen, band), diameter_px };
     let PointScratch { points, sprites, .. } = scratch;
     for indices in indices.chunks(BLOCK) {
         points.gather(cloud, indices, &[]);
