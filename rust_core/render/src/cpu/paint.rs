@@ -97,8 +97,8 @@ impl Surface {
     }
 
     /// Of the fragments seen, given their interpolated vertex colours and texture coordinates, those that the surface
-    /// has, and their colours. `texture_level` is that of its texture, or `level_of` gives it for a lane and its texture
-    /// coordinates.
+    /// has, and their colours. `texture_level` is that of its texture, or else `level_of` gives it for a lane and its
+    /// texture coordinates.
     #[inline(always)]
     pub(in crate::cpu) fn colors<S: Simd>(
         &self,
