@@ -11,7 +11,7 @@ CameraPub plugin. Writes the tables and the plot of docs/explanation/performance
 missing. Takes a quarter of an hour; do not use the machine for anything else meanwhile."""
 EXIT_STATUS = 'Exit status: 0 done, 1 something failed, 2 unusable arguments.'
 SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light', 'blackout', 'pages', 'plugin']
-RENDERERS = ['cpu', 'gpu']
+RENDERERS = ['cpu', 'gpu', 'auto']
 DEPTH_CAMERA_POINTS = 640 * 480
 
 
@@ -57,7 +57,8 @@ def parse():
     parser.add_argument('--quick', action='store_true', help='measure two seconds per row; implies --dry')
     parser.add_argument('--seconds', type=positive, default=10.0, metavar='N', help='time per row [default: %(default)g s]')
     parser.add_argument('--hz', type=positive, default=30.0, metavar='N', help='clouds per second for styles [default: %(default)g]')
-    parser.add_argument('--renderers', type=one_of(RENDERERS), default=RENDERERS, metavar='A,B', help='[default: cpu,gpu]')
+    parser.add_argument('--renderers', type=one_of(RENDERERS), default=RENDERERS, metavar='A,B',
+                        help='[default: cpu,gpu,auto; auto only where there is a GPU]')
     parser.add_argument('--points', type=sizes, metavar='N,N,…', help='cloud sizes for points [default: ten thousand to ten million]',
                         default=[10000, 100000, DEPTH_CAMERA_POINTS, 1000000, 3000000, 10000000])
     parser.add_argument('--dry', action='store_true', help='print the tables and leave the pages as they are')
