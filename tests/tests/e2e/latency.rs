@@ -82,6 +82,20 @@ fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees(
     assert_eq!(fixture.python("measured(), reported(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
 }
 
+/// A GPU draws one cloud while the next is uploaded, but waits for none.
+#[test]
+fn clouds_are_seen_on_a_gpu_before_the_next_one_is_sent_and_after_many_the_last_one() {
+    let node = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["--renderer", "gpu"]).unwrap();
+    let fixture = watched(node, "info()");
+    for color in ["0xff0000", "0x00ff00", "0x0000ff"] {
+        fixture.python(format!("color = {color}; send('/cloud', cloud(color))"));
+        fixture.wait_for("viewer.middle() == tuple(color.to_bytes(3, 'big'))");
+    }
+    fixture.wait_for("measured() == 3");
+    fixture.python("[send('/cloud', cloud(0x10000 + i)) for i in range(50)]; send('/cloud', cloud(0xffffff))");
+    fixture.wait_for("viewer.middle() == (255, 255, 255)");
+}
+
 #[test]
 fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
     let fixture = fixture("info()");

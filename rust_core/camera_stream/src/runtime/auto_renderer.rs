@@ -40,6 +40,8 @@ pub(super) struct AutoRenderer {
     /// Present until the GPU is open, or known to be missing.
     opening: Option<Receiver<Opened>>,
     comparison: Comparison,
+    /// `true` from the first decision on, which is logged also where it changes nothing.
+    has_decided: bool,
     /// Which renderer draws each image in flight, the oldest first.
     in_flight: VecDeque<Which>,
     /// Images since none was in flight, and when the first of them was submitted.
@@ -62,8 +64,8 @@ impl AutoRenderer {
             log::warn!("drawing on the CPU: cannot start the thread that opens a GPU: {error}");
         }
         let round = (0, Instant::now());
-        let in_flight = VecDeque::new();
-        Self { cpu, gpu: None, opening: Some(opening), comparison: Comparison::new(round.1), in_flight, round }
+        let (comparison, in_flight) = (Comparison::new(round.1), VecDeque::new());
+        Self { cpu, gpu: None, opening: Some(opening), comparison, has_decided: false, in_flight, round }
     }
 
     /// Takes the GPU once it is open.
@@ -110,18 +112,14 @@ impl AutoRenderer {
         if self.gpu.is_none() {
             return;
         }
-        if let Some(Decision { chosen, has_changed, image_ms }) =
-            self.comparison.record(which, images, now - begun, now)
-        {
-            let described = [Which::Cpu, Which::Gpu].map(|which| self.describe_one(which));
-            let [cpu, gpu] = &described;
-            let why = format!("{:.1} ms an image with {cpu}, {:.1} ms with {gpu}", image_ms[0], image_ms[1]);
-            let chosen = &described[chosen as usize];
-            if has_changed {
-                log::info!("drawing with {chosen} from now on: {why}");
+        if let Some(decision) = self.comparison.record(which, images, now - begun, now) {
+            let text = decision.describe(&[Which::Cpu, Which::Gpu].map(|which| self.describe_one(which)));
+            if decision.has_changed || !self.has_decided {
+                log::info!("{text}");
             } else {
-                log::debug!("drawing with {chosen} as before: {why}");
+                log::debug!("{text}");
             }
+            self.has_decided = true;
         }
     }
 
@@ -239,6 +237,16 @@ struct Decision {
     image_ms: [f64; 2],
 }
 
+impl Decision {
+    /// Which renderer draws and why; the names are the CPU's and the GPU's.
+    fn describe(&self, names: &[String; 2]) -> String {
+        let (chosen, [cpu, gpu]) = (&names[self.chosen as usize], names);
+        let since = if self.has_changed { "from now on" } else { "as before" };
+        let [cpu_ms, gpu_ms] = self.image_ms;
+        format!("drawing with {chosen} {since}: {cpu_ms:.1} ms an image with {cpu}, {gpu_ms:.1} ms with {gpu}")
+    }
+}
+
 impl Which {
     fn other(self) -> Self {
         match self {
@@ -345,6 +353,16 @@ mod tests {
         assert_eq!(decide(&mut comparison, [1, 5], start + INTERVAL - MS).0, None, "not yet");
         let (decision, _) = decide(&mut comparison, [1, 5], start + INTERVAL);
         assert_eq!(decision.map(|decision| decision.chosen), Some(Which::Cpu));
+    }
+
+    #[test]
+    fn a_decision_says_which_renderer_draws_and_why() {
+        let names = ["cpu (2 threads)", "gpu (a GPU, vulkan)"].map(str::to_owned);
+        let changed = Decision { chosen: Which::Gpu, has_changed: true, image_ms: [10.04, 5.0] };
+        let why = "10.0 ms an image with cpu (2 threads), 5.0 ms with gpu (a GPU, vulkan)";
+        assert_eq!(changed.describe(&names), format!("drawing with gpu (a GPU, vulkan) from now on: {why}"));
+        let kept = Decision { chosen: Which::Cpu, has_changed: false, ..changed };
+        assert_eq!(kept.describe(&names), format!("drawing with cpu (2 threads) as before: {why}"));
     }
 
     #[test]
