@@ -195,7 +195,7 @@ fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
     fixture.python(format!("latch('/eye/camera_info', info(width={width}, height={height}, f=9000.0))"));
-    fixture.wait_for(&format!("viewer.last.width == {width}"));
+    fixture.wait_for(format!("viewer.last.width == {width}"));
     let most = of_process(&fixture, "VmHWM");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.wait_for("viewer.last.width == 64");
