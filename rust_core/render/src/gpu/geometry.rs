@@ -12,7 +12,7 @@ pub(super) struct Instances {
     pub(super) buffer: wgpu::Buffer,
     /// Their number.
     pub(super) count: u32,
-    /// Where the first instance's values begin for each vertex buffer of a pipeline, bytes.
+    /// Offsets of the first instance's values for each vertex buffer of a pipeline, bytes.
     pub(super) offsets: [u64; 2],
 }
 

@@ -9,7 +9,7 @@ pub struct GpuStats {
     pub pictures: u64,
     /// Pictures that the CPU has drawn, because their faces lie over each other too many times.
     pub pictures_by_cpu: u64,
-    /// Uploads of geometries and images. Large ones go in several pieces, each of which counts.
+    /// Uploads of buffers, and of levels or tiles of images.
     pub uploads: u64,
     /// Bytes uploaded.
     pub uploaded_bytes: u64,

@@ -439,6 +439,17 @@ fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], view: &B
     [corner(false, false), corner(true, false), corner(true, true), corner(false, true)]
 }
 
+/// The boxes that a negative size turns inside out, so that they show other sides: bit i for point i.
+#[inline(always)]
+fn inside_out<S: Simd>(size_m: [f32; 3], factor: F<S>, begin: usize) -> u32 {
+    let is_mirrored = !size_m.iter().all(|side_m| *side_m >= 0.0);
+    if is_mirrored {
+        u32::MAX
+    } else {
+        (factor.simd_lt(0.0).to_bitmask() as u32) << begin
+    }
+}
+
 /// Places the sides of boxes that are turned to the eye.
 #[inline(always)]
 fn place_boxes<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, sides: &mut [FaceBlock; SIDES]) {
@@ -484,9 +495,7 @@ fn place_boxes<S: Simd, const PAINT: u8>(lanes: &PointLanes<'_, S>, sides: &mut 
     let only = [corner([true, false, false]), corner([false, true, false]), corner([false, false, true])];
     // Where an odd number of axes point away from the eye, the sides' corners go round the other way.
     let is_turned = !(along[0] ^ along[1] ^ along[2]);
-    let is_mirrored = !size_m.iter().all(|side_m| *side_m >= 0.0);
-    // Boxes that a negative size turns inside out show other sides.
-    let is_inside_out = if is_mirrored { u32::MAX } else { (factor.simd_lt(zero).to_bitmask() as u32) << begin };
+    let is_inside_out = inside_out(size_m, factor, begin);
     let mut place = inlined(
         #[inline(always)]
         |side: usize| {
