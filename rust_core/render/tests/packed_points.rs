@@ -102,10 +102,10 @@ fn a_rainbow_on_the_gpu_differs_by_a_level_at_most() {
 }
 
 #[test]
-fn a_large_cloud_is_whole() {
+fn a_cloud_of_several_buffers_is_whole() {
     let style = PointStyle::Points { diameter_px: 1.0 };
-    let packed = packed(150_000, 252, PackedColors::Rgb { offset: COLOR }, style);
-    assert!(packed.bytes().len() > 32 << 20);
+    let packed = packed(540_000, 252, PackedColors::Rgb { offset: COLOR }, style);
+    assert!(packed.bytes().len() > 128 << 20);
     let mut gpu = GpuRenderer::new(false).unwrap();
     let [whole, decoded] = pictures(&mut gpu, &packed);
     assert!(whole == decoded);

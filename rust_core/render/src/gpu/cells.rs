@@ -184,7 +184,7 @@ impl CellPipelines {
         });
         let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
-        let instances = Instances { buffer: self.corners.clone(), count: 1, offsets: [0; 2] };
+        let instances = vec![Instances { buffer: self.corners.clone(), count: 1, offsets: [0; 2] }];
         Some(InstancedDraw { pipelines, slot, images: Some(content), vertices: 6, instances })
     }
 

@@ -12,7 +12,7 @@ pub(super) struct InstancedDraw {
     pub(super) images: Option<wgpu::BindGroup>,
     /// Vertices of an instance.
     pub(super) vertices: u32,
-    pub(super) instances: Instances,
+    pub(super) instances: Vec<Instances>,
 }
 
 /// One drawable in one picture.
@@ -36,10 +36,12 @@ impl InstancedDraw {
         if let Some(images) = &self.images {
             pass.set_bind_group(1, images, &[]);
         }
-        for (slot, offset) in (0..).zip(self.instances.offsets) {
-            pass.set_vertex_buffer(slot, self.instances.buffer.slice(offset..));
+        for instances in &self.instances {
+            for (slot, offset) in (0..).zip(instances.offsets) {
+                pass.set_vertex_buffer(slot, instances.buffer.slice(offset..));
+            }
+            pass.draw(0..self.vertices, 0..instances.count);
         }
-        pass.draw(0..self.vertices, 0..self.instances.count);
     }
 }
 

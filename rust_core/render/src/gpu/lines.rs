@@ -77,7 +77,7 @@ impl LinePipelines {
         });
         let state = FixedState::plain(lines.blending == Blending::Alpha);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
-        Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, instances })
+        Some(InstancedDraw { pipelines, slot, images: None, vertices: 4, instances: vec![instances] })
     }
 }
 

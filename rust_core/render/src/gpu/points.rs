@@ -1,10 +1,11 @@
 //! Point clouds: every point an instance of a triangle around its disc, of a square of four vertices, or of the visible
 //! half of a box.
 //!
-//! A cloud's points, each a position and a colour, are one vertex buffer that is made once; style, size and opacity are
-//! uniforms, so that changing them costs nothing. Packed points are the bytes of their message: the shader decodes the
-//! colours. It drops points whose position is not finite. There is a pipeline for each style, opaque and blended; other
-//! strides than that of decoded points get theirs when they are first seen.
+//! A cloud's points, each a position and a colour, are one vertex buffer that is made once, or several where they are
+//! more than 128 MiB; style, size and opacity are uniforms, so that changing them costs nothing. Packed points are the
+//! bytes of their message: the shader decodes the colours. It drops points whose position is not finite. There is a
+//! pipeline for each style, opaque and blended; other strides than that of decoded points get theirs when they are first
+//! seen.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
@@ -47,7 +48,7 @@ struct UploadedClouds {
 struct UploadedCloud {
     bounds: Option<Aabb>,
     /// The points, with the offsets of position and colour.
-    instances: Instances,
+    instances: Vec<Instances>,
     stride: u64,
 }
 
@@ -61,6 +62,9 @@ struct GpuPoint {
 
 /// The stride of decoded points.
 const POINT_BYTES: usize = size_of::<GpuPoint>();
+
+/// No buffer is larger: half of what every WebGPU device takes.
+const MOST_BYTES: usize = 128 << 20;
 
 /// A core writes so many points before it takes the next: few enough for its cache.
 const POINTS_IN_SHARE: usize = 1 << 14;
@@ -244,18 +248,26 @@ impl UploadedCloud {
     fn new(device: &Device, cloud: &PointBuffer) -> Self {
         let shares = cloud.positions.par_chunks(POINTS_IN_SHARE);
         let bounds = shares.filter_map(|positions| Aabb::around(positions.iter().copied())).reduce_with(Aabb::joined);
-        let point = |i, &position: &_| GpuPoint { position, color: cloud.colors.get(i) };
-        let buffer = written::<_, _, { POINTS_IN_SHARE * POINT_BYTES }>(device, "points", &cloud.positions, point);
-        let (count, offsets) = (cloud.positions.len() as u32, [0, size_of::<[f32; 3]>() as u64]);
-        Self { bounds, instances: Instances { buffer, count, offsets }, stride: POINT_BYTES as u64 }
+        const POINTS_IN_BUFFER: usize = MOST_BYTES / POINT_BYTES;
+        let upload = |(first, positions): (usize, &[[f32; 3]])| {
+            let point = |i, &position: &_| GpuPoint { position, color: cloud.colors.get(first + i) };
+            let buffer = written::<_, _, { POINTS_IN_SHARE * POINT_BYTES }>(device, "points", positions, point);
+            Instances { buffer, count: positions.len() as u32, offsets: [0, size_of::<[f32; 3]>() as u64] }
+        };
+        let parts = (0..).step_by(POINTS_IN_BUFFER).zip(cloud.positions.chunks(POINTS_IN_BUFFER));
+        Self { bounds, instances: parts.map(upload).collect(), stride: POINT_BYTES as u64 }
     }
 
     /// Uploads a message's bytes as they are.
     fn packed(device: &Device, cloud: &PackedPoints) -> Self {
         let (stride, position) = (cloud.stride(), cloud.position_offset());
-        let buffer = device.buffer("points", wgpu::BufferUsages::VERTEX, cloud.bytes());
         let color = if let PackedColors::Rgb { offset } = *cloud.colors() { offset } else { position };
-        let (count, offsets) = (cloud.count() as u32, [position as u64, color as u64]);
-        Self { bounds: cloud.bounds(), instances: Instances { buffer, count, offsets }, stride: stride as u64 }
+        let upload = |bytes: &[u8]| Instances {
+            buffer: device.buffer("points", wgpu::BufferUsages::VERTEX, bytes),
+            count: (bytes.len() / stride) as u32,
+            offsets: [position as u64, color as u64],
+        };
+        let instances = cloud.bytes().chunks(MOST_BYTES / stride * stride).map(upload).collect();
+        Self { bounds: cloud.bounds(), instances, stride: stride as u64 }
     }
 }

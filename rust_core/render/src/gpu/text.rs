@@ -85,7 +85,7 @@ impl TextPipelines {
         let images = Some(self.atlas.get_or_insert_with(upload).clone());
         let state = fixed_state(text.material(), false);
         let pipelines = self.pipelines.get(device, state, &context.outputs);
-        Some(InstancedDraw { pipelines, slot, images, vertices: 4, instances })
+        Some(InstancedDraw { pipelines, slot, images, vertices: 4, instances: vec![instances] })
     }
 }
 
