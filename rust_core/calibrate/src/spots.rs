@@ -87,8 +87,8 @@ pub(super) fn run(
         );
         if let Zoom::Undecidable { variation } = zoom {
             log::warn!(
-                "the scene is too flat (depths vary by {:.0} %, or on a plane), or too few spots are seen, to tell \
-                 whether the zoom has changed; if it has, the pose is right at this depth only",
+                "cannot tell whether the zoom has changed: depths vary by {:.0} % only, or too few spots are seen; if \
+                 it has, the pose is right at this depth only",
                 100.0 * variation
             );
         }

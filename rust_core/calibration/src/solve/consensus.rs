@@ -16,7 +16,7 @@ use super::noise::{Noise, LIMIT};
 use super::random::SplitMix64;
 use super::{dlt, p3p};
 use crate::statistics::quantile;
-use crate::{Lens, Sample};
+use crate::Lens;
 
 /// Number of scored samples.
 const SCORED: usize = 600;
@@ -104,13 +104,6 @@ pub(super) fn pose(scan: &Observations, lens: &Lens, seed: u64) -> Option<Agreed
     let mut candidates = drawn(&few, SETS_OF_THREE, seed, solve);
     candidates.truncate(POLISHED[1]);
     polished(&few, &candidates, &Free::poses(1)).into_iter().next()
-}
-
-/// Geometric mean error of all samples with a lens in the best pose, in deviations of their pixels; `None` without a
-/// pose.
-pub(crate) fn pose_error(samples: &[Sample], lens: &Lens) -> Option<f64> {
-    let observations = Observations::new(samples, lens.size_px).ok()?;
-    pose(&observations, lens, 0).map(|agreed| agreed.score.mean)
 }
 
 /// Best solutions of random sets.

@@ -5,7 +5,8 @@
 //! least-squares adjustment with the error model of `noise`, the equations of `normal_equations` and
 //! the unknowns of `model`; `held_out` selects the distortion terms by cross-validation; `covariance` estimates the
 //! uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the result is a lens at all.
-//! `spread`, `orientation`, `moved` and `motion` detect scenes and scans to refuse.
+//! `zoom` estimates the focal length of an otherwise known lens. `spread`, `orientation`, `moved` and `motion` detect
+//! scenes and scans to refuse.
 //!
 //! The result depends on samples, options and seed alone: sums are formed in the same order for any number of threads.
 
@@ -37,14 +38,15 @@ mod solver;
 mod spread;
 #[cfg(test)]
 mod tests;
+mod zoom;
 
 pub(crate) use adjust::{inverse_of_positive, solve_positive};
-pub(crate) use consensus::pose_error;
 pub(crate) use dlt::skew_of_all;
 pub(crate) use model::{lens_of, lens_values, SolverState, LENS};
 pub(crate) use noise::{cauchy_loss, cauchy_weight};
 pub use refusal::Refusal;
 pub use solver::solve;
+pub(crate) use zoom::{zoom, ZoomEstimate};
 
 /// Terms of Brown and Conrady's distortion to solve for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

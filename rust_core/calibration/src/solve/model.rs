@@ -100,7 +100,8 @@ impl SolverState {
         step
     }
 
-    /// State after a step of the unknowns; `None` if it is invalid.
+    /// State after a step of the unknowns; `None` if it is invalid. A distortion of another model than Brown and
+    /// Conrady's stays.
     pub(super) fn stepped(&self, free: &Free, step: &DVector<f64>) -> Option<Self> {
         let mut values = lens_values(&self.lens);
         for (column, raw) in free.lens.iter().enumerate() {
@@ -108,7 +109,10 @@ impl SolverState {
                 values[*parameter] += step[column];
             }
         }
-        let lens = if free.lens.is_empty() { self.lens } else { lens_of(self.lens.size_px, values)? };
+        let mut lens = if free.lens.is_empty() { self.lens } else { lens_of(self.lens.size_px, values)? };
+        if self.lens.distortion.model() != DistortionModel::PlumbBob {
+            lens.distortion = self.lens.distortion;
+        }
         let mut poses = self.poses.clone();
         for (scan, pose) in poses.iter_mut().enumerate() {
             let at = free.pose_column(scan);
@@ -153,6 +157,11 @@ pub(super) struct Free {
 impl Free {
     pub(super) fn poses(scans: usize) -> Self {
         Self { lens: Vec::new(), scans }
+    }
+
+    /// Frees one focal length and one pose.
+    pub(super) fn zoom() -> Self {
+        Self { lens: vec![vec![Parameter::Fx as usize, Parameter::Fy as usize]], scans: 1 }
     }
 
     /// Frees what the options leave open, with these distortion terms.

@@ -156,7 +156,7 @@ impl Noise {
 }
 
 /// Residual of a sample, and its pixel's derivative by depth.
-fn error_and_slope(observation: &Observation, state: &SolverState) -> Option<(Vector2<f64>, Vector2<f64>)> {
+pub(super) fn error_and_slope(observation: &Observation, state: &SolverState) -> Option<(Vector2<f64>, Vector2<f64>)> {
     let pose = &state.poses[observation.scan];
     let projected = state.lens.project_with_jacobian(&(pose * observation.point))?;
     Some((observation.pixel - projected.pixel, projected.by_point * (pose.rotation * observation.ray)))
