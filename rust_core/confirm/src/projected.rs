@@ -43,27 +43,27 @@ pub(crate) fn chunk(plane: &[f32], begin: usize) -> &Chunk {
 #[inline(always)]
 pub(crate) fn extremes(plane: &[f32], begins: impl Iterator<Item = usize>) -> [f32; 2] {
     let (mut least, mut most) = ([f32::INFINITY; CHUNK], [f32::NEG_INFINITY; CHUNK]);
-    let min = |one: f32, other: f32| if one < other { one } else { other };
-    let max = |one: f32, other: f32| if one > other { one } else { other };
+    // By themselves: written among the others, they would wait for memory.
+    let (mut least_behind, mut most_behind) = (f32::INFINITY, f32::NEG_INFINITY);
     for begin in begins {
         let values = chunk(plane, begin);
-        // The comparisons are false for NaN.
+        // Of a number and NaN, the number is the least and the most.
         for i in 0..CHUNK {
-            least[i] = min(values[i], least[i]);
-            most[i] = max(values[i], most[i]);
+            least[i] = least[i].min(values[i]);
+            most[i] = most[i].max(values[i]);
         }
         let behind = plane[begin + CHUNK];
-        (least[0], most[0]) = (min(behind, least[0]), max(behind, most[0]));
+        (least_behind, most_behind) = (least_behind.min(behind), most_behind.max(behind));
     }
     let mut count = CHUNK;
     while count > 1 {
         count /= 2;
         for i in 0..count {
-            least[i] = min(least[i], least[i + count]);
-            most[i] = max(most[i], most[i + count]);
+            least[i] = least[i].min(least[i + count]);
+            most[i] = most[i].max(most[i + count]);
         }
     }
-    [least[0], most[0]]
+    [least[0].min(least_behind), most[0].max(most_behind)]
 }
 
 /// Difference of two neighbours' depths above which they are two surfaces, metres. It grows like the noise and the

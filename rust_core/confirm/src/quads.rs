@@ -137,6 +137,7 @@ impl Quads {
     }
 
     /// Draws a quad that is not tiny.
+    #[inline(always)]
     fn draw_other(&mut self, points: &Projected, begin: usize, i: usize, code: u32) {
         let is_wall = self.placed.kind[i] == QuadKind::Wall;
         if is_wall {
@@ -177,46 +178,66 @@ impl Quads {
     }
 
     /// Draws quad `i` as two triangles.
+    #[inline(always)]
     fn draw_large(&mut self, points: &Projected, begin: usize, i: usize, code: u32) {
         let corner = |index: usize| [points.u[begin + index], points.v[begin + index], points.w[begin + index]];
-        let [a, b, c, d] = [i, i + 1, i + points.stride, i + points.stride + 1].map(corner);
+        let (a, b) = (corner(i), corner(i + 1));
+        let (c, d) = (corner(i + points.stride), corner(i + points.stride + 1));
         let PlacedQuads { left, right, top, bottom, kind, .. } = &self.placed;
         let is_wall = kind[i] == QuadKind::Wall;
-        let cells = if is_wall { &mut self.walls } else { &mut self.surfaces };
-        let box_of = [left[i], right[i], top[i], bottom[i]];
+        let (cells, bits, code) =
+            if is_wall { (&mut self.walls, !0, 0) } else { (&mut self.surfaces, DEPTH_BITS, code) };
         for triangle in [[a, b, c], [d, c, b]] {
-            draw_triangle(&triangle, box_of, |column, row, w| {
-                let depth = (1.0 / w).to_bits();
-                let depth = if is_wall { depth } else { depth & DEPTH_BITS | code };
-                let cell = &mut cells[row * self.size[0] + column];
-                *cell = depth.min(*cell);
-            });
+            let Some(triangle) = Triangle::new(triangle) else { continue };
+            for row in top[i]..=bottom[i] {
+                let begin = row as usize * self.size[0];
+                let cells = &mut cells[begin + left[i] as usize..=begin + right[i] as usize];
+                triangle.draw_row(row, left[i], cells, |depth| depth & bits | code);
+            }
         }
     }
 }
 
-/// Calls `write` with the column, row and inverse depth of each cell in a box whose centre is in a triangle.
-fn draw_triangle(
-    [a, b, c]: &[[f32; 3]; 3],
-    [left, right, top, bottom]: [i32; 4],
-    mut write: impl FnMut(usize, usize, f32),
-) {
-    let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    if area == 0.0 || !area.is_finite() {
-        return;
+/// Triangle of places and inverse depths.
+struct Triangle {
+    /// First place and direction of the edges, each opposite to a corner. The inside is on their positive side.
+    edges: [[[f32; 2]; 2]; 3],
+    inverse_depths: [f32; 3],
+    area: f32,
+}
+
+impl Triangle {
+    /// `None` without an area.
+    #[inline(always)]
+    fn new([a, b, c]: [[f32; 3]; 3]) -> Option<Self> {
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if area == 0.0 || !area.is_finite() {
+            return None;
+        }
+        let edges = if area > 0.0 { [(b, c), (c, a), (a, b)] } else { [(c, b), (a, c), (b, a)] };
+        let edges = edges.map(
+            #[inline(always)]
+            |(from, to)| [[from[0], from[1]], [to[0] - from[0], to[1] - from[1]]],
+        );
+        Some(Self { edges, inverse_depths: [a[2], b[2], c[2]], area: area.abs() })
     }
-    // Each is opposite to a corner, and runs such that the inside is positive.
-    let edges = if area > 0.0 { [(b, c), (c, a), (a, b)] } else { [(c, b), (a, c), (b, a)] };
-    let steps = edges.map(|(from, to)| [to[0] - from[0], to[1] - from[1]]);
-    for row in top..=bottom {
+
+    /// Draws the depths of the cells of a row whose centres are inside, from a column on, for which the compiler uses
+    /// SIMD. `encode` makes a cell's value of a depth's bits.
+    #[inline(always)]
+    fn draw_row(&self, row: i32, first: i32, cells: &mut [u32], encode: impl Fn(u32) -> u32) {
         let y = row as f32 + 0.5;
-        let along = [0, 1, 2].map(|k| steps[k][0] * (y - edges[k].0[1]));
-        for column in left..=right {
+        let [a, b, c] = &self.edges;
+        let along = |[from, step]: &[[f32; 2]; 2]| step[0] * (y - from[1]);
+        let (along_a, along_b, along_c) = (along(a), along(b), along(c));
+        let inside = |along: f32, [from, step]: &[[f32; 2]; 2], x: f32| along - step[1] * (x - from[0]);
+        let [w_a, w_b, w_c] = self.inverse_depths;
+        for (column, cell) in (first..).zip(cells) {
             let x = column as f32 + 0.5;
-            let [of_a, of_b, of_c] = [0, 1, 2].map(|k| along[k] - steps[k][1] * (x - edges[k].0[0]));
-            if (of_a >= 0.0) & (of_b >= 0.0) & (of_c >= 0.0) {
-                write(column as usize, row as usize, (of_a * a[2] + of_b * b[2] + of_c * c[2]) / area.abs());
-            }
+            let (of_a, of_b, of_c) = (inside(along_a, a, x), inside(along_b, b, x), inside(along_c, c, x));
+            let w = (of_a * w_a + of_b * w_b + of_c * w_c) / self.area;
+            let depth = encode((1.0 / w).to_bits()).min(*cell);
+            *cell = if (of_a >= 0.0) & (of_b >= 0.0) & (of_c >= 0.0) { depth } else { *cell };
         }
     }
 }
