@@ -109,13 +109,13 @@ impl Device {
                 self.is_hung.store(true, Ordering::Release);
                 Err(self.error(format!("it has not answered for {} s", self.patience.as_secs())))
             }
-            Err(error) => Err(self.error(error)),
+            Err(error) => Err(self.error(error.to_string())),
         }
     }
 
     /// An error with this reason.
-    pub(super) fn error(&self, reason: impl ToString) -> RenderError {
-        RenderError::Gpu { adapter: self.name.clone(), reason: reason.to_string() }
+    pub(super) fn error(&self, reason: impl Into<String>) -> RenderError {
+        RenderError::Gpu { adapter: self.name.clone(), reason: reason.into() }
     }
 
     /// The first error that there was.

@@ -72,11 +72,11 @@ impl Readback {
         device.wait(arrival.submission)?;
         match arrival.mapped.try_recv() {
             Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(device.error(error)),
+            Ok(Err(error)) => return Err(device.error(error.to_string())),
             Err(_) => return Err(device.error("the picture did not come back")),
         }
         let arrived = Instant::now();
-        let memory = self.buffer.get_mapped_range(..).map_err(|error| device.error(error))?;
+        let memory = self.buffer.get_mapped_range(..).map_err(|error| device.error(error.to_string()))?;
         let step = (rows.len() * self.step as usize / memory.len()).max(1);
         rows.par_chunks_exact_mut(step)
             .zip(memory.par_chunks_exact(self.step as usize))
