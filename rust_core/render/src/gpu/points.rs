@@ -4,8 +4,8 @@
 //! A cloud's points, each a position and a colour, are one vertex buffer that is made once, or several where they are
 //! more than 128 MiB; style, size and opacity are uniforms, so that changing them costs nothing. Packed points are the
 //! bytes of their message: the shader decodes the colours. It drops points whose position is not finite. There is a
-//! pipeline for each style, opaque and blended; other strides than that of decoded points get theirs when they are first
-//! seen.
+//! pipeline for each style, opaque and blended; other strides than that of decoded points get theirs when they are
+//! first seen.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
