@@ -477,8 +477,8 @@ impl<'a, S: Simd, const N: usize> Fragments<'a, S, N> {
     #[inline(always)]
     fn values(&self, covered: [M<S>; N], x: F<S>, y: f32, plane: impl Fn(&Planes) -> Plane) -> F<S> {
         let mut values = plane(&self.planes[0]).values(x, y);
-        for k in 1..N {
-            values = covered[k].select(plane(&self.planes[k]).values(x, y), values);
+        for (covered, planes) in covered.into_iter().zip(&self.planes).skip(1) {
+            values = covered.select(plane(planes).values(x, y), values);
         }
         values
     }
