@@ -45,7 +45,7 @@ fn the_plugin_of_a_sourced_workspace_is_found() {
     assert_eq!(succeed(&format!("{sourced} ./bench --list --renderers cpu")), "camera_stream, cpu\nrviz\n");
 }
 
-/// What a Python script prints that imports the bench's modules.
+/// Output of a Python script that imports the bench's modules.
 fn python(script: &str) -> String {
     succeed(&format!("python3 -B - <<'END'\nimport sys\nsys.path.insert(0, 'scripts')\n{script}\nEND"))
 }

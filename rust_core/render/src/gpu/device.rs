@@ -77,7 +77,7 @@ impl Device {
         let info = adapter.get_info();
         let name = format!("{}, {}", info.name, info.backend);
         let mut limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
-        // A geometry, or a picture's way back, is one buffer.
+        // A mesh, or a picture that is read back, is one buffer.
         limits.max_buffer_size = adapter.limits().max_buffer_size;
         let descriptor = wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };
         #[expect(clippy::disallowed_methods, reason = "the driver's start; a second signal ends the program")]

@@ -45,7 +45,7 @@ impl GpuVertex {
     }
 }
 
-/// A core writes so many vertices, or looks at so many indices, before it takes the next.
+/// Vertices, and indices, that a core takes at a time.
 const VERTICES_IN_SHARE: usize = 1 << 11;
 const INDICES_IN_SHARE: usize = 1 << 14;
 

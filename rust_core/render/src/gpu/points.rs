@@ -66,7 +66,7 @@ const POINT_BYTES: usize = size_of::<GpuPoint>();
 /// No buffer is larger: half of what every WebGPU device takes.
 const MOST_BYTES: usize = 128 << 20;
 
-/// A core writes so many points before it takes the next: few enough for its cache.
+/// Points that a core takes at a time: few enough for its cache.
 const POINTS_IN_SHARE: usize = 1 << 14;
 
 /// The shader's `Cloud`.
