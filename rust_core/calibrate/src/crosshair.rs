@@ -67,7 +67,7 @@ pub(super) fn collect(
                     listening = clicks.map(|clicks| listen(clicks, &end, &crosshair, sink.clone())).transpose()?;
                     Ok(())
                 }),
-            UserEvent::Key(key) => {
+            UserEvent::Key { key, .. } => {
                 lock(&crosshair).press(key);
                 Ok(())
             }

@@ -120,8 +120,8 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
             UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor) => {
                 lock(&show).monitor = Some(monitor.clone());
             }
-            UserEvent::Key(key) if lock(&show).step(key) => {}
-            UserEvent::Key(_) => return,
+            UserEvent::Key { key, .. } if lock(&show).step(key) => {}
+            UserEvent::Key { .. } => return,
         }
         lock(&show).present(sink);
         let started = start.take().map_or(Ok(()), |(end, times)| {

@@ -39,9 +39,7 @@ use crate::options::Options;
 use crate::safety::names::{ConfigNames, ForCamera};
 use crate::scene::SceneState;
 
-pub use outputs::window_permit;
 pub use safety::light_mask;
-pub use safety::permit::Permit;
 
 /// Default name of the node.
 const NODE_NAME: &str = "camera_stream";

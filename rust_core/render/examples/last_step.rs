@@ -44,7 +44,7 @@ fn main() {
     let mask: Vec<u8> = (0..pixels).map(|at| if at / SIZE[0] as usize % 400 < 100 { 0 } else { 255 }).collect();
     let steps = [
         ("nothing", nothing()),
-        ("mask", LastStep { mask: LightMask::new(SIZE, mask).map(Arc::new), ..nothing() }),
+        ("mask", LastStep { masks: LightMask::new(SIZE, mask).map(Arc::new).into_iter().collect(), ..nothing() }),
         ("two keep-out spheres", LastStep { keep_out: KeepOut::new(&camera, &[head(-0.2), head(0.4)]), ..nothing() }),
         ("blend", LastStep { blend: Blend::new(SIZE, &weights, &[], 2.2).ok().map(Arc::new), ..nothing() }),
         (

@@ -48,7 +48,7 @@ pub use contacts::Unreachable;
 pub use error::NodeError;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, TriggerReply};
 pub use graph::{Publication, Publications};
-pub use names::{host_names, remapping_of};
+pub use names::{host_names, remapping_of, ros_folder};
 pub use node::{is_asked_to_end, node_time, NodeTime, Parameters, RosNode};
 pub use publisher::Publisher;
 pub use reconfigure::ReconfigureServer;

@@ -4,6 +4,8 @@
 //! Source: the ROS wiki's pages *Names*, *Remapping Arguments* and *ROS/EnvironmentVariables*.
 
 use std::collections::BTreeMap;
+use std::env;
+use std::path::PathBuf;
 
 use rosrust::api::resolve;
 
@@ -158,6 +160,12 @@ pub fn remapping_of(name: &str) -> Option<String> {
         let (from, to) = argument.split_once(":=")?;
         (from.trim_start_matches('/') == name).then(|| to.to_owned())
     })
+}
+
+/// The folder in which ROS keeps files of a user: `ROS_HOME`, else `~/.ros`.
+pub fn ros_folder() -> Option<PathBuf> {
+    let given = env::var_os("ROS_HOME").filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    given.or_else(|| env::home_dir().map(|home| home.join(".ros")))
 }
 
 #[cfg(test)]

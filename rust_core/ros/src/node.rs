@@ -326,6 +326,11 @@ impl RosNode {
         self.network().registrar().publications()
     }
 
+    /// Restarts of the master that were noticed: its parameters are lost then.
+    pub fn master_restarts(&self) -> u64 {
+        self.network().registrar().restarts()
+    }
+
     /// Reads other nodes' publications from the master. `None` if it does not answer within seconds.
     pub fn query_publications(&self) -> Option<Arc<Publications>> {
         self.network().registrar().query_publications()

@@ -15,7 +15,7 @@ pub(crate) use entry::Entry;
 
 use std::collections::BTreeSet;
 use std::panic::{catch_unwind, AssertUnwindSafe};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
@@ -44,6 +44,8 @@ pub(crate) struct Registrar {
     publications: Mutex<Option<Arc<Publications>>>,
     contacts: Contacts,
     on_publisher_left: OnPublisherLeft,
+    /// Restarts of the master so far.
+    restarts: AtomicU64,
     /// Set when another node has taken the name.
     is_asked_to_end: Arc<AtomicBool>,
 }
@@ -63,12 +65,18 @@ impl Registrar {
             publications: Mutex::default(),
             contacts: Contacts::default(),
             on_publisher_left: Box::new(on_publisher_left),
+            restarts: AtomicU64::new(0),
             is_asked_to_end,
         })
     }
 
     pub(crate) fn master(&self) -> &Master {
         &self.master
+    }
+
+    /// Restarts of the master that were noticed.
+    pub(crate) fn restarts(&self) -> u64 {
+        self.restarts.load(Ordering::Acquire)
     }
 
     /// Registers something, soon.
@@ -416,6 +424,7 @@ impl Registrar {
             Err(error) if error.is_answer() => {
                 if !state.registered.is_empty() {
                     log::warn!("the ROS master was restarted, registering again");
+                    self.restarts.fetch_add(1, Ordering::AcqRel);
                     for topic in state.topics.values_mut() {
                         topic.named_before_restart.clone_from(&topic.publishers);
                     }

@@ -48,8 +48,10 @@ struct State {
     next_listener: u64,
     /// Name of each connected latching publisher, and its last message.
     latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
-    /// Number of connected publishers.
-    connections: usize,
+    /// Connection of the last message.
+    last_sender: Option<u64>,
+    /// Name of each connected publisher.
+    connected: HashMap<u64, Arc<str>>,
 }
 
 /// The type, checksum and definition of the visited type.
@@ -128,7 +130,7 @@ impl Handler for Receiver {
 
     fn connected(&self, source: &Source) {
         let mut state = lock(&self.state);
-        state.connections += 1;
+        state.connected.insert(source.connection, Arc::clone(&source.name));
         if source.is_latching {
             state.latched.insert(source.connection, (Arc::clone(&source.name), None));
         }
@@ -136,7 +138,7 @@ impl Handler for Receiver {
 
     fn disconnected(&self, source: &Source) {
         let mut state = lock(&self.state);
-        state.connections = state.connections.saturating_sub(1);
+        state.connected.remove(&source.connection);
         state.latched.remove(&source.connection);
     }
 
@@ -147,6 +149,7 @@ impl Handler for Receiver {
         let mut state = lock(&self.state);
         match decoded {
             Ok(message) => {
+                state.last_sender = Some(source.connection);
                 if let Some((_, latched)) = state.latched.get_mut(&source.connection) {
                     *latched = Some(message.clone());
                 }
@@ -164,7 +167,7 @@ impl Handler for Receiver {
 pub struct Publishing {
     /// A publisher is connected.
     pub is_connected: bool,
-    /// A connected publisher latches and has sent a message.
+    /// The publisher of the last message latches and is connected still.
     pub is_latched: bool,
 }
 
@@ -239,8 +242,13 @@ impl TopicSubscription {
     /// Connected publishers, unlike the master's list, which includes killed ones.
     pub fn publishing(&self) -> Publishing {
         let state = lock(&self.topic.receiver.state);
-        let is_latched = state.latched.values().any(|(_, message)| message.is_some());
-        Publishing { is_connected: state.connections > 0, is_latched }
+        let is_latched = state.last_sender.is_some_and(|sender| state.latched.contains_key(&sender));
+        Publishing { is_connected: !state.connected.is_empty(), is_latched }
+    }
+
+    /// `true` if the publisher of this name is connected.
+    pub fn is_connected_with(&self, publisher: &str) -> bool {
+        lock(&self.topic.receiver.state).connected.values().any(|name| **name == *publisher)
     }
 
     /// Sets the queue size of its messages (0: the largest).

@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             show(sink.clone());
         }
         UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),
-        UserEvent::Key(key) => log::info!("key {key:?}"),
+        UserEvent::Key { key, .. } => log::info!("key {key:?}"),
     })?;
     Ok(())
 }

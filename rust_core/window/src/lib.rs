@@ -1,16 +1,15 @@
 //! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
 //!
-//! [`run`] opens the window on the calling thread and returns when the user presses Escape or q, closes it, or
-//! [`PictureSink::close`] is called. Other threads pass pictures to the sink; only the newest is kept, and the window
-//! is drawn when a new picture arrives or the window system requests it. [`run_interactive`] also reports keys and the
-//! monitor, for programs that draw to its size; [`run_with`] can be called again when the window system was restarted.
+//! [`run_with`] opens the window on the calling thread and returns when the user presses Escape or q, closes it, or
+//! [`PictureSink::close`] is called. Other threads pass pictures to the sink, each with its [grant](rcs_light::Grant);
+//! only the newest is kept, and the window is drawn when one arrives, its grant ends, or the window system requests it.
 //!
 //! Nothing is scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v): all
 //! sizes are physical pixels, independent of the desktop's scale factor. If picture and monitor differ in size, the
 //! picture is drawn at the top left on black, and a warning is logged once for each size.
 //!
 //! ```text
-//!   sink ──► run: content (picture | black | test picture) ──► SystemWindow: x11 | wayland ──► shared pixels
+//!   sink ──► run: content (picture, while its grant holds | black) ──► SystemWindow: x11 | wayland ──► shared pixels
 //! ```
 
 #![forbid(unsafe_code)]
@@ -20,8 +19,8 @@ mod content;
 mod error;
 mod identify;
 mod keys;
-mod light;
 mod monitor;
+mod on_screen;
 mod open;
 mod refresh;
 mod report;
@@ -38,9 +37,9 @@ mod x11;
 pub use error::WindowError;
 pub use identify::identify;
 pub use keys::WindowKey;
-pub use light::{LightLimit, LitPicture, Mask, OnScreen, WindowPermit, WindowView};
 pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
-pub use open::{inspect_monitor, keep_over, list_monitors, run, run_interactive, run_with};
+pub use on_screen::OnScreen;
+pub use open::{inspect_monitor, keep_over, list_monitors, run_interactive, run_with};
 pub use refresh::Refresh;
 pub use report::{MonitorReport, WindowPlace};
 pub use run::UserEvent;

@@ -3,49 +3,31 @@
 use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::report::MonitorReport;
-use crate::run::{run as run_window, KeyHandler, UserEvent};
+use crate::run::{run as run_window, UserEvent};
 use crate::sink::PictureSink;
 use crate::system_window::{SystemWindow, WindowOptions};
 use crate::wayland::{self, WaylandWindow};
 use crate::x11::{self, X11Session, X11Window};
 
-/// Opens the window and runs it until it is closed. Its keys: space or p pauses, b blacks out, t shows test pictures,
-/// each until it is pressed again and within the [`WindowPermit`](crate::WindowPermit).
-///
-/// `start` is called once, when the window is open, with the sink for pictures. It must not block: it starts threads.
+/// Opens the window and shows the sink's pictures, each while its grant holds, until it is closed. Keys except Escape and
+/// q are left to the program. `handle` is called on this thread for each event, the first of which is
+/// [`UserEvent::Opened`]; it must not block.
 ///
 /// # Errors
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window or goes away.
-pub fn run(options: &WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
-    let mut start = Some(start);
-    let mut handle = |_: UserEvent<'_>, sink: &PictureSink| {
-        // The first event is `Opened`.
-        if let Some(start) = start.take() {
-            start(sink.clone());
-        }
-    };
-    run_window(open(options)?.as_mut(), options, KeyHandler::Window, &PictureSink::new()?, &mut handle)
-}
-
-/// Opens the window and shows the sink's pictures until it is closed. Keys except Escape and q are left to the program,
-/// which selects the view with [`PictureSink::set_view`]. `handle` is called on this thread for each event; it must not
-/// block.
-///
-/// # Errors
-/// As for [`run`].
 pub fn run_with(
     options: &WindowOptions,
     sink: &PictureSink,
     mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
-    run_window(open(options)?.as_mut(), options, KeyHandler::Program, sink, &mut handle)
+    run_window(open(options)?.as_mut(), options, sink, &mut handle)
 }
 
 /// Opens the window and runs it until it is closed, as [`run_with`] does, with a sink of its own. `handle` may show
 /// pictures at once.
 ///
 /// # Errors
-/// As for [`run`].
+/// As for [`run_with`].
 pub fn run_interactive(
     options: &WindowOptions,
     handle: impl FnMut(UserEvent<'_>, &PictureSink),

@@ -6,17 +6,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rcs_files::picture_file;
+use rcs_light::Lit;
 use rcs_scene::{Encoding, Picture};
 
-use crate::content::{ContentImage, ScreenContent, WindowContent};
+use crate::content::WindowContent;
 use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
-use crate::light::{dim, LitPicture, OnScreen};
 use crate::monitor::MonitorInfo;
+use crate::on_screen::OnScreen;
 use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
 use crate::sink::{PictureSink, SunkPicture};
 use crate::system_window::{SystemEvent, SystemWindow, WindowOptions};
-use crate::test_pictures::TestPicture;
 
 /// An event for the program.
 #[derive(Debug, Clone, Copy)]
@@ -25,24 +25,19 @@ pub enum UserEvent<'a> {
     Opened(&'a MonitorInfo),
     /// The monitor's position or size changed.
     MonitorChanged(&'a MonitorInfo),
-    /// The user pressed a key, or holds it down.
-    Key(WindowKey),
-}
-
-/// The handler of keys other than Escape and q.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum KeyHandler {
-    /// The window: pause, black, test pictures.
-    Window,
-    /// The program.
-    Program,
+    /// The user pressed a key other than Escape and q, or holds it down.
+    Key {
+        /// The key.
+        key: WindowKey,
+        /// `true` if it is held down: whoever toggles something waits for the next press.
+        is_repeat: bool,
+    },
 }
 
 /// Runs an open window until it is closed.
 pub(crate) fn run(
     window: &mut dyn SystemWindow,
     options: &WindowOptions,
-    keys: KeyHandler,
     sink: &PictureSink,
     handle: &mut dyn FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
@@ -55,13 +50,11 @@ pub(crate) fn run(
             // A busy display server may have lost pixels.
             painter.is_due = true;
         }
-        if let Some(timeout) = sink.stale_timeout() {
-            painter.content.set_stale_timeout(timeout);
+        painter.take_picture(sink, window.monitor());
+        if let Some(grant) = sink.take_renewed() {
+            painter.content.renew(&grant);
         }
-        painter.is_due |= sink.view().is_some_and(|view| painter.content.set_view(view));
-        painter.take_picture(sink, window.monitor(), now);
-        painter.is_due |= sink.confirmed().is_some_and(|at| painter.content.confirm(at));
-        painter.is_due |= painter.content.check(now);
+        painter.is_due |= painter.content.check(Instant::now());
         painter.draw_if_due(window)?;
         let until = painter.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));
         let events = window.wait(sink.wake_fd(), until)?;
@@ -70,13 +63,10 @@ pub(crate) fn run(
         for event in events {
             match event {
                 SystemEvent::Close => return Ok(()),
-                SystemEvent::Key(key) if is_quit_key(key) => return Ok(()),
-                SystemEvent::Key(key) => {
-                    let Some(key) = WindowKey::from_keysym(key) else { continue };
-                    match keys {
-                        KeyHandler::Window => painter.is_due |= painter.content.press(key),
-                        KeyHandler::Program => handle(UserEvent::Key(key), sink),
-                    }
+                SystemEvent::Key { keysym, .. } if is_quit_key(keysym) => return Ok(()),
+                SystemEvent::Key { keysym, is_repeat } => {
+                    let Some(key) = WindowKey::from_keysym(keysym) else { continue };
+                    handle(UserEvent::Key { key, is_repeat }, sink);
                 }
                 SystemEvent::Monitors => {
                     painter.check(window, sink, handle)?;
@@ -93,10 +83,12 @@ pub(crate) fn run(
 struct WindowPainter<'a> {
     source: &'a str,
     content: WindowContent,
+    /// Size of the newest picture.
+    shown_px: Option<(u32, u32)>,
     /// Scratch buffer for the next picture.
     scratch: Option<ScreenPicture>,
     /// The picture that was converted last. Holding it keeps its address from being reused.
-    last_drawn: Option<Arc<Picture>>,
+    last_drawn: Option<Lit<Arc<Picture>>>,
     last_error: Option<PictureError>,
     /// Pixels of the window's size, for content of another size.
     composed: Vec<u32>,
@@ -112,7 +104,8 @@ impl<'a> WindowPainter<'a> {
     fn new(options: &'a WindowOptions) -> Self {
         Self {
             source: &options.source,
-            content: WindowContent::new(options.stale_timeout, options.test_light.clone()),
+            content: WindowContent::default(),
+            shown_px: None,
             scratch: None,
             last_drawn: None,
             last_error: None,
@@ -133,7 +126,7 @@ impl<'a> WindowPainter<'a> {
     ) -> Result<(), WindowError> {
         if window.check(Instant::now())? {
             handle(UserEvent::MonitorChanged(window.monitor()), sink);
-            if let Some(size) = self.content.picture().map(ScreenPicture::size_px) {
+            if let Some(size) = self.shown_px {
                 self.compare_sizes(size, window.monitor());
             }
         }
@@ -141,35 +134,33 @@ impl<'a> WindowPainter<'a> {
     }
 
     /// Takes the newest picture from the sink, if there is a new one.
-    fn take_picture(&mut self, sink: &PictureSink, monitor: &MonitorInfo, now: Instant) {
+    fn take_picture(&mut self, sink: &PictureSink, monitor: &MonitorInfo) {
         let image = match sink.take() {
             None => return,
             Some(SunkPicture::Nothing) => {
-                self.is_due |= self.content.clear();
-                (self.last_drawn, self.on_screen) = (None, None);
+                self.content.clear();
+                (self.last_drawn, self.on_screen, self.is_due) = (None, None, true);
                 return;
             }
-            Some(SunkPicture::Read(picture, permit)) => ContentImage { picture, permit },
-            Some(SunkPicture::Drawn(LitPicture { picture: source, permit, on_screen })) => {
-                // Also in a view that does not show it: what hears of it is told when the window has what it shows
-                // then.
+            Some(SunkPicture::Read(image)) => image,
+            Some(SunkPicture::Drawn(source, on_screen)) => {
+                let is_same = self.last_drawn.as_ref().is_some_and(|last| last.is_same(&source));
+                // Also while it is not shown: what hears of it is told when the window has what it shows then.
                 self.is_due |= on_screen.is_some();
-                let is_same = self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &source));
                 self.on_screen = on_screen.or(self.on_screen.take().filter(|_| is_same));
-                if is_same {
-                    self.is_due |= self.content.repeat(&permit, now);
+                if is_same && self.content.renew(source.grant()) {
                     return;
                 }
-                let Some(picture) = self.read(&source) else { return };
+                let Ok(image) = source.convert(|picture| self.read(picture).map(Arc::new).ok_or(())) else { return };
                 self.last_drawn = Some(source);
-                ContentImage { picture, permit }
+                image
             }
         };
-        let size = image.picture.size_px();
-        let (old, is_changed) = self.content.take(image, now);
+        self.shown_px = image.content(Instant::now()).map(|picture| picture.size_px()).or(self.shown_px);
+        let old = self.content.take(image);
         self.scratch = old.or(self.scratch.take());
-        self.is_due |= is_changed;
-        self.compare_sizes(size, monitor);
+        self.is_due = true;
+        self.shown_px.into_iter().for_each(|size| self.compare_sizes(size, monitor));
     }
 
     fn read(&mut self, drawn: &Picture) -> Option<ScreenPicture> {
@@ -209,12 +200,16 @@ impl<'a> WindowPainter<'a> {
             return Ok(());
         }
         self.is_due = false;
-        let is_picture = matches!(self.content.on_screen(), ScreenContent::Picture(_));
-        let pixels = match self.content.on_screen() {
-            ScreenContent::Picture(picture) if picture.size_px() == size => picture.pixels(),
-            content => {
+        let picture = self.content.on_screen(Instant::now());
+        let is_picture = picture.is_some();
+        let pixels = match picture {
+            Some(picture) if picture.size_px() == size => picture.pixels(),
+            picture => {
                 self.composed.resize(size.0 as usize * size.1 as usize, 0);
-                compose(content, window.monitor(), &mut self.composed, size);
+                match picture {
+                    Some(picture) => picture.draw_unscaled(&mut self.composed, size.0),
+                    None => self.composed.fill(0),
+                }
                 &self.composed
             }
         };
@@ -229,25 +224,4 @@ impl<'a> WindowPainter<'a> {
         }
         Ok(())
     }
-}
-
-/// Draws the content into pixels of the window's size.
-fn compose(content: ScreenContent<'_>, monitor: &MonitorInfo, pixels: &mut [u32], (width_px, height_px): (u32, u32)) {
-    match content {
-        ScreenContent::Black => pixels.fill(0),
-        ScreenContent::Picture(picture) => picture.draw_unscaled(pixels, width_px),
-        ScreenContent::Test(test, mask) => match test_picture(test, monitor, [width_px, height_px]) {
-            Ok(picture) => {
-                picture.draw_unscaled(pixels, width_px);
-                if let Some(mask) = mask {
-                    dim(pixels, &mask.shares([width_px, height_px]).data);
-                }
-            }
-            Err(_) => pixels.fill(0),
-        },
-    }
-}
-
-fn test_picture(test: TestPicture, monitor: &MonitorInfo, size_px: [u32; 2]) -> Result<ScreenPicture, PictureError> {
-    ScreenPicture::from_picture(&test.draw(size_px, &monitor.name))
 }

@@ -4,13 +4,14 @@
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use rcs_scene::lock;
+use rcs_light::{Grant, Lit};
+use rcs_scene::{lock, Picture};
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
-use crate::light::{LitPicture, WindowPermit, WindowView};
+use crate::on_screen::OnScreen;
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
 
@@ -18,9 +19,9 @@ use crate::screen_picture::ScreenPicture;
 #[derive(Debug, Clone)]
 pub(crate) enum SunkPicture {
     /// A converted picture.
-    Read(ScreenPicture, WindowPermit),
-    /// A drawn picture, which the window's thread converts.
-    Drawn(LitPicture),
+    Read(Lit<Arc<ScreenPicture>>),
+    /// A drawn picture, which the window's thread converts, and what hears when it is on the screen.
+    Drawn(Lit<Arc<Picture>>, Option<Arc<dyn OnScreen>>),
     /// Black.
     Nothing,
 }
@@ -35,12 +36,8 @@ struct SinkState {
     newest: Mutex<Option<(SunkPicture, Instant)>>,
     is_closing: AtomicBool,
     refresh: Mutex<Option<Refresh>>,
-    /// The view that the program has selected; `None`: keys select it.
-    view: Mutex<Option<WindowView>>,
-    /// Overrides the options.
-    stale_timeout: Mutex<Option<Duration>>,
-    /// Time of the last confirmation that the picture is current.
-    confirmed: Mutex<Option<Instant>>,
+    /// The last grant of the newest picture.
+    renewed: Mutex<Option<Grant>>,
     /// An eventfd.
     wake: OwnedFd,
 }
@@ -56,56 +53,36 @@ impl PictureSink {
             newest: Mutex::default(),
             is_closing: AtomicBool::new(false),
             refresh: Mutex::default(),
-            view: Mutex::default(),
-            stale_timeout: Mutex::default(),
-            confirmed: Mutex::default(),
+            renewed: Mutex::default(),
             wake,
         })))
     }
 
-    /// Shows a picture; replaces one that was not drawn yet.
+    /// Shows a picture of a tool that a person runs at the projector; replaces one that was not drawn yet.
     pub fn show(&self, picture: ScreenPicture) {
-        self.show_permitted(picture, WindowPermit::default());
-    }
-
-    /// Shows a picture, with limits of content in its place.
-    pub fn show_permitted(&self, picture: ScreenPicture, permit: WindowPermit) {
-        self.hand_over(SunkPicture::Read(picture, permit));
-    }
-
-    /// Shows a shared picture; it is converted on the window's thread.
-    pub fn show_drawn(&self, picture: LitPicture) {
-        self.hand_over(SunkPicture::Drawn(picture));
-    }
-
-    /// Selects the view of a window whose keys the program handles.
-    pub fn set_view(&self, view: WindowView) {
-        if lock(&self.0.view).replace(view) != Some(view) {
-            self.wake();
+        match Grant::of_tool().show(Arc::new(picture)) {
+            Some(lit) => self.show_lit(lit),
+            None => self.clear(),
         }
     }
 
-    pub(crate) fn view(&self) -> Option<WindowView> {
-        *lock(&self.0.view)
+    /// Shows a picture while its grant holds.
+    pub fn show_lit(&self, picture: Lit<Arc<ScreenPicture>>) {
+        self.hand_over(SunkPicture::Read(picture));
     }
 
-    /// Overrides the options' time without a picture after which the window becomes black; zero: never.
-    pub fn set_stale_timeout(&self, timeout: Duration) {
-        *lock(&self.0.stale_timeout) = Some(timeout);
-        self.wake();
+    /// Shows a shared picture while its grant holds; it is converted on the window's thread.
+    pub fn show_drawn(&self, picture: Lit<Arc<Picture>>, on_screen: Option<Arc<dyn OnScreen>>) {
+        self.hand_over(SunkPicture::Drawn(picture, on_screen));
     }
 
-    pub(crate) fn stale_timeout(&self) -> Option<Duration> {
-        *lock(&self.0.stale_timeout)
+    /// Gives the newest picture a later grant, so that it does not become black.
+    pub fn renew(&self, grant: &Grant) {
+        *lock(&self.0.renewed) = Some(grant.clone());
     }
 
-    /// Confirms that the newest picture is current, so that it does not become stale.
-    pub fn confirm(&self) {
-        *lock(&self.0.confirmed) = Some(Instant::now());
-    }
-
-    pub(crate) fn confirmed(&self) -> Option<Instant> {
-        *lock(&self.0.confirmed)
+    pub(crate) fn take_renewed(&self) -> Option<Grant> {
+        lock(&self.0.renewed).take()
     }
 
     /// The refresh of the window's monitor; `None` if the display server does not report it.
@@ -137,9 +114,11 @@ impl PictureSink {
         let mut newest = lock(&self.0.newest);
         let waiting_since = newest.as_ref().map(|(_, since)| *since);
         // The same picture again, of which somebody still waits to hear.
-        if let (SunkPicture::Drawn(picture), Some((SunkPicture::Drawn(last), _))) = (&mut picture, &mut *newest) {
-            if Arc::ptr_eq(&picture.picture, &last.picture) {
-                picture.on_screen = picture.on_screen.take().or(last.on_screen.take());
+        if let (SunkPicture::Drawn(picture, hears), Some((SunkPicture::Drawn(last, heard), _))) =
+            (&mut picture, &mut *newest)
+        {
+            if picture.is_same(last) {
+                *hears = hears.take().or(heard.take());
             }
         }
         *newest = Some((picture, waiting_since.unwrap_or_else(Instant::now)));
@@ -150,7 +129,8 @@ impl PictureSink {
         }
     }
 
-    fn wake(&self) {
+    /// Has the window check its grant now: the operator has said something.
+    pub fn wake(&self) {
         // Fails only on overflow, when the descriptor is readable already.
         let _ = write(&self.0.wake, &1u64.to_ne_bytes());
     }

@@ -10,7 +10,7 @@ use rustix::io::Errno;
 use xkeysym::Keysym;
 
 use crate::error::WindowError;
-use crate::light::{LightLimit, OnScreen};
+use crate::on_screen::OnScreen;
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::refresh::Refresh;
 
@@ -23,10 +23,8 @@ pub struct WindowOptions {
     pub monitor: MonitorChoice,
     /// A PNG or JPEG file to save the window's pixels to, once the first picture is on the screen.
     pub screenshot: Option<PathBuf>,
-    /// Time without a picture after which the window becomes black; zero: never.
-    pub stale_timeout: Option<Duration>,
-    /// Limit of test pictures before the first picture, and when pictures are stale.
-    pub test_light: LightLimit,
+    /// Longest time for which a program grants light at once; `None` for a tool's own pictures.
+    pub light_limit: Option<Duration>,
     /// `true` to set a monitor to its native mode; otherwise there is a warning if it runs another one.
     pub set_mode: bool,
 }
@@ -67,8 +65,13 @@ pub(crate) trait SystemWindow {
 pub(crate) enum SystemEvent {
     /// The window needs to be drawn, or is ready for it.
     Expose,
-    /// A key was pressed, or is held down.
-    Key(Keysym),
+    /// A key was pressed, or repeats because it is held down.
+    Key {
+        /// The key's symbol.
+        keysym: Keysym,
+        /// `true` for a repetition.
+        is_repeat: bool,
+    },
     /// The monitors changed.
     Monitors,
     /// The user closed the window.

@@ -1,25 +1,29 @@
 //! `projector_window`: an image topic full screen on a chosen monitor, pixel for pixel.
 
 mod for_display;
+mod viewer;
 
 use std::process::ExitCode;
-use std::sync::{mpsc, Arc};
+use std::sync::{mpsc, Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::{Command, CommandFactory, Parser, ValueEnum};
-use rcs_displays::unpack_image;
-use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_displays::{time_from_stamp, unpack_image};
+use rcs_light::{BlackoutFile, Measured, Now, Pulse};
+use rcs_messages::{header, AnyMessage, Image, MessageKind};
 use rcs_ros::{NodeEvent, RosNode};
-use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
+use rcs_scene::lock;
+use rcs_transforms::Time;
+use rcs_window::{self as window, MonitorInfo, PictureSink, ReceivedPicture, ScreenPicture, UserEvent};
 
-use rcs_camera_stream::{window_permit, Permit};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
 use rcs_node_support::node_options::{with_parameters, within, COMMAND_LINE_ONLY};
 use rcs_node_support::ros_names::{subscribes, RosName};
 use rcs_node_support::window_watch::WindowWatch;
+use viewer::Viewer;
 
 /// Topics of the node.
 pub const ROS_NAMES: &[RosName] = &[
@@ -33,14 +37,16 @@ pub const ROS_NAMES: &[RosName] = &[
 
 /// The node's name where the command line gives none.
 const NAME: &str = "projector_window";
+/// How often what is shown is decided anew.
+const TURN: Duration = Duration::from_millis(100);
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
 /// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
 /// is then at the top left, on black. Encodings: what image_view shows (colours, mono, Bayer, YUV, depth); compressed:
-/// JPEG, PNG. Keys: Escape or q ends; space or p pauses, b is black, t shows the next test picture, each until pressed
-/// again.
+/// JPEG, PNG. Keys: Escape or q ends; b is black until Shift+L, space or p pauses and resumes, t shows the next test
+/// picture.
 #[derive(Parser)]
 #[command(
     name = "projector_window",
@@ -60,7 +66,7 @@ struct WindowArguments {
     /// How images are sent: raw, or compressed on TOPIC/compressed (sensor_msgs/CompressedImage)
     #[arg(long, value_enum, default_value = "raw")]
     image_transport: Transport,
-    /// Become black when no image has come for this time: 0 to 86400 seconds, or none (0: none)
+    /// Black out while the newest image is older than this, by its stamp and here [s; none or 0: never]
     #[arg(long, value_name = "SECS", default_value = "none", value_parser = stale_timeout)]
     stale_timeout: Duration,
     /// Instead of showing a topic, keep the window of another program, which has this title, over the monitor
@@ -126,21 +132,36 @@ fn watch(end: &EndRequest) -> anyhow::Result<WindowWatch> {
 fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndRequest) -> anyhow::Result<()> {
     let watch = watch(end)?;
     let mut options = arguments.monitor.window_options(&arguments.topic());
-    options.stale_timeout = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
+    options.light_limit = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
+    let sink = PictureSink::new().context("cannot open a window")?;
     // The node runs on a thread of its own and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::sync_channel(1);
     let node_end = end.clone();
-    let shown = window::run(&options, move |sink| {
-        let closing = sink.clone();
-        let following = move || {
-            let result = follow_topic(node, arguments, &node_end, &sink);
-            sink.close();
-            // Nobody receives it if the window was closed first.
-            let _ = outcome.send(result);
-        };
-        if let Err(error) = thread::Builder::new().name("node".to_owned()).spawn(following) {
-            log::error!("cannot start the node's thread: {error}");
-            closing.close();
+    let viewer = Arc::new(Mutex::new(Viewer::new(MonitorInfo::default(), arguments.stale_timeout)));
+    let (following_viewer, following_sink) = (Arc::clone(&viewer), sink.clone());
+    let mut following = Some(move || {
+        let result = follow_topic(node, arguments, &node_end, &following_viewer, &following_sink);
+        following_sink.close();
+        // Nobody receives it if the window was closed first.
+        let _ = outcome.send(result);
+    });
+    let shown = window::run_with(&options, &sink, |event, sink| match event {
+        UserEvent::Opened(monitor) => {
+            lock(&viewer).set_monitor(monitor.clone());
+            let started = following.take().map(|following| thread::Builder::new().name("node".to_owned()).spawn(following));
+            if let Some(Err(error)) = started {
+                log::error!("cannot start the node's thread: {error}");
+                sink.close();
+            }
+        }
+        UserEvent::MonitorChanged(monitor) => lock(&viewer).set_monitor(monitor.clone()),
+        // A key that is held down would toggle something again and again.
+        UserEvent::Key { is_repeat: true, .. } => {}
+        UserEvent::Key { key, .. } => {
+            let mut viewer = lock(&viewer);
+            if viewer.press(key) {
+                viewer.present_now(sink);
+            }
         }
     });
     drop(watch);
@@ -156,6 +177,7 @@ fn follow_topic(
     node: Option<Arc<RosNode>>,
     arguments: WindowArguments,
     end: &EndRequest,
+    viewer: &Mutex<Viewer>,
     sink: &PictureSink,
 ) -> anyhow::Result<()> {
     let (node, arguments) = match node {
@@ -163,7 +185,7 @@ fn follow_topic(
         None => {
             let Some(node) = lifecycle::connect(NAME, end)? else { return Ok(()) };
             let arguments: WindowArguments = with_parameters(&node)?;
-            sink.set_stale_timeout(arguments.stale_timeout);
+            lock(viewer).set_timeout(arguments.stale_timeout);
             (node, arguments)
         }
     };
@@ -174,13 +196,18 @@ fn follow_topic(
     };
     // A queue of one: the window shows the latest picture.
     let subscription = node.subscribe(&topic, kind, 1)?;
-    let mut last_error = None;
+    lock(viewer).set_file(BlackoutFile::of_node(rcs_ros::ros_folder().as_deref(), node.name()));
+    let (mut last_error, pulse) = (None, Pulse::start(Instant::now()));
     while !end.is_requested() {
-        for event in node.events().wait(Duration::from_millis(100)) {
-            let NodeEvent::Message { message, .. } = event else { continue };
+        let events = node.events().wait(TURN);
+        pulse.beat(Instant::now());
+        for event in events {
+            let NodeEvent::Message { message, received, .. } = event else { continue };
             match picture(subscription.topic(), &message) {
                 Ok(picture) => {
-                    picture.into_iter().for_each(|picture| show(sink, picture));
+                    let stamp = header(&message).map(|header| time_from_stamp(header.stamp)).unwrap_or(Time::ZERO);
+                    let measured = Measured { stamp, received };
+                    picture.into_iter().for_each(|picture| lock(viewer).take(picture, measured));
                     last_error = None;
                 }
                 // An error that repeats is logged once.
@@ -191,17 +218,14 @@ fn follow_topic(
                 }
             }
         }
+        let steady = Instant::now();
+        let now = Now { ros: time_from_stamp(node.now()), steady, resumed: pulse.resumed(steady) };
+        lock(viewer).present(sink, now);
     }
     drop(subscription);
     // Here, because the window may wait for a display server that hangs.
     node.shutdown();
     Ok(())
-}
-
-/// Shows an image. A black one also ends a pause, because its publisher has a reason that is not known here.
-fn show(sink: &PictureSink, picture: ScreenPicture) {
-    let permit = window_permit(&Permit::of_topic(picture.is_black()), None);
-    sink.show_permitted(picture, permit);
 }
 
 /// The image of a message; `None` for other types.

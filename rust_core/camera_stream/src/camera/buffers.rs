@@ -5,7 +5,6 @@ use std::sync::Arc;
 use rcs_scene::{DepthPicture, Picture};
 
 use super::frame::{FinishedFrame, FrameSpec};
-use super::light_check::CheckedLight;
 
 /// The last frame, and memory for the next.
 #[derive(Default)]
@@ -28,18 +27,17 @@ impl FrameBuffers {
     }
 
     /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
-    pub(super) fn retire_front(&mut self, next_bytes: usize) {
-        let is_similar = |back: &Arc<Picture>| back.data.len() <= 4 * next_bytes;
-        let Some(last) = self.front.take() else { return };
-        self.back = Some(last.picture).filter(is_similar);
-        self.back_objects = last.checked.map(CheckedLight::into_memory).unwrap_or_default();
+    pub(super) fn retire_front(&mut self, next_px: [u32; 2]) {
+        let count = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let is_similar = |back: &Arc<Picture>| count([back.width_px, back.height_px]) <= 4 * count(next_px);
+        self.back = self.front.take().map(|last| last.image.into_memory()).filter(is_similar);
     }
 
     /// `true` if the last image shows the same before post-processing, so that it need not be drawn again.
-    pub(super) fn has_drawn(&self, spec: &FrameSpec, needs_depth: bool, needs_check: bool) -> bool {
+    pub(super) fn has_drawn(&self, spec: &FrameSpec, needs_depth: bool) -> bool {
         self.front.as_ref().is_some_and(|last| {
-            let has_all = (last.depth.is_some() || !needs_depth) && (last.checked.is_some() || !needs_check);
-            has_all && last.drawn.is_some() && last.spec.content == spec.content
+            let has_depth = last.depth.is_some() || !needs_depth;
+            has_depth && last.drawn.is_some() && last.spec.content == spec.content
         })
     }
 }

@@ -9,18 +9,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rcs_displays::CameraView;
+use rcs_light::{Content, DarkReason, Evidence, Grant};
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_render::{DepthRequest, Depths, Finished, LastStep, RenderError, Renderer, View};
+use rcs_render::{DepthRequest, Depths, Finished, Orientation, RenderError, Renderer, View};
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
 use rcs_transforms::Time;
 
-use super::light_check::{confirmed, CheckedLight};
+use super::light_check::CheckedLight;
 use crate::control::pattern::Pattern;
-use crate::control::LightTicket;
+use crate::control::OperatorSettings;
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
-use crate::safety;
-use crate::safety::causes::DarkReason;
-use crate::safety::permit::Permit;
+use crate::outputs::FrameImage;
 use crate::safety::surface::SurfaceCheck;
 use crate::scene::renderer_view;
 use rcs_window::test_pictures::TestPicture;
@@ -30,9 +29,11 @@ use rcs_window::test_pictures::TestPicture;
 pub(crate) enum FrameContent {
     /// The scene in this version, without the displays that are stale.
     Scene { version: u64, camera: Arc<Camera>, hidden: Vec<DisplayId> },
-    /// Black. The size is that before post-processing turns it; `has_note`: it says why it is black.
-    Black { size_px: [u32; 2], dark: DarkReason, has_note: bool },
-    /// A test picture or a pattern. The size is that before post-processing turns it.
+    /// Black. Sizes are those before post-processing turns the image.
+    Black { size_px: [u32; 2], dark: DarkReason },
+    /// A line of text on black that says why.
+    Note { size_px: [u32; 2], dark: DarkReason },
+    /// A test picture or a pattern.
     Test { size_px: [u32; 2], test: TestImage },
 }
 
@@ -49,20 +50,16 @@ pub(crate) enum TestImage {
 #[derive(Clone)]
 pub(crate) struct FrameSpec {
     pub(crate) content: FrameContent,
-    pub(crate) post: Arc<LastStep>,
-    /// `true` if the camera has masks on a topic, keep-out frames, or light that must be confirmed.
-    pub(crate) protects_eyes: bool,
+    /// The grant of the content when it was chosen; `None` for black.
+    pub(crate) grant: Option<Grant>,
+    pub(crate) orientation: Orientation,
     /// A paused frame stays only among those of its number: they leave out the same data, of the same config.
     pub(crate) epoch: u64,
     pub(crate) info: Arc<CameraInfo>,
-    /// Expiry if nothing new arrives.
-    pub(crate) valid_until: Option<Instant>,
     /// ROS time of the lookup of predicted transforms.
     pub(crate) looked_up: Option<Time>,
     /// Stamp of the oldest data in a scene, where somebody wants to know it.
     pub(crate) oldest: Option<Time>,
-    /// Void from the next blackout on.
-    pub(crate) ticket: LightTicket,
 }
 
 /// A frame that is due and to be drawn.
@@ -84,6 +81,7 @@ pub(crate) struct DueFrame {
 /// A frame that the renderer works on.
 pub(crate) struct FrameInFlight {
     spec: FrameSpec,
+    camera: Arc<Camera>,
     depth: Option<DepthEncoding>,
     check: Option<(SurfaceCheck, DepthPicture)>,
     keeps_drawn: bool,
@@ -93,11 +91,11 @@ pub(crate) struct FrameInFlight {
 /// A frame that is ready to be published.
 pub(crate) struct FinishedFrame {
     pub(crate) spec: FrameSpec,
-    pub(crate) picture: Arc<Picture>,
+    pub(crate) image: FrameImage,
     pub(crate) depth: Option<Arc<DepthImage>>,
     /// The image before post-processing, where it is needed.
     pub(crate) drawn: Option<Arc<Picture>>,
-    /// Its light, where that must be confirmed.
+    /// Its light, where that must be confirmed, for the camera.
     pub(crate) checked: Option<CheckedLight>,
     /// Time of the decision to draw it; `None` for a black frame.
     pub(crate) begun: Option<Instant>,
@@ -119,7 +117,7 @@ impl FrameContent {
         match (self, other) {
             (Self::Test { test: own, .. }, Self::Test { test, .. }) => own != test,
             (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
-            (Self::Black { .. }, Self::Black { .. }) => false,
+            (Self::Black { .. } | Self::Note { .. }, Self::Black { .. } | Self::Note { .. }) => false,
             _ => true,
         }
     }
@@ -128,27 +126,30 @@ impl FrameContent {
     pub(crate) fn size_px(&self) -> [u32; 2] {
         match self {
             Self::Scene { camera, .. } => size_px(camera),
-            Self::Black { size_px, .. } | Self::Test { size_px, .. } => *size_px,
+            Self::Black { size_px, .. } | Self::Note { size_px, .. } | Self::Test { size_px, .. } => *size_px,
         }
     }
 }
 
 impl FrameSpec {
-    /// The permit to show something else in the frame's place.
-    pub(crate) fn permit(&self) -> Permit {
-        Permit::new(self.dark_reason(), self.protects_eyes, &self.post)
+    /// `true` if both have the same light at each pixel, of the same generation.
+    pub(crate) fn has_light_of(&self, other: &Self) -> bool {
+        match (&self.grant, &other.grant) {
+            (Some(own), Some(other)) => own.allows_the_same(other),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        }
     }
 
     /// `true` if an image of the other one looks the same.
     pub(crate) fn looks_like(&self, other: &Self) -> bool {
-        self.content == other.content && self.post == other.post
+        self.content == other.content && self.orientation == other.orientation && self.has_light_of(other)
     }
 
     /// The frame, black for a reason that is not written into it.
     pub(crate) fn blacked_out(mut self, dark: DarkReason) -> Self {
-        self.content = FrameContent::Black { size_px: self.content.size_px(), dark, has_note: false };
-        self.post = safety::unplaced(&self.post);
-        self.oldest = None;
+        self.content = FrameContent::Black { size_px: self.content.size_px(), dark };
+        (self.grant, self.oldest) = (None, None);
         self
     }
 
@@ -156,23 +157,13 @@ impl FrameSpec {
     pub(crate) fn dark_reason(&self) -> Option<&DarkReason> {
         match &self.content {
             FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
-            FrameContent::Black { dark, .. } => Some(dark),
+            FrameContent::Black { dark, .. } | FrameContent::Note { dark, .. } => Some(dark),
         }
     }
 
-    /// The ticket that lets an image of the frame out; `None` if it has no light.
-    pub(crate) fn needed_ticket(&self) -> Option<&LightTicket> {
-        let is_black = matches!(self.content, FrameContent::Black { has_note: false, .. });
-        (!is_black).then_some(&self.ticket)
-    }
-
-    /// `true` if an image of the frame may leave: it is black, or no blackout came since it was begun.
-    pub(crate) fn may_leave(&self) -> bool {
-        self.needed_ticket().is_none_or(LightTicket::is_valid)
-    }
-
-    pub(crate) fn is_expired(&self, now: Instant) -> bool {
-        self.valid_until.is_some_and(|until| until < now)
+    /// `true` if it has no light, or may be lit now.
+    pub(crate) fn may_leave(&self, now: Instant) -> bool {
+        self.grant.as_ref().is_none_or(|grant| grant.is_valid(now))
     }
 }
 
@@ -185,14 +176,14 @@ impl DueFrame {
         let view = View { visible: &self.visible, ..renderer_view(&self.view, scene, &self.camera) };
         let objects_of = self.check.as_ref().map(|(surface, _)| &surface.displays);
         renderer.submit_with_depths(&view, &DepthRequest { opaque: self.depth.is_some(), objects_of })?;
-        let Self { spec, depth, check, keeps_drawn, begun, .. } = self;
-        Ok(FrameInFlight { spec, depth, check, keeps_drawn, begun })
+        let Self { spec, camera, depth, check, keeps_drawn, begun, .. } = self;
+        Ok(FrameInFlight { spec, camera, depth, check, keeps_drawn, begun })
     }
 }
 
 impl FrameInFlight {
     /// Waits for the renderer and post-processes the image; it is drawn into `picture`. `None` if the renderer has lost
-    /// the frame. Frames are finished in the order in which they were submitted.
+    /// the frame, or nothing of it may be lit. Frames are finished in the order in which they were submitted.
     ///
     /// # Errors
     /// The renderer's; the frame is lost.
@@ -206,16 +197,49 @@ impl FrameInFlight {
         let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
         let checked = self.check.map(|(surface, memory)| {
             let objects = std::mem::replace(&mut buffers.depths.objects, memory);
-            CheckedLight::new(objects, &surface)
+            CheckedLight::new(objects, self.camera, &surface)
         });
+        let Some(mut grant) = self.spec.grant else { return Ok(None) };
         if let Some(checked) = &checked {
-            self.spec.post = confirmed(&self.spec.post, checked.mask());
+            grant = grant.confirm(checked.mask());
         }
-        self.spec.post.apply(&mut picture, &mut buffers.turned);
-        let orientation = self.spec.post.orientation;
-        let depth = self.depth.map(|encoding| DepthImage::new(&buffers.depths.opaque, encoding, orientation));
-        let (spec, picture, depth, begun) = (self.spec, Arc::new(picture), depth.map(Arc::new), Some(self.begun));
-        Ok(Some(FinishedFrame { spec, picture, depth, drawn, checked, begun, is_published: false }))
+        self.spec.grant = Some(grant.clone());
+        let depth = self.depth.map(|encoding| DepthImage::new(&buffers.depths.opaque, encoding, self.spec.orientation));
+        let Some(lit) = grant.light(picture, &mut buffers.turned) else { return Ok(None) };
+        let (image, depth, begun) = (FrameImage::lit(lit), depth.map(Arc::new), Some(self.begun));
+        Ok(Some(FinishedFrame { spec: self.spec, image, depth, drawn, checked, begun, is_published: false }))
+    }
+}
+
+impl FinishedFrame {
+    /// Takes a later grant, if that allows the same light.
+    pub(crate) fn renew(&mut self, grant: Option<&Grant>) {
+        if let Some(grant) = grant.filter(|grant| self.image.renew(grant)) {
+            self.spec.grant = Some(grant.clone());
+        }
+    }
+
+    /// Decides about its content again, and takes the grant if that allows the same light. Light that must be confirmed
+    /// is not granted again for what was confirmed before.
+    ///
+    /// # Errors
+    /// Why it is dark now.
+    pub(crate) fn decide_again(
+        &mut self,
+        evidence: &Evidence,
+        operator: &OperatorSettings,
+        now: Instant,
+    ) -> Result<(), DarkReason> {
+        let content = match &self.spec.content {
+            FrameContent::Scene { .. } => Content::Scene,
+            // A pattern's end is its own.
+            FrameContent::Test { test: TestImage::Pattern(_), .. } | FrameContent::Black { .. } => return Ok(()),
+            FrameContent::Test { .. } => Content::Test,
+            FrameContent::Note { .. } => Content::Note,
+        };
+        let grant = evidence.decide(content, self.spec.content.size_px(), operator.light.clone(), now)?;
+        self.renew(Some(&grant));
+        Ok(())
     }
 }
 

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 use anyhow::Error;
 use rcs_camera::CameraModel;
 use rcs_displays::{CameraView, Level};
+use rcs_light::DarkReason;
 use rcs_logging::one_line;
 
 use super::connections::CameraConnections;
 use super::latency::Latency;
 use crate::projection_warning::ProjectionWarning;
-use crate::safety::causes::DarkReason;
 use crate::scene::camera_pose::CameraProblem;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::SceneState;

@@ -1,17 +1,19 @@
 //! Whether a camera has nothing to show, so that its projector may be verified meanwhile.
 
+use std::time::Instant;
+
+use rcs_light::DarkCause;
 use rcs_window::ScreenPicture;
 
 use super::frame::FrameContent;
 use super::output::CameraOutput;
-use crate::safety::causes::DarkCause;
 
 impl CameraOutput {
     /// Why the camera is not dark only because there is nothing to show; `None` if it is.
     pub(crate) fn why_busy(&self) -> Option<String> {
         let operator = self.operator();
-        if let Some(dark) = operator.blackout.as_ref().or(self.policy.dark_reason.as_ref()) {
-            return (dark.cause != DarkCause::Displays).then(|| dark.why.clone());
+        if let Some(dark) = self.dark_reason(&operator) {
+            return (dark.cause != DarkCause::Displays).then_some(dark.why);
         }
         if let Some(caller) = operator.paused {
             return Some(format!("paused by {caller}"));
@@ -19,9 +21,12 @@ impl CameraOutput {
         let Some(last) = &self.buffers.front else { return Some("no image so far".to_owned()) };
         match &last.spec.content {
             FrameContent::Test { .. } => Some("a test picture or a pattern is shown".to_owned()),
-            FrameContent::Black { dark, .. } => (dark.cause != DarkCause::Displays).then(|| dark.why.clone()),
+            FrameContent::Black { dark, .. } | FrameContent::Note { dark, .. } => {
+                (dark.cause != DarkCause::Displays).then(|| dark.why.clone())
+            }
             FrameContent::Scene { .. } => {
-                let is_black = ScreenPicture::from_picture(&last.picture).is_ok_and(|picture| picture.is_black());
+                let picture = last.image.picture(Instant::now());
+                let is_black = ScreenPicture::from_picture(&picture).is_ok_and(|picture| picture.is_black());
                 (!is_black).then(|| "the scene is shown".to_owned())
             }
         }

@@ -4,11 +4,11 @@
 //! [outputs](CameraConnections) receive the frames, [`CameraHealth`] records problems and figures. Frames themselves
 //! are [objects of their own](super::frame), which only the scene's thread has.
 //!
-//! A frame that expires, because what it shows is stale, is followed by a black one at once, whatever the frame rate;
-//! see [`crate::safety`].
+//! Each frame has a [grant](rcs_light) of the light in it, which is asked for when its content is chosen and again when
+//! it is repeated. One whose grant ends is followed by a black one at once, whatever the frame rate.
 //!
-//! The [operator](crate::control)'s settings come before the scene: a blackout goes out at once, from the control
-//! thread, and no image that was begun before it leaves afterwards.
+//! The [operator](crate::control)'s words come before the scene: a blackout goes out at once, from the control thread,
+//! and no image that was begun before it leaves afterwards.
 //!
 //! A camera belongs to both of the node's threads: the scene's thread polls and publishes, and the control thread
 //! answers calls and repeats the last frame while another is drawn for long. None of its methods takes long.
@@ -19,9 +19,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
+use rcs_light::{Condition, Content, DarkCause, DarkReason, Grant};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
+use rcs_render::Orientation;
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
@@ -29,7 +31,7 @@ use rcs_web::Images;
 
 use super::buffers::FrameBuffers;
 use super::connections::CameraConnections;
-use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
+use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec, TestImage};
 use super::health::CameraHealth;
 use super::latency::Update;
 use super::light_check::LastCheck;
@@ -42,8 +44,8 @@ use super::timing::FrameTiming;
 use crate::control::{Control, OperatorSettings};
 use crate::outputs::depth_image::{DepthEncoding, DepthImage};
 use crate::outputs::shown::{self, ShownRecord};
-use crate::outputs::{Output, OutputFrame, TopicOutput, WindowOutput};
-use crate::safety::{self, FramePolicy};
+use crate::outputs::{FrameImage, Output, OutputFrame, TopicOutput, WindowOutput};
+use crate::safety::{self, CameraLight};
 use crate::scene::status_tree::StatusEntry;
 use crate::scene::SceneState;
 
@@ -63,8 +65,8 @@ pub(crate) struct CameraOutput {
     pub(super) settings: RuntimeSettings,
     pub(super) connections: CameraConnections,
     timing: FrameTiming,
-    /// The policy of the last assessment.
-    pub(super) policy: FramePolicy,
+    /// What is known about its light.
+    light: CameraLight,
     epoch: Epoch,
     last_check: LastCheck,
     pub(super) buffers: FrameBuffers,
@@ -107,7 +109,7 @@ impl CameraOutput {
             settings: RuntimeSettings::start(&context.ros, plan, switches, is_black),
             connections: CameraConnections::default(),
             timing: FrameTiming::default(),
-            policy: FramePolicy::default(),
+            light: CameraLight::unknown(),
             epoch: Epoch::default(),
             last_check: LastCheck::default(),
             buffers: FrameBuffers::default(),
@@ -131,7 +133,6 @@ impl CameraOutput {
         self.epoch.number += 1;
         self.timing.global_frame_rate_hz = global_frame_rate_hz;
         self.apply_new_settings(displays);
-        self.show_view(&self.operator());
     }
 
     /// Gives its connections away, for the cameras of another config.
@@ -158,13 +159,24 @@ impl CameraOutput {
         self.settings.view()
     }
 
-    pub(crate) fn set_policy(&mut self, policy: FramePolicy) {
-        self.policy = policy;
+    /// Takes what is known about its light. Whether there is a camera, it finds out itself.
+    pub(crate) fn set_light(&mut self, mut light: CameraLight) {
+        light.evidence.keep(DarkCause::NoCamera, &self.light.evidence);
+        self.light = light;
     }
 
-    /// End of the current policy if nothing new arrives.
-    pub(crate) fn policy_end(&self) -> Option<Instant> {
-        self.policy.valid_until
+    /// The time of the next change of its light if nothing new arrives.
+    pub(crate) fn light_end(&self) -> Option<Instant> {
+        self.light.evidence.end()
+    }
+
+    pub(super) fn orientation(&self) -> Orientation {
+        self.light.evidence.post().orientation
+    }
+
+    /// Why its scene is dark now.
+    pub(super) fn dark_reason(&self, operator: &OperatorSettings) -> Option<DarkReason> {
+        operator.light.clone().err().or_else(|| self.light.evidence.dark_reason(Instant::now()))
     }
 
     pub(crate) fn is_watched(&self) -> bool {
@@ -177,7 +189,7 @@ impl CameraOutput {
 
     /// `true` if its frames are drawn with depths: for a topic, or to confirm their light.
     pub(crate) fn uses_depth(&self) -> bool {
-        self.wants_depth() || self.policy.surface.is_some()
+        self.wants_depth() || self.light.surface.is_some()
     }
 
     /// Forgets the last frame: what it shows is old.
@@ -187,10 +199,11 @@ impl CameraOutput {
 
     pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
         let mut entry = self.health.status_entry(scene, self.view(), self.context.model, &self.connections);
-        let checked = self.buffers.front.as_ref().and_then(|last| last.checked.as_ref());
-        checked.into_iter().for_each(|checked| safety::status::add_shares(&mut entry, &checked.shares));
+        self.last_check.shares().into_iter().for_each(|shares| safety::status::add_shares(&mut entry, shares));
         let operator = self.operator();
-        safety::status::add_dark(&mut entry, operator.blackout.as_ref().or(self.policy.dark_reason.as_ref()));
+        // Of a camera that nobody watches, only what the operator said is known.
+        let dark = if self.is_watched() { self.dark_reason(&operator) } else { operator.light.clone().err() };
+        safety::status::add_dark(&mut entry, dark.as_ref());
         safety::status::add_substitute(&mut entry, &operator);
         entry
     }
@@ -265,15 +278,10 @@ impl CameraOutput {
         self.context.control.of_camera(&self.view().name)
     }
 
-    /// Selects the view of the window.
-    fn show_view(&self, operator: &OperatorSettings) {
-        self.connections.outputs.window.iter().for_each(|window| window.set_view(operator.window_view()));
-    }
-
     /// Optical frame, and width and height of the published images. `None` without a CameraInfo.
     pub(crate) fn frame_and_size<'a>(&self, scene: &'a SceneState) -> Option<(&'a str, [u32; 2])> {
         let info = scene.camera_info(self.view())?;
-        Some((&info.header.frame_id, self.policy.post.orientation.size_px([info.width, info.height])))
+        Some((&info.header.frame_id, self.orientation().size_px([info.width, info.height])))
     }
 
     /// Applies what the operator has changed. The image of a blackout goes out here, whatever is being drawn.
@@ -283,13 +291,11 @@ impl CameraOutput {
     pub(crate) fn apply_control(&mut self) -> Result<()> {
         let operator = self.operator();
         self.settings.set_black(&self.context.ros, operator.is_switched_off);
-        self.show_view(&operator);
-        let lit = self.buffers.front.take_if(|last| !last.spec.may_leave());
-        let Some(dark) = operator.blackout else { return Ok(()) };
-        if lit.is_some() || self.buffers.front.is_none() {
-            // Also where no size of an image is known.
-            self.connections.outputs.window.iter().for_each(WindowOutput::clear);
-        }
+        // A window sees itself that its grant is void.
+        self.connections.outputs.window.iter().for_each(WindowOutput::wake);
+        let now = Instant::now();
+        let lit = self.buffers.front.take_if(|last| !last.spec.may_leave(now));
+        let Err(dark) = operator.light else { return Ok(()) };
         match lit.filter(|_| self.is_watched()) {
             Some(last) => self.publish_substitute(last.spec.blacked_out(dark)),
             None => Ok(()),
@@ -310,96 +316,116 @@ impl CameraOutput {
         }
         let view = Arc::clone(self.view());
         let operator = self.operator();
-        let policy = match &operator.blackout {
-            Some(dark) => self.policy.blacked_out(dark.clone()),
-            None => self.policy.clone(),
-        };
         let camera = match scene.camera(&view, self.context.model) {
             Ok(camera) => Arc::new(camera),
             Err(problem) => {
-                let why = problem.to_string();
+                self.light.evidence.set(DarkCause::NoCamera, Condition::Dark(problem.to_string()));
                 self.health.record_problem(&view.name, problem, Instant::now());
-                return self.publish_without_camera(scene.camera_info(&view), &why, &policy, &operator).map(|()| None);
+                return self.publish_without_camera(scene.camera_info(&view), &operator).map(|()| None);
             }
         };
+        self.light.evidence.set(DarkCause::NoCamera, Condition::Always);
         self.health.clear_problem(&view.name);
-        self.health.record_dark(&view.name, policy.dark_reason.as_ref());
+        self.health.record_dark(&view.name, self.dark_reason(&operator).as_ref());
         let Some(info) = scene.camera_info(&view) else { return Ok(None) };
         let mut visible = view.visible.clone();
-        policy.hidden.iter().for_each(|display| visible.set(*display, false));
-        let shown = self.buffers.front.as_mut().and_then(|last| last.checked.as_mut());
-        self.last_check.update(shown, policy.surface.as_ref());
-        self.epoch.follow(&policy.hidden, size_px(&camera));
-        let place = (size_px(&camera), info.header.frame_id.as_str());
-        let substitute = substitute::content(place, policy.dark_reason.as_ref(), &policy, &operator);
-        let held = self.held(&policy).filter(|_| operator.paused.is_some() && substitute.is_none());
-        let is_scene = held.is_none() && substitute.is_none();
+        self.light.hidden.iter().for_each(|display| visible.set(*display, false));
+        self.last_check.update(&camera, self.light.surface.as_ref());
+        self.epoch.follow(&self.light.hidden, size_px(&camera));
+        let granted = self.grant_scene((size_px(&camera), &info.header.frame_id), &operator);
+        let held = granted.as_ref().ok().filter(|_| operator.paused.is_some()).and_then(|grant| self.held(grant));
+        let is_scene = held.is_none() && granted.is_ok();
         if is_scene && self.buffers.is_outdated {
             self.discard_last();
         }
         let is_recorded = is_scene && self.connections.outputs.shown().is_some();
         let oldest = is_recorded.then(|| oldest_stamp(scene, &visible)).flatten();
         let spec = held.unwrap_or_else(|| {
-            let content = substitute.unwrap_or_else(|| FrameContent::Scene {
-                version: scene.displays().version_shown(&visible),
-                camera: Arc::clone(&camera),
-                hidden: policy.hidden.clone(),
-            });
+            let (content, grant) = granted.map_or_else(
+                |substitute| substitute,
+                |grant| {
+                    let (version, hidden) = (scene.displays().version_shown(&visible), self.light.hidden.clone());
+                    (FrameContent::Scene { version, camera: Arc::clone(&camera), hidden }, Some(grant))
+                },
+            );
             let looked_up = scene.prediction().map(|prediction| prediction.now);
-            FrameSpec { oldest, ..self.spec(content, &policy, info, looked_up) }
+            FrameSpec { oldest, looked_up, ..self.spec(content, grant, info) }
         });
         let Some(spec) = self.due(spec)? else { return Ok(None) };
         if !is_scene {
             self.health.latency.forget();
         }
-        if !is_scene || self.buffers.has_drawn(&spec, self.wants_depth(), self.policy.surface.is_some()) {
+        let is_checked = self.light.surface.is_none() || self.last_check.is_some();
+        if !is_scene || (is_checked && self.buffers.has_drawn(&spec, self.wants_depth())) {
             return self.publish_unrendered(spec).map(|()| None);
         }
         self.health.projection.check(scene, &view, self.context.model);
         let depth = self.wants_depth().then_some(self.context.depth_encoding);
-        let (begun, keeps_drawn) = (Instant::now(), spec.protects_eyes);
-        let check = policy.surface.map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
+        let (begun, keeps_drawn) = (Instant::now(), self.light.evidence.rules().protects_eyes);
+        let check = self.light.surface.clone().map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
         Ok(Some(DueFrame { spec, view, visible, camera, depth, check, keeps_drawn, begun }))
     }
 
-    /// The last frame as a pause keeps it, with the present policy; `None` if it may not stay.
-    fn held(&self, policy: &FramePolicy) -> Option<FrameSpec> {
-        let last = self.buffers.front.as_ref()?;
-        let is_scene = matches!(last.spec.content, FrameContent::Scene { .. });
-        let post = self.last_check.post(policy, last.spec.content.size_px());
-        let can_be_masked = last.drawn.is_some() || last.spec.post == post;
-        let stays = is_scene && can_be_masked && last.spec.epoch == self.epoch.number;
-        stays.then(|| FrameSpec {
-            post,
-            protects_eyes: policy.protects_eyes,
-            valid_until: policy.valid_until,
-            ..last.spec.clone()
+    /// The grant of the scene, or the content in its place with its grant: a test picture or pattern where the operator
+    /// wants one, else black for a reason. `place` is the size before turning, and the optical frame.
+    fn grant_scene(
+        &self,
+        place: ([u32; 2], &str),
+        operator: &OperatorSettings,
+    ) -> Result<Grant, (FrameContent, Option<Grant>)> {
+        let ((size_px, frame_id), now) = (place, Instant::now());
+        let decide = |content| {
+            let grant = self.light.evidence.decide(content, size_px, operator.light.clone(), now)?;
+            Ok::<_, DarkReason>(self.last_check.confirm(content, grant))
+        };
+        let turned_px = self.orientation().size_px(size_px);
+        let pattern = operator.pattern.as_ref().filter(|pattern| pattern.fits(frame_id, turned_px));
+        let pattern = pattern.map(|pattern| TestImage::Pattern(Arc::clone(pattern)));
+        if let Some(test) = pattern.or(operator.test_picture.map(TestImage::Picture)) {
+            match decide(Content::Test) {
+                Ok(grant) if grant.is_unconfirmed() => {
+                    let dark = DarkReason::new(DarkCause::Surface, "no light of the scene was confirmed before the test");
+                    return Err((FrameContent::Black { size_px, dark }, None));
+                }
+                Ok(grant) => {
+                    let grant = substitute::grant_of(&test, grant);
+                    return Err((FrameContent::Test { size_px, test }, Some(grant)));
+                }
+                // The scene is dark, too.
+                Err(_) => {}
+            }
+        }
+        let dark = match decide(Content::Scene) {
+            Ok(grant) => return Ok(grant),
+            Err(dark) => dark,
+        };
+        let note = self.light.has_note.then(|| decide(Content::Note).ok()).flatten();
+        Err(match note.filter(|grant| !grant.is_unconfirmed()) {
+            Some(grant) => (FrameContent::Note { size_px, dark }, Some(grant)),
+            None => (FrameContent::Black { size_px, dark }, None),
         })
     }
 
-    fn spec(
-        &self,
-        content: FrameContent,
-        policy: &FramePolicy,
-        info: &Arc<CameraInfo>,
-        looked_up: Option<Time>,
-    ) -> FrameSpec {
-        // A test picture shows no data that could be stale.
-        let is_timeless = matches!(content, FrameContent::Test { .. }) && !policy.protects_eyes;
-        let post = match content {
-            FrameContent::Black { .. } => Arc::clone(&policy.post),
-            _ => self.last_check.post(policy, content.size_px()),
-        };
+    /// The last frame as a pause keeps it, with the scene's present grant; `None` if it may not stay.
+    fn held(&self, grant: &Grant) -> Option<FrameSpec> {
+        let last = self.buffers.front.as_ref()?;
+        let is_scene = matches!(last.spec.content, FrameContent::Scene { .. });
+        let has_light = |own: &Grant| own.allows_the_same(grant);
+        let can_be_masked = last.drawn.is_some() || last.spec.grant.as_ref().is_some_and(has_light);
+        let stays = is_scene && can_be_masked && last.spec.epoch == self.epoch.number;
+        let stays = stays && self.last_check.is_of_present_pose();
+        stays.then(|| FrameSpec { grant: Some(grant.clone()), ..last.spec.clone() })
+    }
+
+    fn spec(&self, content: FrameContent, grant: Option<Grant>, info: &Arc<CameraInfo>) -> FrameSpec {
         FrameSpec {
-            valid_until: substitute::valid_until(&content, policy.valid_until.filter(|_| !is_timeless)),
             content,
-            post,
-            protects_eyes: policy.protects_eyes,
+            grant,
+            orientation: self.orientation(),
             epoch: self.epoch.number,
             info: Arc::clone(info),
-            looked_up,
+            looked_up: None,
             oldest: None,
-            ticket: self.context.control.ticket(&self.view().name),
         }
     }
 
@@ -412,7 +438,7 @@ impl CameraOutput {
         // now, unless frames follow changes anyway.
         let is_urgent = last.is_some_and(|last| {
             last.content.differs_in_staleness(&spec.content)
-                || (last.post != spec.post && !self.timing.schedule.follows_changes())
+                || (!last.has_light_of(&spec) && !self.timing.schedule.follows_changes())
         });
         let now = Instant::now();
         self.timing.note_change(changed.then_some(&spec), now);
@@ -422,40 +448,38 @@ impl CameraOutput {
             return Ok(Some(spec));
         }
         if let (false, Some(last)) = (changed, &mut self.buffers.front) {
-            match is_due {
-                true => last.spec = spec,
-                false => last.spec.valid_until = spec.valid_until,
+            last.renew(spec.grant.as_ref());
+            if is_due {
+                last.spec = spec;
             }
+            self.connections.outputs.renew(&last.image);
         }
         if is_due {
             self.publish_last(None)?;
-        } else if self.buffers.last().is_some_and(|last| !last.is_expired(now)) {
-            self.connections.outputs.confirm();
         }
         Ok(None)
     }
 
     /// Publishes a black frame or a test picture if one is due, because there is no camera and the last frame must not
     /// pass for a current one. Without a CameraInfo and a frame before it, no size is known.
-    fn publish_without_camera(
-        &mut self,
-        info: Option<&Arc<CameraInfo>>,
-        why: &str,
-        policy: &FramePolicy,
-        operator: &OperatorSettings,
-    ) -> Result<()> {
+    fn publish_without_camera(&mut self, info: Option<&Arc<CameraInfo>>, operator: &OperatorSettings) -> Result<()> {
         let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
         let last = self.buffers.last();
         let size_of_info = info.map(|info| [info.width, info.height]).filter(is_possible);
         let size_px = size_of_info.or_else(|| last.map(|last| last.content.size_px()));
-        let (Some(info), Some(size_px)) = (info.or(last.map(|last| &last.info)), size_px) else { return Ok(()) };
-        let dark = policy.without_camera(why);
-        let Some(content) = substitute::content((size_px, &info.header.frame_id), dark.as_ref(), policy, operator)
-        else {
+        // A test picture before there is a CameraInfo is for the window's monitor.
+        let monitor_px = || Some(self.orientation().size_px(self.connections.outputs.window.as_ref()?.monitor_px()?));
+        let Some(size_px) = size_px.or_else(monitor_px) else { return Ok(()) };
+        let info = info.or(last.map(|last| &last.info)).cloned().unwrap_or_default();
+        // There is no grant of the scene without a camera.
+        let Err((content, grant)) = self.grant_scene((size_px, &info.header.frame_id), operator) else { return Ok(()) };
+        let is_test = matches!(content, FrameContent::Test { .. });
+        if !self.light.is_guarded && operator.light.is_ok() && !is_test {
+            // As in rviz: nothing is published.
             self.discard_last();
             return Ok(());
-        };
-        let spec = self.spec(content, &policy.unplaced(), info, None);
+        }
+        let spec = self.spec(content, grant, &info);
         match self.due(spec)? {
             Some(spec) => self.publish_substitute(spec),
             None => Ok(()),
@@ -468,27 +492,24 @@ impl CameraOutput {
             return self.publish_substitute(spec);
         }
         let Some(mut last) = self.buffers.front.take() else { return Ok(()) };
-        if let Some(drawn) = last.drawn.as_ref().filter(|_| last.spec.post != spec.post) {
-            let mut picture = Picture::clone(drawn);
-            spec.post.apply(&mut picture, &mut Picture::default());
-            last.picture = Arc::new(picture);
+        let drawn = last.drawn.as_ref().filter(|_| !last.spec.has_light_of(&spec));
+        if let (Some(drawn), Some(grant)) = (drawn, spec.grant.clone()) {
+            let Some(lit) = grant.light(Picture::clone(drawn), &mut Picture::default()) else { return Ok(()) };
+            last.image = FrameImage::lit(lit);
         }
+        last.renew(spec.grant.as_ref());
         last.depth = last.depth.or_else(|| self.wants_depth().then(|| self.nowhere(&spec)));
         self.buffers.front = Some(FinishedFrame { spec, is_published: false, ..last });
         self.publish_last(None)
     }
 
     /// Publishes an image that shows no scene.
-    fn publish_substitute(&mut self, mut spec: FrameSpec) -> Result<()> {
+    fn publish_substitute(&mut self, spec: FrameSpec) -> Result<()> {
         let view = self.view();
-        let Some(picture) = substitute::image(&spec, view.settings.image_encoding, &view.name) else { return Ok(()) };
+        let image = substitute::image(&spec, view.settings.image_encoding, &view.name);
         let depth = self.wants_depth().then(|| self.nowhere(&spec));
-        if let FrameContent::Black { .. } = spec.content {
-            spec.valid_until = None;
-        }
-        let picture = Arc::new(picture);
         self.buffers.front =
-            Some(FinishedFrame { spec, picture, depth, drawn: None, checked: None, begun: None, is_published: false });
+            Some(FinishedFrame { spec, image, depth, drawn: None, checked: None, begun: None, is_published: false });
         self.publish_last(None)
     }
 
@@ -496,7 +517,7 @@ impl CameraOutput {
     fn nowhere(&self, spec: &FrameSpec) -> Arc<DepthImage> {
         let ([width_px, height_px], mut nowhere) = (spec.content.size_px(), DepthPicture::default());
         nowhere.reset(width_px, height_px);
-        Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.post.orientation))
+        Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.orientation))
     }
 
     /// `true` if somebody subscribed since the last call and is to get an image at once.
@@ -509,12 +530,19 @@ impl CameraOutput {
     /// # Errors
     /// The outputs'.
     pub(crate) fn repeat_if_due(&mut self) -> Result<()> {
-        let Some(last) = self.buffers.last().filter(|_| self.is_watched()) else { return Ok(()) };
-        let now = Instant::now();
-        if last.is_expired(now) {
-            return self.publish_substitute(last.clone().blacked_out(safety::expired()));
+        if !self.is_watched() {
+            return Ok(());
         }
-        self.connections.outputs.confirm();
+        let (now, operator) = (Instant::now(), self.operator());
+        let Some(last) = &mut self.buffers.front else { return Ok(()) };
+        let decided = last.decide_again(&self.light.evidence, &operator, now);
+        if !last.spec.may_leave(now) {
+            let busy = || DarkReason::new(DarkCause::NoImage, "the node is busy, and drew nothing in time");
+            let dark = decided.err().unwrap_or_else(busy);
+            let black = last.spec.clone().blacked_out(dark);
+            return self.publish_substitute(black);
+        }
+        self.connections.outputs.renew(&last.image);
         if !self.take_new_watcher() && !self.timing.schedule.is_repetition_due(now) {
             return Ok(());
         }
@@ -536,19 +564,25 @@ impl CameraOutput {
     ///
     /// # Errors
     /// The outputs'.
-    pub(crate) fn publish(&mut self, frame: FinishedFrame) -> Result<()> {
+    pub(crate) fn publish(&mut self, mut frame: FinishedFrame) -> Result<()> {
         self.health.counts.drawn += 1;
         self.health.counts.depths_drawn += u64::from(frame.depth.is_some());
-        let begun = frame.begun;
-        let published = if !frame.spec.may_leave() {
-            // The next frame shows what is then.
-            self.apply_control()
-        } else if frame.spec.is_expired(Instant::now()) {
-            self.publish_substitute(frame.spec.blacked_out(safety::expired()))
-        } else {
-            self.buffers.retire_front(frame.picture.data.len());
-            self.buffers.front = Some(frame);
-            self.publish_last(Some(Instant::now()))
+        if let Some(checked) = frame.checked.take() {
+            self.buffers.back_objects = self.last_check.set(checked);
+        }
+        let (begun, now, operator) = (frame.begun, Instant::now(), self.operator());
+        // It may have been drawn for long.
+        let decided = frame.decide_again(&self.light.evidence, &operator, now);
+        let published = match decided {
+            _ if frame.spec.may_leave(now) => {
+                self.buffers.retire_front(frame.image.size_px());
+                self.buffers.front = Some(frame);
+                self.publish_last(Some(now))
+            }
+            // A blackout came, or its data have become too old.
+            Err(dark) => self.publish_substitute(frame.spec.blacked_out(dark)),
+            // The next frame shows what is now.
+            Ok(()) => Ok(()),
         };
         begun.into_iter().for_each(|begun| self.timing.pacing.record(begun.elapsed()));
         published
@@ -556,23 +590,22 @@ impl CameraOutput {
 
     /// Hands the last frame to the outputs. `drawn`: when it was drawn, if it is a new one.
     fn publish_last(&mut self, drawn: Option<Instant>) -> Result<()> {
-        if self.buffers.last().is_some_and(|last| !last.may_leave()) {
+        if self.buffers.last().is_some_and(|last| !last.may_leave(Instant::now())) {
             return self.apply_control();
         }
         let outputs = &mut self.connections.outputs;
         let Some(last) = self.buffers.front.as_mut().filter(|_| !outputs.is_empty()) else { return Ok(()) };
         let is_new = !std::mem::replace(&mut last.is_published, true);
         let stamp = self.context.ros.now();
-        let info = self.turned_info.of(&last.spec.info, last.spec.post.orientation);
-        let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.spec.permit());
-        let ticket = last.spec.needed_ticket().cloned();
+        let info = self.turned_info.of(&last.spec.info, last.spec.orientation);
+        let (image, depth) = (last.image.clone(), last.depth.clone());
         let shown = outputs.shown().filter(|_| is_new).map(|publisher| {
             let dark = last.spec.dark_reason().map(|dark| dark.why.as_str());
             let source = shown::source(&self.settings.view().name, dark, last.spec.oldest);
             let header = Header { seq: 0, stamp, frame_id: info.header.frame_id.clone() };
             Arc::new(ShownRecord::new(&self.context.ros, publisher, header, source))
         });
-        outputs.send(&OutputFrame { picture, info, depth, stamp, permit, ticket, shown })?;
+        outputs.send(&OutputFrame { image, info, depth, stamp, shown })?;
         if let Some(drawn) = drawn {
             let latency = &mut self.health.latency;
             latency.measure(drawn, Instant::now(), time_from_stamp(stamp));

@@ -2,7 +2,6 @@
 
 use rcs_ros::ReconfigureServer;
 
-use super::frame::FrameContent;
 use super::output::CameraOutput;
 use crate::nudge::NudgeTarget;
 use crate::outputs::TopicOutput;
@@ -28,15 +27,12 @@ impl CameraOutput {
     /// Its figures for the operator's page.
     pub(crate) fn figures(&self) -> CameraFigures<'_> {
         let last = self.buffers.front.as_ref();
-        let black = last.and_then(|last| match &last.spec.content {
-            FrameContent::Black { dark, .. } => Some(dark.why.clone()),
-            FrameContent::Scene { .. } | FrameContent::Test { .. } => None,
-        });
+        let black = last.and_then(|last| last.spec.dark_reason()).map(|dark| dark.why.clone());
         let [latency_ms, age_ms] = self.health.latency.medians_ms();
         CameraFigures {
             topic: self.connections.outputs.topic.as_ref().map(TopicOutput::topic),
             frame: last.map(|last| last.spec.info.header.frame_id.as_str()),
-            size_px: last.map(|last| [last.picture.width_px, last.picture.height_px]),
+            size_px: last.map(|last| last.image.size_px()),
             published: self.health.published(),
             latency_ms,
             age_ms,
@@ -48,7 +44,7 @@ impl CameraOutput {
     pub(crate) fn nudge_target(&self) -> (String, NudgeTarget) {
         let view = self.view();
         let camera_info_topic = view.settings.camera_info_topic.clone();
-        (view.name.clone(), NudgeTarget { camera_info_topic, orientation: self.policy.post.orientation })
+        (view.name.clone(), NudgeTarget { camera_info_topic, orientation: self.orientation() })
     }
 
     /// Its servers of dynamic_reconfigure: its own first, then that of the compressed images.

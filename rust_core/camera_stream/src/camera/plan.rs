@@ -85,10 +85,6 @@ pub(crate) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
 }
 
 impl CameraPlan {
-    /// The name of its parameters.
-    pub(crate) fn id(&self) -> &str {
-        &self.id
-    }
 
     /// Its display's name.
     pub(crate) fn name(&self) -> &str {

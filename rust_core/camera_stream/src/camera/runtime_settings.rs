@@ -75,7 +75,9 @@ impl RuntimeSettings {
     pub(super) fn set(&mut self, ros: &RosNode, control: &Control, request: &Values, caller: &str) -> Values {
         let name = &self.view.name;
         for param in request.bools.iter().filter(|param| param.name == BLACKOUT) {
-            control.set_camera_blackout(name, param.value, caller);
+            if let Err(error) = control.set_camera_blackout(name, param.value, caller) {
+                log::error!("camera {name}: {error}");
+            }
         }
         self.is_black = control.of_camera(name).is_switched_off;
         self.has_changed = true;

@@ -1,13 +1,11 @@
 //! Timing of a camera's frames: by its frame rate, changes, triggers, and the screen's refresh.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_camera::Schedule;
-use rcs_render::LastStep;
 use rcs_window::Refresh;
 
-use super::frame::{FrameContent, FrameSpec};
+use super::frame::FrameSpec;
 use super::pacing::Pacing;
 
 /// The timing of one camera's frames.
@@ -18,7 +16,7 @@ pub(super) struct FrameTiming {
     /// The config's "Global Options: Frame Rate".
     pub(super) global_frame_rate_hz: i32,
     /// The newest change that was not drawn yet.
-    waiting_change: Option<(FrameContent, Arc<LastStep>)>,
+    waiting_change: Option<FrameSpec>,
 }
 
 impl FrameTiming {
@@ -28,11 +26,11 @@ impl FrameTiming {
 
     /// Records the frame that would be drawn now, if it differs from the last one.
     pub(super) fn note_change(&mut self, changed: Option<&FrameSpec>, now: Instant) {
-        let change = changed.map(|spec| (spec.content.clone(), Arc::clone(&spec.post)));
-        if change.is_some() && self.waiting_change != change {
+        let is_known = |spec| self.waiting_change.as_ref().is_some_and(|waiting| waiting.looks_like(spec));
+        if changed.is_some_and(|spec| !is_known(spec)) {
             self.schedule.note_change(now);
         }
-        self.waiting_change = change;
+        self.waiting_change = changed.cloned();
     }
 
     /// Returns `true` if a frame is due, which counts as begun then. `changed`: it differs from the last one;

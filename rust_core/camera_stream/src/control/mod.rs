@@ -1,63 +1,60 @@
-//! The operator's settings: blackout, pause and test pictures, of all cameras and of each.
+//! The operator's words: blackout, pause and test pictures, of all cameras and of each.
 //!
 //! ```text
 //!  services, dynamic_reconfigure, keys of windows, page ─► Control ─┬─► control thread: black at once
-//!                                                                   └─► LightTicket: last check before an output
+//!                                                                   └─► Generation: voids the grants before it
 //! ```
 //!
-//! Nothing else holds such state. A camera is black while any blackout holds: `~blackout`, the camera's own switch, or
-//! the key B of its window. Each is released where it was set, and `~blackout` releases all. Blackouts are remembered
-//! as parameters, so that a node which crashes during one does not come back lit.
+//! Nothing else holds such state. A camera is black while all cameras or it are blacked out. Black is no toggle: it is
+//! said any number of times and released by another act. `~blackout false` releases all; what is of one camera is
+//! released for that camera. Blackouts are kept in a file before they are acknowledged, so that a node which ends during
+//! one does not come back lit, and written to the parameter server for others to read.
 
 pub(crate) mod pattern;
-mod ticket;
 
-use std::collections::HashSet;
 use std::fmt;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use rcs_ros::{ParameterValue, Parameters, RosNode};
+use rcs_light::{BlackoutFile, Blackouts, DarkCause, DarkReason, Generation};
+use rcs_ros::{ParameterValue, RosNode};
 use rcs_scene::lock;
 use rcs_window::test_pictures::TestPicture;
-use rcs_window::{WindowKey, WindowView};
+use rcs_window::WindowKey;
 
 use pattern::Pattern;
 
-use crate::safety::causes::{DarkCause, DarkReason};
-use ticket::Gate;
-
-pub(crate) use ticket::LightTicket;
-
 /// Parameter of `~blackout`, and of a camera's own below its name.
 pub(crate) const BLACKOUT: &str = "blackout";
-/// Parameter of the key B, below the camera's name.
-const KEY_BLACKOUT: &str = "key_blackout";
-/// Who set what was remembered.
-const REMEMBERED: &str = "a parameter at the start";
+/// Who says so with a key.
+const BY_KEY: &str = "a key in its window";
 
-/// Sets a parameter below the node.
-type Remember = dyn Fn(&str, bool) + Send + Sync;
-
-/// The operator's settings. Cheap to read from any thread.
+/// The operator's words. Cheap to read from any thread.
 pub(crate) struct Control {
     state: Mutex<ControlledState>,
-    remember: Box<Remember>,
+    file: Mutex<KeptBlackouts>,
+    /// Sets the parameter of `~blackout`.
+    tell: Box<dyn Fn(bool) + Send + Sync>,
     wake: Box<dyn Fn() + Send + Sync>,
+}
+
+/// The file, and the number of the blackouts in it.
+struct KeptBlackouts {
+    file: BlackoutFile,
+    number: u64,
 }
 
 #[derive(Default)]
 struct ControlledState {
-    /// Who has blacked out all cameras.
-    blackout: Option<String>,
+    blackouts: Blackouts,
+    /// Counts the changes of blackouts.
+    number: u64,
     /// Who has paused all cameras.
     paused: Option<String>,
     test_picture: Option<TestPicture>,
     /// The pattern that came last.
     pattern: Option<Arc<Pattern>>,
     cameras: Vec<CameraState>,
-    /// The names of parameters that were true when the node started, until cameras have taken theirs.
-    remembered: HashSet<String>,
     has_changed: bool,
 }
 
@@ -65,22 +62,17 @@ struct ControlledState {
 #[derive(Default)]
 struct CameraState {
     name: String,
-    /// Name of its parameters.
-    id: String,
-    /// Who has blacked it out by its switch.
-    blackout: Option<String>,
-    is_key_black: bool,
     is_paused: bool,
     test_picture: Option<TestPicture>,
-    gate: Gate,
+    generation: Generation,
 }
 
-/// The operator's settings of one camera.
-#[derive(Clone, Debug, Default)]
+/// The operator's words on one camera.
+#[derive(Clone, Debug)]
 pub(crate) struct OperatorSettings {
-    /// The blackout that holds.
-    pub(crate) blackout: Option<DarkReason>,
-    /// `true` if the camera's own switch blacks it out.
+    /// The generation of the words, or why the operator wants no light.
+    pub(crate) light: Result<Generation, DarkReason>,
+    /// `true` if the camera itself is blacked out.
     pub(crate) is_switched_off: bool,
     /// Who has paused it.
     pub(crate) paused: Option<String>,
@@ -90,7 +82,7 @@ pub(crate) struct OperatorSettings {
     pub(crate) pattern: Option<Arc<Pattern>>,
 }
 
-/// The operator's settings of all cameras.
+/// The operator's words on all cameras.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ControlState {
     /// Who has blacked out all cameras.
@@ -111,8 +103,9 @@ impl Control {
     /// The control of a node, which is woken by each change. `is_black`: it starts with a blackout.
     pub(crate) fn start(ros: &Arc<RosNode>, is_black: bool) -> Self {
         let (writer, woken) = (Arc::downgrade(ros), Arc::downgrade(ros));
-        let remember = move |name: &str, is_on: bool| {
-            let set = writer.upgrade().map(|ros| ros.set_parameter(&format!("~{name}"), ParameterValue::Bool(is_on)));
+        let tell = move |is_on: bool| {
+            let set =
+                writer.upgrade().map(|ros| ros.set_parameter(&format!("~{BLACKOUT}"), ParameterValue::Bool(is_on)));
             if let Some(Err(error)) = set {
                 log::error!("{error}");
             }
@@ -123,70 +116,107 @@ impl Control {
                 ros.events().wake();
             }
         };
-        let control = Self::new(remembered(ros.parameters()), remember, wake);
-        if is_black || lock(&control.state).remembered.contains(BLACKOUT) {
-            control.set_blackout(true, REMEMBERED);
+        let file = BlackoutFile::of_node(rcs_ros::ros_folder().as_deref(), ros.name());
+        let control = Self::new(file, tell, wake);
+        if is_black {
+            // An error is in the log, and it is black.
+            let _ = control.set_blackout(true, "~blackout at the start");
         }
+        control.tell_parameter();
         control
     }
 
     fn new(
-        remembered: HashSet<String>,
-        remember: impl Fn(&str, bool) + Send + Sync + 'static,
+        file: BlackoutFile,
+        tell: impl Fn(bool) + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let state = Mutex::new(ControlledState { remembered, ..ControlledState::default() });
-        Self { state, remember: Box::new(remember), wake: Box::new(wake) }
+        let blackouts = file.read();
+        if blackouts != Blackouts::default() {
+            log::warn!("black as the last run was: {blackouts:?}; ~blackout false releases it");
+        }
+        let state = Mutex::new(ControlledState { blackouts, ..ControlledState::default() });
+        let file = Mutex::new(KeptBlackouts { file, number: 0 });
+        Self { state, file, tell: Box::new(tell), wake: Box::new(wake) }
     }
 
-    /// Takes the cameras of a config: each one's name, and the name of its parameters. The first ones get what an
-    /// earlier run of the node has left.
-    pub(crate) fn set_cameras<'c>(&self, cameras: impl Iterator<Item = (&'c str, &'c str)>) {
-        self.change(|state, _| {
-            let remembered = std::mem::take(&mut state.remembered);
-            for (name, id) in cameras {
-                let camera = state.camera(name);
-                id.clone_into(&mut camera.id);
-                for (parameter, is_key) in [(BLACKOUT, false), (KEY_BLACKOUT, true)] {
-                    if !remembered.contains(&format!("{id}/{parameter}")) {
-                        continue;
-                    }
-                    log::warn!("camera {name}: blackout by {REMEMBERED}, ~{id}/{parameter}");
-                    match is_key {
-                        true => camera.is_key_black = true,
-                        false => camera.blackout = Some(REMEMBERED.to_owned()),
-                    }
-                }
+    /// Writes the parameter of `~blackout`: at the start, and to a master that was restarted.
+    pub(crate) fn tell_parameter(&self) {
+        let is_black = lock(&self.state).blackouts.all.is_some();
+        (self.tell)(is_black);
+    }
+
+    /// Takes the names of a config's cameras. While a camera that is blacked out is not among them, a new one may be
+    /// the same by another name, and starts black.
+    pub(crate) fn set_cameras<'c>(&self, names: impl Iterator<Item = &'c str>) {
+        let names: Vec<&str> = names.collect();
+        let changed = self.change(|state| {
+            let black = &mut state.blackouts.cameras;
+            let mut lost: Vec<String> = black.keys().filter(|black| !names.contains(&&***black)).cloned().collect();
+            let new = names.iter().filter(|name| !state.cameras.iter().any(|camera| camera.name == **name));
+            let heirs: Vec<&str> = new.copied().filter(|name| !black.contains_key(*name)).collect();
+            lost.retain(|_| !heirs.is_empty());
+            for name in heirs.into_iter().filter(|_| !lost.is_empty()) {
+                log::warn!("camera {name}: black, because {} was and is not in the config any more", lost.join(", "));
+                black.insert(name.to_owned(), format!("the blackout of {}", lost.join(", ")));
             }
+            black.retain(|name, _| !lost.contains(name));
+            // What was granted is of another config.
+            state.cameras.iter_mut().for_each(|camera| camera.generation.advance());
+            state.cameras.retain(|camera| names.contains(&&*camera.name));
+            for name in names {
+                state.camera(name);
+            }
+            state.number += 1;
         });
+        if let Err(error) = changed {
+            log::error!("{error}");
+        }
     }
 
-    /// Blacks out all cameras, or releases all blackouts: also those of single cameras and of keys.
-    pub(crate) fn set_blackout(&self, on: bool, caller: &str) {
-        self.change(|state, remember| {
-            state.blackout = on.then(|| caller.to_owned());
-            remember(BLACKOUT, on);
+    /// Blacks out all cameras, or releases all blackouts: also those of single cameras.
+    ///
+    /// # Errors
+    /// It holds, but could not be kept for the next start of the node.
+    pub(crate) fn set_blackout(&self, on: bool, caller: &str) -> Result<(), String> {
+        let kept = self.change(|state| {
+            state.blackouts.all = on.then(|| caller.to_owned());
             if !on {
-                state.cameras.iter_mut().for_each(|camera| camera.release(remember));
+                state.blackouts.cameras.clear();
             }
+            state.number += 1;
+            state.cameras.iter_mut().for_each(|camera| camera.generation.advance());
             log::warn!("all cameras: blackout {} by {caller}", on_or_off(on));
         });
+        (self.tell)(on);
+        kept
     }
 
-    /// Sets a camera's own blackout.
-    pub(crate) fn set_camera_blackout(&self, name: &str, on: bool, caller: &str) {
-        self.change(|state, _| {
-            let camera = state.camera(name);
-            if camera.blackout.is_some() != on {
-                camera.blackout = on.then(|| caller.to_owned());
-                log::warn!("camera {name}: blackout {} by {caller}", on_or_off(on));
+    /// Blacks out a camera, or releases its own blackout.
+    ///
+    /// # Errors
+    /// It holds, but could not be kept for the next start of the node.
+    pub(crate) fn set_camera_blackout(&self, name: &str, on: bool, caller: &str) -> Result<(), String> {
+        self.change(|state| {
+            if state.blackouts.cameras.contains_key(name) == on {
+                return;
             }
-        });
+            if on {
+                state.blackouts.cameras.insert(name.to_owned(), caller.to_owned());
+            } else {
+                state.blackouts.cameras.remove(name);
+            }
+            state.number += 1;
+            state.camera(name).generation.advance();
+            let all = state.blackouts.all.as_ref().filter(|_| !on);
+            let all = all.map(|caller| format!("; all cameras are still black by {caller}")).unwrap_or_default();
+            log::warn!("camera {name}: blackout {} by {caller}{all}", on_or_off(on));
+        })
     }
 
     /// Pauses all cameras, or resumes them, also those that a key has paused.
     pub(crate) fn set_pause(&self, on: bool, caller: &str) {
-        self.change(|state, _| {
+        self.set(|state| {
             state.paused = on.then(|| caller.to_owned());
             if !on {
                 state.cameras.iter_mut().for_each(|camera| camera.is_paused = false);
@@ -197,7 +227,7 @@ impl Control {
 
     /// Shows the next test picture in all cameras, and after the last one the scene again. Returns its name.
     pub(crate) fn next_test_picture(&self, caller: &str) -> Option<&'static str> {
-        self.change(|state, _| {
+        self.set(|state| {
             state.test_picture = TestPicture::after(state.test_picture);
             state.cameras.iter_mut().for_each(|camera| camera.test_picture = None);
             log_test("all cameras", state.test_picture, caller);
@@ -207,60 +237,61 @@ impl Control {
 
     /// Shows a pattern of a calibration for a while.
     pub(crate) fn show_pattern(&self, pattern: Pattern) {
-        self.change(|state, _| state.pattern = Some(Arc::new(pattern)));
+        self.set(|state| state.pattern = Some(Arc::new(pattern)));
     }
 
-    /// Takes a key of a camera's window: B, P or the space bar, T.
+    /// Takes a key of a camera's window: B, Shift+L, P or the space bar, T.
     pub(crate) fn press(&self, name: &str, key: WindowKey) {
-        self.change(|state, remember| {
-            let camera = state.camera(name);
-            match key {
-                WindowKey::Character('b' | 'B') => {
-                    camera.is_key_black ^= true;
-                    camera.remember_key(remember);
-                    log::warn!("camera {name}: blackout {} by key b", on_or_off(camera.is_key_black));
+        match key {
+            WindowKey::Character(key @ ('b' | 'B' | 'L')) => {
+                if let Err(error) = self.set_camera_blackout(name, key != 'L', BY_KEY) {
+                    log::error!("camera {name}: {error}");
                 }
-                WindowKey::Space | WindowKey::Character('p' | 'P') => {
-                    camera.is_paused ^= true;
-                    log::info!("camera {name}: pause {} by key p", on_or_off(camera.is_paused));
-                }
-                WindowKey::Character('t' | 'T') => {
-                    camera.test_picture = TestPicture::after(camera.test_picture);
-                    log_test(&format!("camera {name}"), camera.test_picture, "key t");
-                }
-                _ => {}
             }
-        });
+            WindowKey::Space | WindowKey::Character('p' | 'P') => self.set(|state| {
+                let camera = state.camera(name);
+                camera.is_paused ^= true;
+                log::info!("camera {name}: pause {} by key p", on_or_off(camera.is_paused));
+            }),
+            WindowKey::Character('t' | 'T') => self.set(|state| {
+                let camera = state.camera(name);
+                camera.test_picture = TestPicture::after(camera.test_picture);
+                log_test(&format!("camera {name}"), camera.test_picture, "key t");
+            }),
+            _ => {}
+        }
     }
 
     /// What holds for a camera.
     pub(crate) fn of_camera(&self, name: &str) -> OperatorSettings {
         let mut state = lock(&self.state);
-        let (all, paused, test_picture) = (state.blackout.clone(), state.paused.clone(), state.test_picture);
+        let all = state.blackouts.all.as_ref().map(|caller| format!("blackout by {caller}"));
+        let own = state.blackouts.cameras.get(name).map(|caller| format!("blackout by {caller}, of this camera"));
+        let (paused, test_picture, is_switched_off) = (state.paused.clone(), state.test_picture, own.is_some());
         let pattern = state.pattern.clone().filter(|pattern| pattern.is_current(Instant::now()));
         let camera = state.camera(name);
-        let by = |caller: &str, of: &str| DarkReason::new(DarkCause::Blackout, format!("blackout by {caller}{of}"));
-        let own = || camera.blackout.as_ref().map(|caller| by(caller, ", of this camera"));
-        let key = || camera.is_key_black.then(|| by("key b", " in its window"));
         OperatorSettings {
-            blackout: all.map(|caller| by(&caller, "")).or_else(own).or_else(key),
-            is_switched_off: camera.blackout.is_some(),
+            light: match all.or(own) {
+                Some(why) => Err(DarkReason::new(DarkCause::Blackout, why)),
+                None => Ok(camera.generation.clone()),
+            },
+            is_switched_off,
             paused: paused.or_else(|| camera.is_paused.then(|| "key p in its window".to_owned())),
             test_picture: camera.test_picture.or(test_picture),
             pattern,
         }
     }
 
-    /// The ticket of an image of a camera that is begun now.
-    pub(crate) fn ticket(&self, name: &str) -> LightTicket {
-        lock(&self.state).camera(name).gate.ticket()
-    }
-
-    /// The settings of all cameras.
+    /// The words on all cameras.
     pub(crate) fn state(&self) -> ControlState {
         let state = lock(&self.state);
-        let (blackout, paused) = (state.blackout.clone(), state.paused.clone());
+        let (blackout, paused) = (state.blackouts.all.clone(), state.paused.clone());
         ControlState { blackout, paused, test_picture: state.test_picture.map(TestPicture::name) }
+    }
+
+    /// A number that changes with each change of blackouts.
+    pub(crate) fn number(&self) -> u64 {
+        lock(&self.state).number
     }
 
     /// `true` once after changes.
@@ -268,15 +299,29 @@ impl Control {
         std::mem::take(&mut lock(&self.state).has_changed)
     }
 
-    fn change<T>(&self, change: impl FnOnce(&mut ControlledState, &dyn Fn(&str, bool)) -> T) -> T {
+    /// Changes something else than blackouts.
+    fn set<T>(&self, change: impl FnOnce(&mut ControlledState) -> T) -> T {
         let mut state = lock(&self.state);
-        let result = change(&mut state, &*self.remember);
-        let all_black = state.blackout.is_some();
-        state.cameras.iter_mut().for_each(|camera| camera.gate.set(all_black || camera.is_black()));
+        let result = change(&mut state);
         state.has_changed = true;
         drop(state);
         (self.wake)();
         result
+    }
+
+    /// Changes blackouts at once, then writes them to the file.
+    fn change(&self, change: impl FnOnce(&mut ControlledState)) -> Result<(), String> {
+        let (number, blackouts) = self.set(|state| {
+            change(state);
+            (state.number, state.blackouts.clone())
+        });
+        let mut kept = lock(&self.file);
+        // A newer one may be in it already.
+        if kept.number < number {
+            kept.file.write(&blackouts).map_err(|error| format!("the blackouts are not kept for a restart: {error}"))?;
+            kept.number = number;
+        }
+        Ok(())
     }
 }
 
@@ -285,56 +330,11 @@ impl ControlledState {
     fn camera(&mut self, name: &str) -> &mut CameraState {
         let known = self.cameras.iter().position(|camera| camera.name == name);
         let index = known.unwrap_or_else(|| {
-            let mut camera = CameraState { name: name.to_owned(), id: name.to_owned(), ..CameraState::default() };
-            camera.gate.set(self.blackout.is_some());
-            self.cameras.push(camera);
+            self.cameras.push(CameraState { name: name.to_owned(), ..CameraState::default() });
             self.cameras.len() - 1
         });
         &mut self.cameras[index]
     }
-}
-
-impl CameraState {
-    fn is_black(&self) -> bool {
-        self.blackout.is_some() || self.is_key_black
-    }
-
-    fn release(&mut self, remember: &dyn Fn(&str, bool)) {
-        self.blackout = None;
-        if std::mem::take(&mut self.is_key_black) {
-            self.remember_key(remember);
-        }
-    }
-
-    fn remember_key(&self, remember: &dyn Fn(&str, bool)) {
-        remember(&format!("{}/{KEY_BLACKOUT}", self.id), self.is_key_black);
-    }
-}
-
-impl OperatorSettings {
-    /// The view of the camera's window.
-    pub(crate) fn window_view(&self) -> WindowView {
-        match (&self.blackout, self.test_picture) {
-            (Some(_), _) => WindowView::Black,
-            // A pattern is an image of the camera.
-            (None, Some(test)) if self.pattern.is_none() => WindowView::Test(test),
-            (None, _) => WindowView::Live,
-        }
-    }
-}
-
-/// The parameters below a node that are true, with the names of their namespaces.
-fn remembered(parameters: &Parameters) -> HashSet<String> {
-    let is_on = |value: &ParameterValue| matches!(value, ParameterValue::Bool(true));
-    let mut all = HashSet::new();
-    for (name, value) in parameters {
-        if let ParameterValue::Struct(below) = value {
-            all.extend(below.iter().filter(|(_, value)| is_on(value)).map(|(below, _)| format!("{name}/{below}")));
-        } else if is_on(value) {
-            all.insert(name.clone());
-        }
-    }
-    all
 }
 
 fn on_or_off(on: bool) -> &'static str {

@@ -1,5 +1,6 @@
 //! Calibration pattern: an image from `projector_calibrate` on `~patterns`, shown for a while in place of the scene.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_messages::Image;
@@ -15,7 +16,7 @@ pub(crate) struct Pattern {
     /// Optical frame of the projector; empty: any projector of this size.
     frame_id: String,
     size_px: [u32; 2],
-    levels: Vec<u8>,
+    levels: Arc<Vec<u8>>,
     received: Instant,
 }
 
@@ -26,7 +27,7 @@ impl Pattern {
     /// The encoding is not mono8, or bytes are missing.
     pub(crate) fn new(image: &Image, received: Instant) -> Result<Self, String> {
         let frame_id = image.header.frame_id.trim_start_matches('/').to_owned();
-        Ok(Self { frame_id, size_px: [image.width, image.height], levels: grey_levels(image)?, received })
+        Ok(Self { frame_id, size_px: [image.width, image.height], levels: Arc::new(grey_levels(image)?), received })
     }
 
     /// `true` while the pattern is to be shown.
@@ -68,8 +69,8 @@ impl Pattern {
     }
 
     /// Grey levels, row by row.
-    pub(crate) fn levels(&self) -> &[u8] {
-        &self.levels
+    pub(crate) fn levels(&self) -> Arc<Vec<u8>> {
+        Arc::clone(&self.levels)
     }
 }
 
@@ -83,7 +84,6 @@ impl PartialEq for Pattern {
 #[cfg(test)]
 mod tests {
     use rcs_messages::std_msgs::Header;
-    use std::sync::Arc;
 
     use super::*;
 

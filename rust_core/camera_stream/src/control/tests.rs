@@ -2,88 +2,123 @@
 
 use super::*;
 
-type Written = Arc<Mutex<Vec<(String, bool)>>>;
-
-fn control(remembered: &[&str]) -> (Control, Written) {
-    let written = Written::default();
-    let writer = Arc::clone(&written);
-    let remembered = remembered.iter().map(|name| (*name).to_owned()).collect();
-    let remember = move |name: &str, is_on| lock(&writer).push((name.to_owned(), is_on));
-    let control = Control::new(remembered, remember, || {});
-    control.set_cameras([("Left", "left"), ("Right", "right")].into_iter());
-    (control, written)
+/// A control with two cameras that keeps its blackouts in a folder.
+fn control(folder: &std::path::Path) -> Control {
+    let control = Control::new(BlackoutFile::of_node(Some(folder), "/eye"), |_| {}, || {});
+    control.set_cameras(["Left", "Right"].into_iter());
+    control
 }
 
-fn blackouts(control: &Control) -> [Option<String>; 2] {
-    ["Left", "Right"].map(|name| control.of_camera(name).blackout.map(|dark| dark.why))
+fn blackouts(control: &Control, names: [&str; 2]) -> [Option<String>; 2] {
+    names.map(|name| control.of_camera(name).light.err().map(|dark| dark.why))
 }
 
+const BOTH: [&str; 2] = ["Left", "Right"];
 const B: WindowKey = WindowKey::Character('b');
+const L: WindowKey = WindowKey::Character('L');
 const T: WindowKey = WindowKey::Character('t');
 
-#[test]
-fn a_camera_is_black_while_any_blackout_holds() {
-    let (control, _) = control(&[]);
-    let why = |text: &str| Some(text.to_owned());
-    assert_eq!(blackouts(&control), [None, None]);
-    control.set_camera_blackout("Left", true, "/gui");
-    control.press("Left", B);
-    assert_eq!(blackouts(&control), [why("blackout by /gui, of this camera"), None]);
-    control.set_camera_blackout("Left", false, "/gui");
-    assert_eq!(blackouts(&control), [why("blackout by key b in its window"), None], "the key holds");
-    control.press("Left", B);
-    assert_eq!(blackouts(&control), [None, None]);
-    control.set_blackout(true, "/script");
-    assert_eq!(blackouts(&control), [why("blackout by /script"), why("blackout by /script")]);
+fn why(text: &str) -> Option<String> {
+    Some(text.to_owned())
 }
 
 #[test]
-fn releasing_all_releases_cameras_and_keys_and_is_remembered() {
-    let (control, written) = control(&[]);
-    control.set_blackout(true, "/script");
+fn black_is_no_toggle_and_is_released_by_another_act() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = control(folder.path());
+    assert_eq!(blackouts(&control, BOTH), [None, None]);
+    (0..40).for_each(|_| control.press("Left", B));
+    let of_key = why("blackout by a key in its window, of this camera");
+    assert_eq!(blackouts(&control, BOTH), [of_key.clone(), None]);
+    control.set_camera_blackout("Left", true, "/gui").unwrap();
+    assert_eq!(blackouts(&control, BOTH), [of_key, None], "who was first");
+    control.press("Left", WindowKey::Character('l'));
+    assert!(control.of_camera("Left").is_switched_off);
+    (0..3).for_each(|_| control.press("Left", L));
+    assert_eq!(blackouts(&control, BOTH), [None, None]);
+    control.set_blackout(true, "/script").unwrap();
+    control.press("Left", L);
+    assert_eq!(blackouts(&control, BOTH), [why("blackout by /script"), why("blackout by /script")], "of all");
+}
+
+#[test]
+fn releasing_all_releases_single_cameras() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = control(folder.path());
     control.press("Right", B);
-    control.set_camera_blackout("Left", true, "/gui");
-    control.set_blackout(false, "/other");
-    assert_eq!(blackouts(&control), [None, None]);
-    assert!(!control.of_camera("Left").is_switched_off);
-    let expected =
-        [("blackout", true), ("right/key_blackout", true), ("blackout", false), ("right/key_blackout", false)];
-    assert_eq!(*lock(&written), expected.map(|(name, is_on)| (name.to_owned(), is_on)));
+    control.set_blackout(true, "/script").unwrap();
+    control.set_blackout(false, "/other").unwrap();
+    assert_eq!(blackouts(&control, BOTH), [None, None]);
+    assert!(!control.of_camera("Right").is_switched_off);
 }
 
 #[test]
-fn what_an_earlier_run_left_blacks_out_its_first_cameras_only() {
-    let (control, _) = control(&["left/blackout", "right/key_blackout", "later/blackout"]);
-    assert!(control.of_camera("Left").is_switched_off && control.of_camera("Right").blackout.is_some());
-    control.set_blackout(false, "/script");
-    control.set_cameras([("Left", "left"), ("Later", "later")].into_iter());
-    assert_eq!(blackouts(&control), [None, None]);
-    assert!(control.of_camera("Later").blackout.is_none());
-    let parameters = Parameters::from([
-        ("blackout".to_owned(), ParameterValue::Bool(true)),
-        ("lazy".to_owned(), ParameterValue::Bool(false)),
-        ("left".to_owned(), ParameterValue::Struct([("blackout".to_owned(), ParameterValue::Bool(true))].into())),
-    ]);
-    assert_eq!(remembered(&parameters), ["blackout", "left/blackout"].map(str::to_owned).into());
+fn the_next_run_has_the_blackouts_of_the_last_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = control(folder.path());
+    first.press("Right", B);
+    drop(first);
+    let second = control(folder.path());
+    assert!(second.of_camera("Left").light.is_ok() && second.of_camera("Right").light.is_err());
+    second.set_blackout(true, "/script").unwrap();
+    assert!(control(folder.path()).of_camera("Left").light.is_err());
+    second.set_blackout(false, "/script").unwrap();
+    assert_eq!(blackouts(&control(folder.path()), BOTH), [None, None]);
 }
 
 #[test]
-fn a_ticket_is_void_from_the_next_blackout_on() {
-    let (control, _) = control(&[]);
-    let (left, right) = (control.ticket("Left"), control.ticket("Right"));
+fn a_blackout_that_cannot_be_kept_holds_and_is_an_error() {
+    let control = Control::new(BlackoutFile::of_node(None, "/eye"), |_| {}, || {});
+    assert!(control.set_blackout(true, "/script").is_err());
+    assert!(control.of_camera("Left").light.is_err());
+}
+
+#[test]
+fn a_camera_that_may_be_the_black_one_by_another_name_starts_black() {
+    let folder = tempfile::tempdir().unwrap();
+    let of_left = why("blackout by the blackout of Left, of this camera");
+    let renamed = control(folder.path());
+    renamed.press("Left", B);
+    renamed.set_cameras(["Links", "Right"].into_iter());
+    assert_eq!(blackouts(&renamed, ["Links", "Right"]), [of_left.clone(), None]);
+    renamed.set_cameras(["Left", "Right"].into_iter());
+    assert!(renamed.of_camera("Left").light.is_err(), "and back");
+    // Without a new camera, the blackout waits.
+    renamed.set_cameras(["Right"].into_iter());
+    assert_eq!(blackouts(&renamed, ["Right", "Right"]), [None, None]);
+    let next = Control::new(BlackoutFile::of_node(Some(folder.path()), "/eye"), |_| {}, || {});
+    next.set_cameras(["Middle", "Right"].into_iter());
+    assert!(next.of_camera("Middle").light.is_err() && next.of_camera("Right").light.is_err(), "all are new to it");
+}
+
+#[test]
+fn a_word_of_the_operator_and_a_config_void_what_was_granted_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = control(folder.path());
+    let evidence = rcs_light::Evidence::unknown(
+        &[],
+        rcs_light::LightRules::none(std::time::Duration::from_secs(9)),
+        Arc::default(),
+    );
+    let now = Instant::now();
+    let grant = |name: &str| {
+        evidence.decide(rcs_light::Content::Scene, [1, 1], control.of_camera(name).light, now)
+    };
+    let (left, right) = (grant("Left").unwrap(), grant("Right").unwrap());
     control.press("Left", B);
-    assert!(!left.is_valid() && right.is_valid());
-    let during = control.ticket("Left");
-    control.press("Left", B);
-    assert!(!left.is_valid() && !during.is_valid(), "an image from before is an old one");
-    assert!(control.ticket("Left").is_valid());
-    control.set_blackout(true, "/script");
-    assert!(!right.is_valid() && !control.ticket("Later").is_valid());
+    assert!(!left.is_valid(now) && right.is_valid(now) && grant("Left").is_err());
+    control.press("Left", L);
+    assert!(!left.is_valid(now), "an image from before is an old one");
+    let left = grant("Left").unwrap();
+    assert!(left.is_valid(now));
+    control.set_cameras(BOTH.into_iter());
+    assert!(!left.is_valid(now) && !right.is_valid(now));
 }
 
 #[test]
 fn a_service_has_the_last_word_on_pauses_and_test_pictures_of_keys() {
-    let (control, _) = control(&[]);
+    let folder = tempfile::tempdir().unwrap();
+    let control = control(folder.path());
     control.press("Left", WindowKey::Space);
     assert!(control.of_camera("Left").paused.is_some() && control.of_camera("Right").paused.is_none());
     control.set_pause(false, "/script");
@@ -95,15 +130,4 @@ fn a_service_has_the_last_word_on_pauses_and_test_pictures_of_keys() {
     let names: Vec<_> = (0..=TestPicture::ALL.len()).map(|_| control.next_test_picture("/script")).collect();
     assert_eq!(names[..2], [Some("name"), Some("border")]);
     assert_eq!((names[TestPicture::ALL.len()], shown("Left")), (None, None));
-}
-
-#[test]
-fn a_blackout_hides_a_test_picture_in_the_window() {
-    let (control, _) = control(&[]);
-    control.press("Left", T);
-    assert_eq!(control.of_camera("Left").window_view(), WindowView::Test(TestPicture::ALL[0]));
-    control.set_blackout(true, "/script");
-    assert_eq!(control.of_camera("Left").window_view(), WindowView::Black);
-    assert_eq!(control.state().blackout.as_deref(), Some("/script"));
-    assert!(control.take_change() && !control.take_change());
 }

@@ -8,6 +8,7 @@ mod ros_time;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail, Context, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,6 +16,7 @@ use rcs_bag::{full_name, Bag};
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
 use rcs_files::limited_read::read_limited;
+use rcs_light::{Content, Evidence, Generation, LightRules};
 use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
 use rcs_node_support::lifecycle::EndRequest;
@@ -23,10 +25,9 @@ use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
 use rcs_transforms::Time;
 
-use crate::outputs::{Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
+use crate::outputs::{FrameImage, Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
 use crate::projection_warning::ProjectionWarning;
 use crate::safety::names::{of_camera, ForCamera};
-use crate::safety::FramePolicy;
 use crate::scene::camera_pose::CameraProblem;
 use crate::scene::{renderer_view, status_tree, SceneState};
 
@@ -34,6 +35,9 @@ pub use moments::BagSection;
 use moments::{BagTimes, RenderTimes};
 use player::Player;
 use projector::ProjectorOverride;
+
+/// Limit of the light of an image that is written to a file.
+const FILE_LIMIT: Duration = Duration::from_secs(3600);
 
 /// Output of `render`.
 #[derive(Clone, Debug)]
@@ -92,7 +96,9 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     scene.pack_points(renderer.takes_packed_points());
     let view = choose_camera(scene.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
-    let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
+    // In files nothing ages, and no eyes are near.
+    let post = Arc::new(LastStep { orientation, ..LastStep::default() });
+    let evidence = Evidence::unknown(&[], LightRules::none(FILE_LIMIT), post);
     let bag = job.open()?;
     let Some(times) = BagTimes::of(&bag).with_context(|| job.name())? else {
         bail!("{}: the bag holds no messages", job.name())
@@ -107,7 +113,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     let end = EndRequest::watch_signals()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
-    let (mut picture, mut turned) = (Arc::new(Picture::default()), Picture::default());
+    let (mut picture, mut turned) = (Picture::default(), Picture::default());
     let mut projection = ProjectionWarning::default();
     for moment in moments.iter() {
         if end.is_requested() {
@@ -127,15 +133,16 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         };
         projection.check(scene, &view, job.model);
         let snapshot = scene.scene();
-        renderer.render(&renderer_view(&view, &snapshot, &camera), Arc::make_mut(&mut picture))?;
-        policy.post.apply(Arc::make_mut(&mut picture), &mut turned);
-        let info = scene.camera_info(&view).cloned().unwrap_or_default();
-        output.send(&OutputFrame {
-            picture: Arc::clone(&picture),
-            info,
-            stamp: ros_time(moment),
-            ..OutputFrame::default()
-        })?;
+        renderer.render(&renderer_view(&view, &snapshot, &camera), &mut picture)?;
+        let size_px = [picture.width_px, picture.height_px];
+        let grant = evidence.decide(Content::Scene, size_px, Ok(Generation::default()), Instant::now());
+        let lit = grant.map_err(|dark| anyhow!("{dark}"))?.light(picture, &mut turned);
+        let image = FrameImage::lit(lit.context("the picture has another size than its camera")?);
+        let (info, stamp) = (scene.camera_info(&view).cloned().unwrap_or_default(), ros_time(moment));
+        let frame = OutputFrame { image, info, depth: None, stamp, shown: None };
+        output.send(&frame)?;
+        // Drawn into again, unless the output still writes it.
+        picture = Arc::try_unwrap(frame.image.into_memory()).unwrap_or_default();
         progress.inc(1);
     }
     output.finish()?;

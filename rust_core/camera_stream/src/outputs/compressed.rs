@@ -8,16 +8,17 @@ use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::mpsc::{sync_channel, Receiver};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
+use std::time::Instant;
 
 use rcs_files::picture_file;
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
 use rcs_ros::{Publisher, ReconfigureServer, RosNode};
-use rcs_scene::{lock, wait_while, Picture};
+use rcs_scene::{lock, wait_while};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
-use crate::control::LightTicket;
+use super::FrameImage;
 use crate::runtime::watchdog::Task;
 
 pub(super) struct CompressedOutput {
@@ -45,10 +46,8 @@ struct Work {
 
 /// An image that is not encoded yet.
 struct Waiting {
-    picture: Arc<Picture>,
+    image: FrameImage,
     header: Header,
-    /// Lets the image out; `None` if it has no light.
-    ticket: Option<LightTicket>,
 }
 
 impl CompressionQueue {
@@ -114,11 +113,11 @@ impl CompressedOutput {
     }
 
     /// Has an image encoded and published if somebody subscribes. Never waits.
-    pub(super) fn offer(&mut self, picture: &Arc<Picture>, header: Header, ticket: Option<LightTicket>) {
+    pub(super) fn offer(&mut self, image: &FrameImage, header: Header) {
         if !self.shared.publisher.is_watched() {
             return;
         }
-        lock(&self.shared.work).next = Some(Waiting { picture: Arc::clone(picture), header, ticket });
+        lock(&self.shared.work).next = Some(Waiting { image: image.clone(), header });
         self.shared.changed.notify_one();
         if !self.is_started {
             let shared = Arc::clone(&self.shared);
@@ -142,18 +141,20 @@ fn encode_all(shared: &CompressionQueue) {
     rcs_resources::yield_to_others();
     let mut is_failure_logged = false;
     let task = Task::watched(format!("compressing a picture of {}", shared.publisher.topic()));
-    while let Some((Waiting { picture, header, ticket }, settings)) = shared.wait() {
+    while let Some((Waiting { image, header }, settings)) = shared.wait() {
         let publisher = &shared.publisher;
         task.begin();
         let result = guarded(|| {
+            let picture = image.picture(Instant::now());
             let data = picture_file::encode(&picture, settings.coding()).map_err(|error| error.to_string())?;
             let format = settings.format(picture.encoding);
             // Drawn into again while the message is on its way.
             drop(picture);
-            if !ticket.is_none_or(|ticket| ticket.is_valid()) {
+            if image.grant().is_some_and(|grant| !grant.is_valid(Instant::now())) {
                 // A blackout came meanwhile.
                 return Ok(());
             }
+            drop(image);
             publisher.send_compressed(header, &format, data).map_err(|error| error.to_string())
         });
         task.wait_for_work();

@@ -18,38 +18,103 @@ mod video;
 mod window;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use anyhow::Result;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
-use rcs_scene::Picture;
+use rcs_light::{Grant, Lit};
+use rcs_scene::{Encoding, Picture};
 use rcs_window::{OnScreen, Refresh};
 
-use crate::control::LightTicket;
 use crate::outputs::depth_image::DepthImage;
 use crate::outputs::shown::{ShownPublisher, ShownRecord};
-use crate::safety::permit::Permit;
+use crate::safety::black_image::black_picture;
 
 pub(crate) use page::PageOutput;
 pub(crate) use picture_files::{PictureFile, PictureSequence};
 pub(crate) use topic::{retain, TopicNames, TopicOutput};
 pub(crate) use video::VideoFile;
-pub use window::window_permit;
-pub(crate) use window::{test_light, WindowOutput, WindowThread};
+pub(crate) use window::{WindowOutput, WindowThread};
 
-/// A finished image with its CameraInfo. Cheap to clone: both are shared.
-#[derive(Clone, Debug, Default)]
+/// An image for the outputs: black, or lit as long as its grant holds.
+#[derive(Clone, Debug)]
+pub(crate) struct FrameImage(ImageContent);
+
+#[derive(Clone, Debug)]
+enum ImageContent {
+    Black(Arc<Picture>),
+    Lit(Lit<Arc<Picture>>),
+}
+
+impl FrameImage {
+    /// A black image.
+    pub(crate) fn black(size_px: [u32; 2], encoding: Encoding) -> Self {
+        Self(ImageContent::Black(Arc::new(black_picture(size_px, encoding))))
+    }
+
+    /// A lit image, while its grant is valid.
+    pub(crate) fn lit(lit: Lit<Arc<Picture>>) -> Self {
+        Self(ImageContent::Lit(lit))
+    }
+
+    /// Width and height.
+    pub(crate) fn size_px(&self) -> [u32; 2] {
+        match &self.0 {
+            ImageContent::Black(picture) => [picture.width_px, picture.height_px],
+            ImageContent::Lit(lit) => lit.size_px(),
+        }
+    }
+
+    /// The image; black once its grant is void.
+    pub(crate) fn picture(&self, now: Instant) -> Arc<Picture> {
+        match &self.0 {
+            ImageContent::Black(picture) => Arc::clone(picture),
+            ImageContent::Lit(lit) => lit.content(now).map_or_else(
+                || Arc::new(black_picture(lit.size_px(), lit.encoding())),
+                Arc::clone,
+            ),
+        }
+    }
+
+    /// The lit image; `None` for black.
+    pub(crate) fn lit_image(&self) -> Option<&Lit<Arc<Picture>>> {
+        match &self.0 {
+            ImageContent::Black(_) => None,
+            ImageContent::Lit(lit) => Some(lit),
+        }
+    }
+
+    /// The grant; `None` for black.
+    pub(crate) fn grant(&self) -> Option<&Grant> {
+        self.lit_image().map(Lit::grant)
+    }
+
+    /// Takes a later grant, if that allows the same light. Returns `true` if so.
+    pub(crate) fn renew(&mut self, grant: &Grant) -> bool {
+        match &mut self.0 {
+            ImageContent::Black(_) => false,
+            ImageContent::Lit(lit) => lit.renew(grant),
+        }
+    }
+
+    /// The image for its memory, which is drawn into again once no output holds it any more.
+    pub(crate) fn into_memory(self) -> Arc<Picture> {
+        match self.0 {
+            ImageContent::Black(picture) => picture,
+            ImageContent::Lit(lit) => lit.into_memory(),
+        }
+    }
+}
+
+/// A finished image with its CameraInfo. Cheap to clone: all is shared.
+#[derive(Clone, Debug)]
 pub(crate) struct OutputFrame {
-    /// The image. Its memory is drawn into again once no output holds it any more.
-    pub(crate) picture: Arc<Picture>,
+    pub(crate) image: FrameImage,
     pub(crate) info: Arc<CameraInfo>,
     /// The image's depths, if somebody subscribes to them.
     pub(crate) depth: Option<Arc<DepthImage>>,
     pub(crate) stamp: Time,
-    /// The permit for a window to show something else in its place.
-    pub(crate) permit: Permit,
-    /// Lets the image out; `None` if it has no light.
-    pub(crate) ticket: Option<LightTicket>,
     /// The record of a new image, if somebody subscribes to them.
     pub(crate) shown: Option<Arc<ShownRecord>>,
 }
@@ -114,9 +179,10 @@ impl Outputs {
         self.topic.as_ref().and_then(TopicOutput::shown)
     }
 
-    /// Confirms the last image to a window that would become black otherwise.
-    pub(crate) fn confirm(&self) {
-        self.window.iter().for_each(WindowOutput::confirm);
+    /// Hands the last image's grant to a window that would become black otherwise.
+    pub(crate) fn renew(&self, image: &FrameImage) {
+        let grant = image.grant();
+        self.window.iter().zip(grant).for_each(|(window, grant)| window.renew(grant));
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -126,10 +192,12 @@ impl Outputs {
 
 /// All of them together.
 impl Output for Outputs {
-    /// Hands the frame to each output, also after one that failed. Returns the first error.
+    /// Hands the frame to each output, also after one that failed. Returns the first error. Without a CameraInfo, a
+    /// frame is for the window alone.
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         let mut result = Ok(());
-        for output in self.each() {
+        let count = if frame.info.width == 0 { usize::from(self.window.is_some()) } else { usize::MAX };
+        for output in self.each().take(count) {
             let sent = output.send(frame);
             result = result.and(sent);
         }

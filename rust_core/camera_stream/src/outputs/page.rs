@@ -4,25 +4,26 @@
 //! a page waits for one, and once for all pages.
 
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use anyhow::Result;
 use rcs_messages::{stamp_nanos, Time};
-use rcs_render::LastStep;
-use rcs_scene::lock;
+use rcs_light::Grant;
+use rcs_scene::{lock, Encoding};
 use rcs_web::{ImageFile, Images};
 
 use super::page_image::{mask_file, Costs};
-use super::{Output, OutputFrame};
+use super::{FrameImage, Output, OutputFrame};
 use crate::runtime::watchdog::Task;
-use crate::safety::permit::shares;
+use crate::safety::black_image::black_picture;
 
 /// Shows a camera's images on the page.
 pub(crate) struct PageOutput {
     images: Images,
     camera: String,
     costs: Arc<Mutex<Costs>>,
-    /// Post-processing and size of the mask that the pages have.
-    mask: Option<(Arc<LastStep>, [u32; 2])>,
+    /// The grant and size of the mask that the pages have; the grant is `None` for all dark.
+    mask: Option<(Option<Grant>, [u32; 2])>,
 }
 
 impl PageOutput {
@@ -32,18 +33,23 @@ impl PageOutput {
     }
 
     /// Offers the mask if it has changed.
-    fn offer_mask(&mut self, post: &Arc<LastStep>, size_px: [u32; 2], stamp_secs: f64) {
-        if self
-            .mask
-            .as_ref()
-            .is_some_and(|(known, size)| *size == size_px && (Arc::ptr_eq(known, post) || known == post))
-        {
+    fn offer_mask(&mut self, image: &FrameImage, stamp_secs: f64) {
+        let (grant, size_px) = (image.grant(), image.size_px());
+        let is_same = |known: &Option<Grant>| match (known, grant) {
+            (Some(known), Some(grant)) => known.allows_the_same(grant),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        if self.mask.as_ref().is_some_and(|(known, size)| *size == size_px && is_same(known)) {
             return;
         }
-        self.mask = Some((Arc::clone(post), size_px));
-        let post = Arc::clone(post);
-        let drawn_px = post.orientation.size_px(size_px);
-        self.images.offer_mask(&self.camera, move || mask_file(&shares(&post, drawn_px, size_px), stamp_secs));
+        self.mask = Some((grant.cloned(), size_px));
+        let grant = grant.cloned();
+        let mask = move || {
+            let dark = || black_picture(size_px, Encoding::Mono8);
+            mask_file(&grant.map_or_else(dark, |grant| grant.allowed()), stamp_secs)
+        };
+        self.images.offer_mask(&self.camera, mask);
     }
 }
 
@@ -53,9 +59,9 @@ impl Output for PageOutput {
             self.mask = None;
             return Ok(());
         }
-        let (picture, costs, stamp_secs) = (Arc::clone(&frame.picture), Arc::clone(&self.costs), secs(frame.stamp));
-        self.offer_mask(&frame.permit.post, [picture.width_px, picture.height_px], stamp_secs);
-        self.images.offer(&self.camera, move || encode(&picture, &costs, stamp_secs));
+        let (image, costs, stamp_secs) = (frame.image.clone(), Arc::clone(&self.costs), secs(frame.stamp));
+        self.offer_mask(&image, stamp_secs);
+        self.images.offer(&self.camera, move || encode(&image.picture(Instant::now()), &costs, stamp_secs));
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{bail, Context, Result};
 use rcs_files::picture_file;
@@ -24,7 +25,7 @@ impl PictureFile {
 
 impl Output for PictureFile {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
-        Ok(picture_file::write(&self.file, &frame.picture)?)
+        Ok(picture_file::write(&self.file, &frame.image.picture(Instant::now()))?)
     }
 }
 
@@ -85,7 +86,7 @@ impl Output for PictureSequence {
             self.is_new = false;
         }
         let name = format!("{PREFIX}{:06}{ENDING}", self.next_number);
-        picture_file::write(&self.folder.join(name), &frame.picture)?;
+        picture_file::write(&self.folder.join(name), &frame.image.picture(Instant::now()))?;
         self.next_number += 1;
         Ok(())
     }
@@ -95,17 +96,18 @@ impl Output for PictureSequence {
 mod tests {
     use std::sync::Arc;
 
-    use rcs_scene::{Encoding, Picture};
+    use rcs_messages::Time;
+    use rcs_scene::Encoding;
 
+    use super::super::FrameImage;
     use super::*;
 
     #[test]
     fn a_file_is_replaced_and_a_sequence_is_numbered() {
         let folder = tempfile::tempdir().unwrap();
         let frame = |width_px: u32| {
-            let mut picture = Picture::default();
-            picture.reset(width_px, 1, Encoding::Mono8);
-            OutputFrame { picture: Arc::new(picture), ..OutputFrame::default() }
+            let image = FrameImage::black([width_px, 1], Encoding::Mono8);
+            OutputFrame { image, info: Arc::default(), depth: None, stamp: Time::default(), shown: None }
         };
         let (file, sequence) = (folder.path().join("one.png"), folder.path().join("new/folder"));
         let mut outputs: [Box<dyn Output>; 2] =

@@ -3,6 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
+use std::time::Instant;
 
 use anyhow::Result;
 use rcs_messages::dynamic_reconfigure::Config as Values;
@@ -108,8 +109,9 @@ impl TopicOutput {
 
 impl Output for TopicOutput {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
-        let header = self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
-        self.compressed.offer(&frame.picture, header, frame.ticket.clone());
+        let picture = frame.image.picture(Instant::now());
+        let header = self.publisher.publish(&picture, &frame.info, frame.stamp)?;
+        self.compressed.offer(&frame.image, header);
         let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
         if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
@@ -117,8 +119,8 @@ impl Output for TopicOutput {
         }
         if let Some(publisher) = self.confirmed.as_ref().filter(|publisher| publisher.is_watched()) {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
-            let size_px = [frame.picture.width_px, frame.picture.height_px];
-            confirmed_image(&frame.permit, size_px, header).map(|mask| publisher.send_image(&mask)).transpose()?;
+            let post = frame.image.grant().map(|grant| &**grant.post());
+            confirmed_image(post, frame.image.size_px(), header).map(|mask| publisher.send_image(&mask)).transpose()?;
         }
         Ok(())
     }

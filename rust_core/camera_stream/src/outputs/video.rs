@@ -134,7 +134,7 @@ impl VideoFile {
 
 impl Output for VideoFile {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
-        self.add(&frame.picture)
+        self.add(&frame.image.picture(Instant::now()))
     }
 
     fn finish(&mut self) -> Result<()> {

@@ -5,21 +5,17 @@
 //! the node depends on it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rcs_render::LastStep;
-use rcs_scene::{join_within, Picture};
-use rcs_window::{
-    run_with, LightLimit, LitPicture, Mask, OnScreen, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions,
-    WindowPermit, WindowView,
-};
+use rcs_light::Grant;
+use rcs_scene::{join_within, lock};
+use rcs_window::{run_with, MonitorInfo, OnScreen, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions};
 
 use super::{Output, OutputFrame};
 use crate::runtime::watchdog::{self, Task, Worker};
-use crate::safety::permit::{shares, Allowance, Permit};
 
 /// Time until a window that could not be opened is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(2);
@@ -57,6 +53,8 @@ impl Worker for WindowWorker {
 struct Viewer {
     is_there: AtomicBool,
     is_new: AtomicBool,
+    /// Size of the monitor.
+    monitor_px: Mutex<Option<[u32; 2]>>,
 }
 
 /// A window's thread. Closes the window when dropped.
@@ -92,17 +90,22 @@ impl WindowOutput {
         self.sink.refresh().filter(|_| self.is_watched())
     }
 
-    /// Confirms that the last image is still valid.
-    pub(crate) fn confirm(&self) {
-        self.sink.confirm();
+    /// Size of the monitor, once the window was open.
+    pub(crate) fn monitor_px(&self) -> Option<[u32; 2]> {
+        *lock(&self.viewer.monitor_px)
     }
 
-    /// Selects what the window shows.
-    pub(crate) fn set_view(&self, view: WindowView) {
-        self.sink.set_view(view);
+    /// Gives the last image a later grant.
+    pub(crate) fn renew(&self, grant: &Grant) {
+        self.sink.renew(grant);
     }
 
-    /// Shows black until the next image: its camera was removed, or it is blacked out.
+    /// Has the window check the grant of its image now.
+    pub(crate) fn wake(&self) {
+        self.sink.wake();
+    }
+
+    /// Shows black until the next image: its camera was removed.
     pub(crate) fn clear(&self) {
         self.sink.clear();
     }
@@ -114,15 +117,21 @@ fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake:
     let opening = Task::watched(format!("opening the window of {}", options.source));
     while !sink.is_closing() {
         opening.begin();
+        let set_monitor = |monitor: &MonitorInfo| {
+            *lock(&viewer.monitor_px) = Some([monitor.size_px.0, monitor.size_px.1]);
+        };
         let result = run_with(options, sink, |event, _| match event {
-            UserEvent::Opened(_) => {
+            UserEvent::Opened(monitor) => {
+                set_monitor(monitor);
                 opening.wait_for_work();
                 viewer.is_new.store(true, Ordering::Release);
                 viewer.is_there.store(true, Ordering::Release);
                 wake();
             }
-            UserEvent::Key(key) => press(key),
-            UserEvent::MonitorChanged(_) => {}
+            // A key that is held down would toggle something again and again.
+            UserEvent::Key { key, is_repeat } if !is_repeat => press(key),
+            UserEvent::Key { .. } => {}
+            UserEvent::MonitorChanged(monitor) => set_monitor(monitor),
         });
         opening.wait_for_work();
         let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
@@ -151,11 +160,14 @@ fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake:
 impl Output for WindowOutput {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
         if self.is_watched() {
-            let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
-            let permit = window_permit(&frame.permit, Some(drawn_px));
-            let picture = Arc::clone(&frame.picture);
             let on_screen = frame.shown.clone().map(|record| record as Arc<dyn OnScreen>);
-            self.sink.show_drawn(LitPicture { picture, permit, on_screen });
+            match frame.image.lit_image() {
+                Some(lit) => self.sink.show_drawn(lit.clone(), on_screen),
+                None => {
+                    self.sink.clear();
+                    on_screen.iter().for_each(|record| record.shown());
+                }
+            }
         }
         Ok(())
     }
@@ -166,36 +178,6 @@ impl Output for WindowOutput {
 
     fn take_new_watcher(&mut self) -> bool {
         self.viewer.is_new.swap(false, Ordering::AcqRel)
-    }
-}
-
-/// Converts an image's permit for a window. `drawn_px` is the size of its images before they are turned; without one,
-/// the monitor's.
-pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
-    WindowPermit { is_lit: permit.is_lit, test: test_light(permit, drawn_px) }
-}
-
-/// The light of test pictures in a window.
-pub(crate) fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> LightLimit {
-    match permit.test {
-        Allowance::All => LightLimit::All,
-        Allowance::Masked => LightLimit::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
-        Allowance::Nothing => LightLimit::Nothing,
-    }
-}
-
-/// A camera's post-processing, for test pictures in its window.
-#[derive(Debug)]
-struct PostMask {
-    post: Arc<LastStep>,
-    /// Width and height before turning.
-    drawn_px: Option<[u32; 2]>,
-}
-
-impl Mask for PostMask {
-    fn shares(&self, monitor_px: [u32; 2]) -> Picture {
-        let drawn_px = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
-        shares(&self.post, drawn_px, monitor_px)
     }
 }
 

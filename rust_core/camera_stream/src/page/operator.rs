@@ -28,7 +28,7 @@ impl PageOperator {
         let on = switch(body)?;
         let (control, what) = (&self.shared.control, if on { "black" } else { "released" });
         if body["camera"].is_null() {
-            control.set_blackout(on, caller);
+            control.set_blackout(on, caller).map_err(Refusal::Failed)?;
             return Ok(format!("all cameras: {what}"));
         }
         let camera = text(body, "camera")?;
@@ -36,7 +36,7 @@ impl PageOperator {
         if !is_known {
             return Err(Refusal::Invalid(format!("camera: there is no camera {camera}")));
         }
-        control.set_camera_blackout(camera, on, caller);
+        control.set_camera_blackout(camera, on, caller).map_err(Refusal::Failed)?;
         Ok(format!("camera {camera}: {what}"))
     }
 

@@ -1,8 +1,7 @@
 //! Starts the page's server, and tells the operator its address.
 
-use std::env;
 use std::net::{IpAddr, SocketAddr};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
@@ -23,7 +22,7 @@ const TOKEN_FILE: &str = "rviz_camera_stream/web_token";
 pub(crate) fn start(options: &WebOptions, config: &Path, shared: &Arc<NodeState>) -> Result<Server> {
     let option = &options.option;
     let file =
-        ros_folder().with_context(|| format!("{option}: no folder for the token; set ROS_HOME"))?.join(TOKEN_FILE);
+        rcs_ros::ros_folder().with_context(|| format!("{option}: no folder for the token; set ROS_HOME"))?.join(TOKEN_FILE);
     let token = Token::load_or_create(&file).with_context(|| format!("{option}: no token"))?;
     let names = rcs_ros::host_names();
     let access = Access::new(token, names.iter().chain(&options.hosts).cloned());
@@ -53,12 +52,6 @@ fn url(address: SocketAddr, name: &str) -> String {
         IpAddr::V4(ip) => format!("http://{ip}:{port}/"),
         IpAddr::V6(ip) => format!("http://[{ip}]:{port}/"),
     }
-}
-
-/// The folder in which ROS keeps files of a user: `ROS_HOME`, else `~/.ros`.
-fn ros_folder() -> Option<PathBuf> {
-    let given = env::var_os("ROS_HOME").filter(|folder| !folder.is_empty()).map(PathBuf::from);
-    given.or_else(|| env::home_dir().map(|home| home.join(".ros")))
 }
 
 #[cfg(test)]

@@ -50,6 +50,8 @@ pub(crate) struct ControlThread {
     services: Services,
     /// Latest time of an answer to the caller of `reload_config`.
     answer_reload_at: Option<Instant>,
+    /// Restarts of the master that were noticed.
+    master_restarts: u64,
     task: Arc<Task>,
 }
 
@@ -89,6 +91,7 @@ impl ControlThread {
             reload_reply: None,
             services: Services::serve(&shared.ros)?,
             answer_reload_at: None,
+            master_restarts: 0,
             task: Task::watched("answering calls"),
         })
     }
@@ -101,6 +104,8 @@ impl ControlThread {
         let shared = Arc::clone(&self.shared);
         while !end.is_requested() && !scene.is_finished() {
             self.task.begin();
+            shared.pulse.beat(Instant::now());
+            self.tell_blackout_anew();
             let busy = shared.activity.busy_for(REPEAT_AFTER);
             self.repeat_frames(busy.as_ref());
             self.answer_late_reload();
@@ -108,6 +113,7 @@ impl ControlThread {
             let sleep = if busy.is_some() { REPEAT_SLEEP } else { LONGEST_SLEEP };
             self.task.wait_for_work();
             let calls = shared.ros.calls().wait(sleep);
+            shared.pulse.beat(Instant::now());
             self.task.begin();
             // Keys and the page wake this thread, too.
             self.apply_control();
@@ -120,6 +126,14 @@ impl ControlThread {
         // A thread that still draws ends with the process.
         let ended = join_within(scene, END_PATIENCE);
         ended.unwrap_or(Ok(())).map_err(|_| anyhow!("the scene's thread has panicked"))
+    }
+
+    /// Tells a master that was restarted of the blackout.
+    fn tell_blackout_anew(&mut self) {
+        let restarts = self.shared.ros.master_restarts();
+        if std::mem::replace(&mut self.master_restarts, restarts) != restarts {
+            self.shared.control.tell_parameter();
+        }
     }
 
     /// Repeats frames and reports for the scene's thread while it is busy.
@@ -180,8 +194,9 @@ impl ControlThread {
     /// Switches the blackout or the pause of all cameras.
     fn switch(&self, service: &Arc<str>, on: bool, caller: &str, reply: TriggerReply) {
         let control = &self.shared.control;
+        let mut kept = Ok(());
         let done = if *service == self.services.blackout {
-            control.set_blackout(on, caller);
+            kept = control.set_blackout(on, caller);
             ["all blackouts are released", "all cameras are black"]
         } else if *service == self.services.pause {
             control.set_pause(on, caller);
@@ -190,7 +205,11 @@ impl ControlThread {
             return;
         };
         self.apply_control();
-        reply.send(true, done[usize::from(on)]);
+        let done = done[usize::from(on)];
+        match kept {
+            Ok(()) => reply.send(true, done),
+            Err(error) => reply.send(false, format!("{done}, but {error}")),
+        }
     }
 
     /// Applies to the outputs what the operator has changed, whatever the scene's thread does.

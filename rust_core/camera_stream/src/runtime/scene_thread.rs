@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
+use rcs_light::Now;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeEvent, TopicSubscription};
@@ -22,12 +23,12 @@ use crate::camera::frame::FrameInFlight;
 use crate::camera::latency::Update;
 use crate::camera::oriented_frames::OrientedFrames;
 use crate::camera::output::{self, CameraContext, CameraOutput};
-use crate::camera::plan;
+use crate::camera::plan::{self, CameraPlan};
 use crate::camera::rearrange::rearrange;
 use crate::config_names;
 use crate::control::pattern::Pattern;
 use crate::options::Options;
-use crate::safety::ages::{Assessment, Now};
+use crate::safety::ages::Assessment;
 use crate::safety::read_rules::{self, LightTopics};
 use crate::safety::{status, LitView, Safety};
 use crate::scene::live::LiveScene;
@@ -78,7 +79,7 @@ impl SceneThread {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = plan::plans(ros, config)?;
-        shared.control.set_cameras(plans.iter().map(|plan| (plan.name(), plan.id())));
+        shared.control.set_cameras(plans.iter().map(CameraPlan::name));
         let windows = Windows::open(ros, &shared.control, options, &safety, &plans)?;
         let (model, depth_encoding) = (options.model, options.depth_encoding);
         let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
@@ -159,7 +160,7 @@ impl SceneThread {
             // It was possible when the config was read.
             Err(error) => return log::error!("{}: {error}", config.source),
         };
-        shared.control.set_cameras(plans.iter().map(|plan| (plan.name(), plan.id())));
+        shared.control.set_cameras(plans.iter().map(CameraPlan::name));
         let changed = self.scene.reconfigure(ros, &config, self.now());
         {
             let mut cameras = shared.cameras();
@@ -207,16 +208,16 @@ impl SceneThread {
         let now = Instant::now();
         let awaited = self.scene.subscriptions.awaited(now);
         let next_stale = self.safety.assessment().and_then(Assessment::next_change);
-        let (due, policy_end) = {
+        let (due, light_end) = {
             let cameras = self.shared.cameras();
             let due = cameras.iter().filter_map(|camera| camera.until_due(now)).min();
-            (due, cameras.iter().filter_map(CameraOutput::policy_end).min())
+            (due, cameras.iter().filter_map(CameraOutput::light_end).min())
         };
         let change = self.scene.state.displays().next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
         // A little later, so that it is over then.
         let after = |at: Instant| at.saturating_duration_since(now) + Duration::from_millis(1);
-        let stale = next_stale.into_iter().chain(policy_end).min().map(after);
+        let stale = next_stale.into_iter().chain(light_end).min().map(after);
         let all = awaited.or(due).into_iter().chain(change).chain(stale);
         all.fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
     }
@@ -265,12 +266,12 @@ impl SceneThread {
                     log::warn!("{topic}: not shown: {why}");
                 }
             }
-            NodeEvent::Message { topic, message, received, .. } => {
+            NodeEvent::Message { topic, message, received, publisher } => {
                 if self.safety.take_surface(topic, message, *received) {
                     return;
                 }
                 if let AnyMessage::Image(image) = message {
-                    self.safety.take_image(topic, image, *received);
+                    self.safety.take_image(topic, image, publisher, *received);
                 }
             }
             NodeEvent::Transforms { received, is_static: false, .. } => self.safety.note_transforms(*received),
@@ -358,7 +359,8 @@ impl SceneThread {
     }
 
     fn assess(&mut self) {
-        let now = Now { ros: self.now(), steady: Instant::now() };
+        let steady = Instant::now();
+        let now = Now { ros: self.now(), steady, resumed: self.shared.pulse.resumed(steady) };
         let state = &self.scene.state;
         // Where the projector's light goes, however the image is drawn.
         let model = CameraModel { projection: Projection::Exact, undistort: true };
@@ -375,15 +377,16 @@ impl SceneThread {
         });
         let lit: Vec<_> = lit.collect();
         let subscriptions = &self.scene.subscriptions;
-        let source = |name: &str, kind| self.light_topics.source(name).or_else(|| subscriptions.source(name, kind));
-        let policies = self.safety.assess(state, &lit, source, now);
-        for (view, policy) in views.iter().zip(&policies) {
+        let (ros, light_topics) = (&self.shared.ros, &self.light_topics);
+        self.safety.retain_publishers(|topic, node| light_topics.is_publishing(ros, topic, node));
+        let lights = self.safety.assess(state, &lit, |name, kind| subscriptions.source(name, kind), now);
+        for (view, light) in views.iter().zip(&lights) {
             if let Some(info) = state.camera_info(view) {
-                self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, policy.post.orientation);
+                self.oriented_frames.add(ros, &info.header.frame_id, light.evidence.post().orientation);
             }
         }
         let mut cameras = self.shared.cameras();
-        cameras.iter_mut().zip(policies).for_each(|(camera, policy)| camera.set_policy(policy));
+        cameras.iter_mut().zip(lights).for_each(|(camera, light)| camera.set_light(light));
     }
 
     /// Submits the frame of a camera if one is due and looks different from the last. `is_size_gone` is set if the

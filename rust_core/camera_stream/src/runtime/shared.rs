@@ -1,7 +1,9 @@
 //! The state that the scene's thread and the control thread share.
 
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Instant;
 
+use rcs_light::Pulse;
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_rviz_config::Config;
 use rcs_scene::lock;
@@ -21,6 +23,8 @@ pub(crate) struct NodeState {
     /// The contents of the operator's page.
     pub(crate) board: Board,
     pub(crate) control: Arc<Control>,
+    /// The control thread's beats, which show pauses of the process.
+    pub(super) pulse: Pulse,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
@@ -50,7 +54,8 @@ impl NodeState {
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
         let (board, cameras, requests) = (Board::new(), Mutex::default(), Mutex::default());
-        Self { ros, activity, control, board, cameras, diagnostics, requests }
+        let pulse = Pulse::start(Instant::now());
+        Self { ros, activity, control, pulse, board, cameras, diagnostics, requests }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.

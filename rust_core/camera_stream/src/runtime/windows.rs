@@ -9,7 +9,7 @@ use rcs_window::WindowOptions;
 use crate::camera::plan::CameraPlan;
 use crate::control::Control;
 use crate::options::Options;
-use crate::outputs::{test_light, WindowOutput, WindowThread};
+use crate::outputs::{WindowOutput, WindowThread};
 use crate::safety::names::ForCamera;
 use crate::safety::Safety;
 
@@ -43,11 +43,8 @@ impl Windows {
                 bail!("window: camera {camera} has two");
             }
             let source = format!("camera {camera}");
-            let silent = safety.silent_window(&camera);
-            let (stale_timeout, test_light) = (silent.timeout, test_light(&silent.permit, None));
-            let set_mode = options.set_mode;
-            let options =
-                WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
+            let (set_mode, light_limit) = (options.set_mode, Some(safety.light_limit(&camera)));
+            let options = WindowOptions { source, monitor, set_mode, light_limit, ..WindowOptions::default() };
             windows.0.push(OpenWindow::open(ros, control, camera, options)?);
         }
         Ok(windows)

@@ -1,4 +1,4 @@
-//! A black image, with one small line of text that says why, if wanted.
+//! A black image, and one small line of text that says why.
 
 use rcs_scene::{letters, Encoding, Letter, Picture, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 
@@ -8,8 +8,8 @@ const EM_PX: std::ops::RangeInclusive<f32> = 9.0..=28.0;
 /// Level of the text: grey, because it is light, too.
 const BRIGHTEST: u32 = 140;
 
-/// A black image with a note at its lower left, cut off at the right edge.
-pub(crate) fn black_picture([width_px, height_px]: [u32; 2], encoding: Encoding, note: Option<&str>) -> Picture {
+/// A black image.
+pub(crate) fn black_picture([width_px, height_px]: [u32; 2], encoding: Encoding) -> Picture {
     let mut picture = Picture::default();
     picture.reset(width_px, height_px, encoding);
     let black = vec![[0, 0, 0, 255]; width_px as usize];
@@ -17,13 +17,11 @@ pub(crate) fn black_picture([width_px, height_px]: [u32; 2], encoding: Encoding,
     for row in picture.data.chunks_mut(step.max(1)) {
         encoding.write_row(&black, row);
     }
-    if let Some(note) = note {
-        write(&mut picture, note);
-    }
     picture
 }
 
-fn write(picture: &mut Picture, text: &str) {
+/// Writes a note at the image's lower left, cut off at the right edge.
+pub(crate) fn write_note(picture: &mut Picture, text: &str) {
     let em_px = (picture.height_px as f32 * HEIGHT_SHARE).clamp(*EM_PX.start(), *EM_PX.end());
     let margin = em_px / 2.0;
     let baseline = picture.height_px as f32 - margin - LETTER_DESCENT_EM * em_px;
@@ -63,7 +61,8 @@ mod tests {
 
     /// Number of pixels that are not black, and the bytes of the first pixel.
     fn lit(encoding: Encoding, note: Option<&str>) -> (usize, Vec<u8>) {
-        let picture = black_picture([320, 200], encoding, note);
+        let mut picture = black_picture([320, 200], encoding);
+        note.into_iter().for_each(|note| write_note(&mut picture, note));
         assert_eq!((picture.width_px, picture.height_px, picture.encoding), (320, 200, encoding));
         let cells = picture.data.chunks(encoding.bytes_per_pixel());
         let black = picture.data[..encoding.bytes_per_pixel()].to_vec();
@@ -83,8 +82,11 @@ mod tests {
 
     #[test]
     fn a_picture_that_is_too_small_has_no_note_and_a_long_one_is_cut() {
-        assert!(black_picture([100, 5], Encoding::Mono8, Some("why")).data.iter().all(|level| *level == 0));
-        let long = "why ".repeat(1000);
-        assert!(black_picture([100, 50], Encoding::Mono8, Some(&long)).data.iter().any(|level| *level > 0));
+        let has_note = |size_px, note: &str| {
+            let mut picture = black_picture(size_px, Encoding::Mono8);
+            write_note(&mut picture, note);
+            picture.data.iter().any(|level| *level > 0)
+        };
+        assert!(!has_note([100, 5], "why") && has_note([100, 50], &"why ".repeat(1000)));
     }
 }

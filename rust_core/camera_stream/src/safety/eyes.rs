@@ -1,7 +1,8 @@
 //! Eye safety: masks on topics, and keep-out spheres around frames.
 //!
-//! Both age like the data of displays ([`super::ages`]), after a second where nothing else is set. A missing or stale
-//! one makes all black, unless it is not required: then the last mask and the last place hold.
+//! Both are measurements, which age ([`Measured`]), after a second where nothing else is set. Each publisher of a mask's
+//! topic has a mask of its own, and the darkest counts; one that is missing, invalid or stale makes all black, until the
+//! master does not list its publisher any more. Where masks are not required, the last mask and the last place hold.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,13 +10,13 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Point3;
 use rcs_camera::NoLens;
-use rcs_displays::{time_from_stamp, ShownMessage};
-use rcs_messages::{Image, MessageKind};
+use rcs_displays::time_from_stamp;
+use rcs_light::{Condition, Measured, Now};
+use rcs_messages::Image;
 use rcs_render::{LightMask, Sphere};
 
 use super::ages::limits::AgeLimits;
-use super::ages::{AgeState, Freshness, Now, TopicSource};
-use super::causes::{DarkCause, DarkReason};
+use super::ages::Freshness;
 use super::mask_image::light_mask;
 use super::rules::KeepOutFrame;
 use crate::scene::SceneState;
@@ -23,43 +24,33 @@ use crate::scene::SceneState;
 /// Age at which masks and keep-out frames are stale, where no other limit is set for all topics.
 pub(super) const EYE_SAFETY_LIMIT: Duration = Duration::from_secs(1);
 
-/// The last mask of a topic.
-#[derive(Debug, Default)]
-struct MaskTopic {
-    last: Option<Arc<LightMask>>,
-    received: Option<ShownMessage>,
-    /// Why the last message is invalid.
-    problem: Option<String>,
+/// The last mask of a publisher, or why its last message is none.
+#[derive(Debug)]
+struct ReceivedMask {
+    mask: Result<Arc<LightMask>, String>,
+    measured: Measured,
 }
+
+/// The masks of a topic, by publisher.
+type Masks = BTreeMap<Arc<str>, ReceivedMask>;
 
 /// The masks and keep-out frames of all cameras.
 #[derive(Debug)]
 pub(super) struct EyeSafety {
     /// By the topic's whole name.
-    masks: BTreeMap<String, MaskTopic>,
+    masks: BTreeMap<String, Masks>,
     keep_out: Vec<KeepOutFrame>,
     is_required: bool,
+    limits: AgeLimits,
+    frame_limit: Duration,
+    /// Of keep-out frames.
     ages: Option<Freshness>,
-}
-
-/// Blackout of a camera's images for the sake of eyes.
-#[derive(Debug, Default)]
-pub(super) struct EyeSafetyState {
-    pub(super) dark_reason: Option<DarkReason>,
-    /// End of this if nothing new arrives.
-    pub(super) until: Option<Instant>,
 }
 
 /// The spheres around keep-out frames, as far as their places are known.
 pub(super) struct KeepOutSpheres {
     pub(super) known: Vec<Sphere>,
-    state: AgeState,
-}
-
-impl KeepOutSpheres {
-    pub(super) fn none() -> Self {
-        Self { known: Vec::new(), state: AgeState::Undated }
-    }
+    pub(super) condition: Condition,
 }
 
 impl EyeSafety {
@@ -69,8 +60,13 @@ impl EyeSafety {
         is_required: bool,
         limits: AgeLimits,
     ) -> Self {
-        let masks = topics.map(|topic| (topic.clone(), MaskTopic::default())).collect();
-        Self { masks, keep_out, is_required, ages: Freshness::new(limits.or_after(EYE_SAFETY_LIMIT)) }
+        let masks: BTreeMap<_, _> = topics.map(|topic| (topic.clone(), Masks::new())).collect();
+        for topic in masks.keys().filter(|topic| limits.is_endless(topic)) {
+            log::warn!("{topic}: masks always age: its limit is ignored; set ~mask_required to false to keep the last");
+        }
+        let frame_limit = limits.of_measured_frames(EYE_SAFETY_LIMIT);
+        let ages = Freshness::new(AgeLimits::general(frame_limit));
+        Self { masks, keep_out, is_required, limits, frame_limit, ages }
     }
 
     pub(super) fn is_some(&self) -> bool {
@@ -82,93 +78,93 @@ impl EyeSafety {
         !self.keep_out.is_empty()
     }
 
-    /// Forgets the ages of frames: the time jumped back.
+    /// Forgets all measurements: the time jumped back.
     pub(super) fn reset(&mut self) {
         self.ages.iter_mut().for_each(Freshness::reset);
+        self.masks.values_mut().for_each(Masks::clear);
     }
 
-    /// Takes an image, if its topic is a mask's.
-    pub(super) fn take(&mut self, topic: &str, image: &Image, received: Instant) {
-        let Some(mask) = self.masks.get_mut(topic) else { return };
-        let problem = match light_mask(image) {
-            Ok(light) => {
-                // An equal one keeps images that were drawn with the last.
-                if mask.last.as_deref() != Some(&light) {
-                    mask.last = Some(Arc::new(light));
+    /// Takes a publisher's image, if its topic is a mask's.
+    pub(super) fn take(&mut self, topic: &str, image: &Image, publisher: &Arc<str>, received: Instant) {
+        let Some(masks) = self.masks.get_mut(topic) else { return };
+        let measured = Measured { stamp: time_from_stamp(image.header.stamp), received };
+        let last = masks.remove(publisher).map(|last| last.mask);
+        let mask = light_mask(image).map(Arc::new).map_err(|problem| format!("mask on {topic}: {problem}"));
+        let mask = match (last, mask) {
+            // An equal one keeps images that were drawn with the last.
+            (Some(Ok(last)), Ok(mask)) if last == mask => Ok(last),
+            (last, Err(problem)) => {
+                if last != Some(Err(problem.clone())) {
+                    log::error!("{problem} (from {publisher})");
                 }
-                let stamp = time_from_stamp(image.header.stamp);
-                mask.received = Some(ShownMessage { stamp, received: Some(received) });
-                None
+                Err(problem)
             }
-            Err(problem) => Some(format!("mask on {topic}: {problem}")),
+            (_, mask) => mask,
         };
-        if let Some(problem) = problem.as_ref().filter(|problem| mask.problem.as_ref() != Some(problem)) {
-            log::error!("{problem}");
+        masks.insert(Arc::clone(publisher), ReceivedMask { mask, measured });
+    }
+
+    /// Forgets the masks of nodes that do not publish their topics any more.
+    pub(super) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str) -> bool) {
+        for (topic, masks) in &mut self.masks {
+            masks.retain(|publisher, _| is_publishing(topic, publisher));
         }
-        mask.problem = problem;
     }
 
-    pub(super) fn mask(&self, topic: &str) -> Option<Arc<LightMask>> {
-        self.masks.get(topic)?.last.clone()
+    /// The masks of a topic. Each darkens.
+    pub(super) fn masks(&self, topic: &str) -> Vec<Arc<LightMask>> {
+        let masks = self.masks.get(topic).into_iter().flat_map(BTreeMap::values);
+        masks.filter_map(|received| received.mask.as_ref().ok().map(Arc::clone)).collect()
     }
 
-    /// The states of all masks, by topic.
-    pub(super) fn mask_states(
-        &mut self,
-        source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
-        now: Now,
-    ) -> BTreeMap<String, AgeState> {
-        let Self { masks, ages: Some(ages), .. } = self else { return BTreeMap::new() };
-        let state = |(topic, mask): (&String, &MaskTopic)| {
-            let state = match (mask.received, &mask.problem) {
-                (None, Some(problem)) => AgeState::Stale(problem.clone()),
-                (None, None) => AgeState::Stale(format!("no mask on {topic} yet")),
-                (Some(received), _) => ages.data("mask", [(topic.as_str(), MessageKind::Image)], received, source, now),
-            };
-            (topic.clone(), state)
+    /// Whether all masks of a topic are there and current.
+    pub(super) fn mask_condition(&self, topic: &str, now: Now) -> Condition {
+        let masks = self.masks.get(topic).filter(|masks| !masks.is_empty());
+        let Some(masks) = masks else {
+            let none = Condition::Dark(format!("no mask on {topic} yet"));
+            return if self.is_required { none } else { Condition::Always };
         };
-        masks.iter().map(state).collect()
+        let limit = self.limits.of_measurement(topic, self.limits.for_all_topics().unwrap_or(EYE_SAFETY_LIMIT));
+        let condition = |(publisher, received): (&Arc<str>, &ReceivedMask)| match &received.mask {
+            Err(problem) => Condition::Dark(problem.clone()),
+            Ok(_) if !self.is_required => Condition::Always,
+            Ok(_) => received.measured.condition(&format!("mask on {topic} from {publisher}"), limit, now),
+        };
+        masks.iter().map(condition).fold(Condition::Always, Condition::and)
     }
 
     pub(super) fn spheres(&mut self, scene: &SceneState, now: Now) -> KeepOutSpheres {
-        let (mut known, mut state) = (Vec::new(), AgeState::Undated);
+        let (mut known, mut condition) = (Vec::new(), Condition::Always);
         for KeepOutFrame { frame, radius_m } in &self.keep_out {
             let place: Option<Point3<f64>> = scene.place_of(frame);
-            match (place, &mut self.ages) {
-                (None, _) => {
-                    state = state.and(AgeState::Stale(format!("keep-out frame {frame}: its place is not known")));
-                }
-                (Some(_), Some(ages)) => state = state.and(ages.frame(frame, scene, now)),
-                (Some(_), None) => {}
-            }
+            let of_frame = match (place, &mut self.ages) {
+                (None, _) | (_, None) => Condition::Dark(format!("keep-out frame {frame}: its place is not known")),
+                (Some(_), Some(ages)) => ages.frame(frame, scene, now).condition(),
+            };
+            let ahead = scene.known_until(frame).map(|stamp| stamp.saturating_since(now.ros));
+            let of_frame = match ahead.filter(|ahead| *ahead > self.frame_limit && !now.ros.is_zero()) {
+                Some(ahead) => Condition::Dark(format!(
+                    "keep-out frame {frame}: its transform is {:.1} s ahead of the clock",
+                    ahead.as_secs_f64()
+                )),
+                None => of_frame,
+            };
+            condition = condition.and(of_frame);
             known.extend(place.map(|center| Sphere { center, radius_m: *radius_m }));
         }
-        KeepOutSpheres { known, state }
+        if !self.is_required {
+            condition = Condition::Always;
+        }
+        KeepOutSpheres { known, condition }
     }
 
-    /// Decides whether a camera must be dark, by the state of its mask and why its lens is unknown, if it is.
-    pub(super) fn forbidden(
-        &self,
-        mask: Option<&AgeState>,
-        spheres: &KeepOutSpheres,
-        lens: Option<NoLens>,
-    ) -> EyeSafetyState {
-        if !self.is_required {
-            return EyeSafetyState::default();
+    /// Whether it is known where the lens sends light around keep-out frames.
+    pub(super) fn lens_condition(&self, spheres: &KeepOutSpheres, lens: Option<&NoLens>) -> Condition {
+        match lens.filter(|_| self.is_required && !spheres.known.is_empty()) {
+            Some(why) => {
+                Condition::Dark(format!("where the lens sends light around keep-out frames is not known: {why}"))
+            }
+            None => Condition::Always,
         }
-        let lens = lens.filter(|_| !spheres.known.is_empty()).map_or(AgeState::Undated, |why| {
-            AgeState::Stale(format!("where the lens sends light around keep-out frames is not known: {why}"))
-        });
-        let mask = mask.cloned().unwrap_or(AgeState::Undated);
-        let causes = [(DarkCause::Mask, &mask), (DarkCause::KeepOut, &spheres.state), (DarkCause::Lens, &lens)];
-        let dark_reason = causes.into_iter().find_map(|(cause, state)| match state {
-            AgeState::Stale(why) => Some(DarkReason::new(cause, why.clone())),
-            AgeState::Undated | AgeState::Current(_) => None,
-        });
-        let until = match mask.and(spheres.state.clone()) {
-            AgeState::Current(until) => until,
-            AgeState::Undated | AgeState::Stale(_) => None,
-        };
-        EyeSafetyState { dark_reason, until }
     }
 }

@@ -12,7 +12,6 @@ use rcs_ros::{RosNode, TopicSubscription};
 
 use crate::options::{ConfirmOptions, LightOptions};
 use crate::safety::ages::limits::AgeLimits;
-use crate::safety::ages::TopicSource;
 use crate::safety::names::ForCamera;
 use crate::safety::painted_mask;
 use crate::safety::rules::Rules;
@@ -25,12 +24,15 @@ pub(crate) struct LightTopics {
 }
 
 impl LightTopics {
-    /// The publishers of a mask's or surface's topic, by its whole name.
-    pub(crate) fn source(&self, topic: &str) -> Option<TopicSource> {
-        let Some(found) = self.masks.iter().find(|subscription| &**subscription.topic() == topic) else {
-            return self.surfaces.source(topic);
-        };
-        Some(TopicSource { topic: topic.to_owned(), publishing: found.publishing() })
+    /// `true` if a node publishes a mask's topic: it is connected, or the master lists it.
+    pub(crate) fn is_publishing(&self, ros: &RosNode, topic: &str, node: &str) -> bool {
+        let of_topic = |mask: &&TopicSubscription| &**mask.topic() == topic;
+        let is_connected = self.masks.iter().find(of_topic).is_some_and(|mask| mask.is_connected_with(node));
+        // Without the master's list, it may be.
+        is_connected
+            || ros.publications().is_none_or(|all| {
+                all.get(topic).is_some_and(|publication| publication.nodes.iter().any(|listed| listed == node))
+            })
     }
 }
 

@@ -2,9 +2,9 @@
 
 use rcs_confirm::Shares;
 use rcs_displays::Level;
+use rcs_light::{DarkCause, DarkReason};
 
 use crate::control::{ControlState, OperatorSettings};
-use crate::safety::causes::DarkReason;
 use crate::safety::{Safety, STALE};
 use crate::scene::status_tree::{EntryKind, StatusEntry};
 
@@ -67,6 +67,10 @@ pub(crate) fn add_shares(entry: &mut StatusEntry<'_>, shares: &Shares) {
 pub(crate) fn add_dark(entry: &mut StatusEntry<'_>, dark: Option<&DarkReason>) {
     if let Some(dark) = dark {
         let level = if dark.cause.is_error() { Level::Error } else { Level::Warn };
-        entry.statuses.to_mut().set(level, dark.cause.status(), format!("the picture is black: {dark}"));
+        let name = match dark.cause {
+            DarkCause::CameraData | DarkCause::Displays => STALE,
+            _ => "Dark",
+        };
+        entry.statuses.to_mut().set(level, name, format!("the picture is black: {dark}"));
     }
 }

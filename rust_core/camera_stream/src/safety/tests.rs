@@ -1,4 +1,4 @@
-//! Tests of policies: dark cameras, and the permits of windows.
+//! Tests of dark cameras.
 
 use rcs_messages::std_msgs::Header;
 use rcs_resources::{MeshStore, PackageIndex};
@@ -7,11 +7,11 @@ use rcs_transforms::Time;
 use super::ages::limits::{AgeLimits, StaleTimeout};
 use super::confirmed_displays::ConfirmedDisplays;
 use super::names::ForCamera;
-use super::permit::Allowance;
 use super::rules::KeepOutFrame;
 use super::surface::ConfirmRules;
 use super::*;
 use rcs_confirm::{ConfirmSettings, Unseen};
+use rcs_light::DarkCause;
 
 const CONFIG: &str = "
 Visualization Manager:
@@ -52,14 +52,25 @@ fn cameras(names: &[&str]) -> ConfigNames {
     ConfigNames { cameras, ..ConfigNames::default() }
 }
 
-/// Why each camera is dark, a while after the start.
-fn causes(safety: &mut Safety, start: Instant, after_secs: f64) -> Vec<Option<DarkCause>> {
+/// The light of each camera, which has a CameraInfo and a pose.
+fn lights(safety: &mut Safety, now: Now) -> Vec<CameraLight> {
     let scene = scene();
     let view = |view| LitView { view, camera: None, unknown_lens: None, is_watched: true };
     let lit: Vec<_> = scene.cameras().iter().map(view).collect();
-    let now = Now { ros: Time::ZERO, steady: start + Duration::from_secs_f64(after_secs) };
-    let policies = safety.assess(&scene, &lit, |_, _| None, now);
-    policies.into_iter().map(|policy| policy.dark_reason.map(|dark| dark.cause)).collect()
+    let mut lights = safety.assess(&scene, &lit, |_, _| None, now);
+    lights.iter_mut().for_each(|light| light.evidence.set(DarkCause::NoCamera, Condition::Always));
+    lights
+}
+
+/// Why each camera is dark, a while after the start.
+fn causes(safety: &mut Safety, start: Instant, after_secs: f64) -> Vec<Option<DarkCause>> {
+    let now = at(start, after_secs);
+    let lights = lights(safety, now);
+    lights.into_iter().map(|light| light.evidence.dark_reason(now.steady).map(|dark| dark.cause)).collect()
+}
+
+fn at(start: Instant, after_secs: f64) -> Now {
+    Now { ros: Time::ZERO, steady: start + Duration::from_secs_f64(after_secs), resumed: None }
 }
 
 fn white_mask() -> Image {
@@ -71,7 +82,7 @@ fn a_mask_that_is_missing_or_too_old_makes_its_own_camera_dark() {
     let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), ..rules() });
     let start = Instant::now();
     assert_eq!(causes(&mut safety, start, 0.0), [Some(DarkCause::Mask), None]);
-    safety.take_image("/mask", &white_mask(), start);
+    safety.take_image("/mask", &white_mask(), &"/tracker".into(), start);
     assert_eq!(causes(&mut safety, start, 0.9), [None, None]);
     assert_eq!(causes(&mut safety, start, 1.1), [Some(DarkCause::Mask), None]);
     let mut lenient = Safety::new(Rules { mask_topics: mask_of_cam(), is_required: false, ..rules() });
@@ -102,38 +113,64 @@ fn a_rule_for_a_camera_that_is_gone_makes_all_cameras_dark_until_the_names_fit()
 }
 
 #[test]
-fn without_a_camera_an_image_is_black_only_where_that_matters() {
-    let policy = |rules| {
-        let mut safety = Safety::new(rules);
-        let scene = scene();
-        let lit: Vec<_> = scene
-            .cameras()
-            .iter()
-            .map(|view| LitView { view, camera: None, unknown_lens: None, is_watched: true })
-            .collect();
-        safety.assess(&scene, &lit, |_, _| None, Now { ros: Time::ZERO, steady: Instant::now() }).remove(0)
-    };
-    assert_eq!(policy(rules()).without_camera("no pose"), None);
-    let mut limits = AgeLimits::off();
-    limits.set("1".parse::<StaleTimeout>().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
-    let dark = policy(Rules { limits, ..rules() }).without_camera("no pose");
-    assert_eq!(dark, Some(DarkReason::new(DarkCause::NoCamera, "no pose")));
-    let dark = policy(Rules { mask_topics: mask_of_cam(), ..rules() }).without_camera("no pose").unwrap();
-    assert_eq!(dark.cause, DarkCause::Mask);
+fn a_cause_that_nobody_has_set_is_dark() {
+    let (mut safety, now) = (Safety::new(rules()), at(Instant::now(), 0.0));
+    let scene = scene();
+    let view = |view| LitView { view, camera: None, unknown_lens: None, is_watched: true };
+    let lit: Vec<_> = scene.cameras().iter().map(view).collect();
+    let light = safety.assess(&scene, &lit, |_, _| None, now).remove(0);
+    assert_eq!(light.evidence.dark_reason(now.steady).map(|dark| dark.cause), Some(DarkCause::NoCamera));
+    assert!(CameraLight::unknown().evidence.dark_reason(now.steady).is_some());
 }
 
 #[test]
-fn a_window_that_hears_nothing_knows_whether_eyes_are_protected() {
-    let silent = Safety::new(rules()).silent_window("cam");
-    assert_eq!((silent.timeout, silent.permit.test), (None, Allowance::All));
-    let safety = Safety::new(Rules { mask_topics: mask_of_cam(), ..rules() });
-    let (cam, other) = (safety.silent_window("cam"), safety.silent_window("other"));
-    assert_eq!((cam.timeout, cam.permit.test), (Some(Duration::from_secs(1)), Allowance::Nothing));
-    assert_eq!((other.timeout, other.permit.test), (None, Allowance::All));
-    let painted = rcs_render::LightMask::new([1, 1], vec![0]).unwrap();
-    let painted_masks = vec![ForCamera { camera: None, value: Arc::new(painted) }];
-    let silent = Safety::new(Rules { painted_masks, ..rules() }).silent_window("cam");
-    assert_eq!(silent.permit.test, Allowance::Masked);
+fn light_is_granted_for_the_limit_of_the_data_at_most() {
+    let limit = |rules: Rules| Safety::new(rules).light_limit("cam").as_secs_f64();
+    assert_eq!(limit(rules()), 5.0);
+    assert_eq!(limit(Rules { mask_topics: mask_of_cam(), ..rules() }), 1.0);
+    let mut limits = AgeLimits::off();
+    limits.set("3".parse::<StaleTimeout>().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
+    assert_eq!(limit(Rules { limits, ..rules() }), 3.0);
+}
+
+#[test]
+fn an_invalid_mask_takes_the_place_of_a_valid_one() {
+    for is_required in [true, false] {
+        let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), is_required, ..rules() });
+        let (start, tracker) = (Instant::now(), "/tracker".into());
+        safety.take_image("/mask", &white_mask(), &tracker, start);
+        assert_eq!(causes(&mut safety, start, 0.1), [None, None]);
+        let wrong = Image::new(Header::default(), [1, 1], "bgr8", 3, Arc::new(vec![0; 3]));
+        safety.take_image("/mask", &wrong, &tracker, start);
+        assert_eq!(causes(&mut safety, start, 0.2), [Some(DarkCause::Mask), None]);
+    }
+}
+
+#[test]
+fn of_several_trackers_each_darkens_and_one_that_dies_makes_all_dark_until_it_is_gone() {
+    let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), ..rules() });
+    let (start, trackers) = (Instant::now(), ["/a".into(), "/b".into()]);
+    let mask = |level| Image::new(Header::default(), [1, 1], "mono8", 1, Arc::new(vec![level]));
+    safety.take_image("/mask", &mask(255), &trackers[0], start);
+    safety.take_image("/mask", &mask(0), &trackers[1], start);
+    let masks = lights(&mut safety, at(start, 0.1))[0].evidence.post().masks.clone();
+    assert_eq!(masks.iter().map(|mask| mask.levels()[0]).min(), Some(0), "the darkest counts: {masks:?}");
+    safety.take_image("/mask", &mask(255), &trackers[0], start + Duration::from_secs(2));
+    assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None]);
+    safety.retain_publishers(|_, node| node == "/a");
+    assert_eq!(causes(&mut safety, start, 2.1), [None, None]);
+    safety.reset();
+    assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None], "the time jumped");
+}
+
+#[test]
+fn a_limit_of_never_does_not_make_a_mask_a_constant() {
+    let mut limits = AgeLimits::off();
+    limits.set("/mask=never".parse::<StaleTimeout>().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
+    let mut safety = Safety::new(Rules { mask_topics: mask_of_cam(), limits, ..rules() });
+    let start = Instant::now();
+    safety.take_image("/mask", &white_mask(), &"/tracker".into(), start);
+    assert_eq!(causes(&mut safety, start, 1.1), [Some(DarkCause::Mask), None]);
 }
 
 fn surface_of_cam(displays: ConfirmedDisplays) -> ConfirmRules {

@@ -45,8 +45,8 @@ pub struct LastStep {
     pub blend: Option<Arc<Blend>>,
     /// Pixels by which the projector may light its surface at all.
     pub painted_mask: Option<Arc<LightMask>>,
-    /// Pixels that may be lit at present.
-    pub mask: Option<Arc<LightMask>>,
+    /// Pixels that may be lit at present, by each of several masks: the darkest counts.
+    pub masks: Vec<Arc<LightMask>>,
     /// Directions that must not be lit because of something in space.
     pub keep_out: Option<KeepOut>,
     /// Pixels whose light a measured surface confirms at present.
@@ -74,8 +74,8 @@ impl LastStep {
     fn dim(&self, picture: &mut Picture) {
         let size_px = [picture.width_px, picture.height_px];
         let (width, step, encoding) = (picture.width_px as usize, picture.step(), picture.encoding);
-        let masks = [&self.painted_mask, &self.mask, &self.confirmed];
-        let masks: Vec<&LightMask> = masks.into_iter().flatten().map(Arc::as_ref).collect();
+        let masks = [&self.painted_mask, &self.confirmed].into_iter().flatten().chain(&self.masks);
+        let masks: Vec<&LightMask> = masks.map(Arc::as_ref).collect();
         let forbids_light = !masks.is_empty() || self.keep_out.is_some();
         if step == 0 || (self.blend.is_none() && !forbids_light) {
             return;

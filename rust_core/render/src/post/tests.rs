@@ -84,7 +84,7 @@ fn every_orientation_puts_every_pixel_in_its_place_in_every_encoding() {
 fn a_mask_takes_its_share_of_the_light_in_every_encoding_and_leaves_alpha() {
     let levels: Vec<u8> = (0..40 * 3).map(|i| [255, 0, 51, 128][i % 4]).collect();
     let mask = LightMask::new([40, 3], levels.clone()).unwrap();
-    let step = LastStep { mask: Some(Arc::new(mask)), ..LastStep::default() };
+    let step = LastStep { masks: vec![Arc::new(mask)], ..LastStep::default() };
     for encoding in Encoding::ALL {
         let after = applied(&step, &picture(encoding, [40, 3], |_, _| [200, 100, 50]));
         let expected = picture(encoding, [40, 3], |x, y| {
@@ -116,7 +116,7 @@ proptest! {
     ) {
         let dark = |i: u64| (i * 7919 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 61 == 0;
         let levels = (0..u64::from(mask_width * mask_height)).map(|i| if dark(i) { 0 } else { 255 }).collect();
-        let step = LastStep { mask: LightMask::new([mask_width, mask_height], levels).map(Arc::new), ..LastStep::default() };
+        let step = LastStep { masks: LightMask::new([mask_width, mask_height], levels).map(Arc::new).into_iter().collect(), ..LastStep::default() };
         let after = applied(&step, &picture(Encoding::Mono8, [width, height], |_, _| [9; 3]));
         for (at, level) in (0..).zip(&after.data) {
             let (x, y) = (at % width, at / width);

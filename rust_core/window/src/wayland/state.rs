@@ -32,7 +32,7 @@ use wayland_protocols::xdg::xdg_output::zv1::client::zxdg_output_v1::ZxdgOutputV
 use super::keymap::Keymap;
 use super::outputs::WaylandOutputs;
 use crate::error::WindowError;
-use crate::light::OnScreen;
+use crate::on_screen::OnScreen;
 use crate::shared_pixels::SharedSlot;
 use crate::system_window::SystemEvent;
 
@@ -188,7 +188,8 @@ on_event!(WlKeyboard, (), |state, _, event, _, _| {
         wl_keyboard::Event::Modifiers { mods_depressed, .. } => state.is_shifted = mods_depressed & SHIFT != 0,
         wl_keyboard::Event::Key { key, state: WEnum::Value(KeyState::Pressed), .. } => {
             let symbol = state.keymap.keysym(key, state.is_shifted);
-            state.events.extend(symbol.map(SystemEvent::Key));
+            // A compositor does not repeat keys.
+            state.events.extend(symbol.map(|keysym| SystemEvent::Key { keysym, is_repeat: false }));
         }
         _ => {}
     }

@@ -42,11 +42,12 @@ impl X11Session {
         let create = || -> Result<Window, Box<dyn std::error::Error>> {
             let window = self.connection.generate_id()?;
             let (x, y, width, height) = rectangle(monitor);
+            let keys = EventMask::KEY_PRESS | EventMask::KEY_RELEASE;
             let attributes = CreateWindowAux::new()
                 .background_pixel(self.screen.black_pixel)
                 .override_redirect(u32::from(placed_by_itself))
                 .cursor(self.invisible_cursor()?)
-                .event_mask(EventMask::EXPOSURE | EventMask::STRUCTURE_NOTIFY | EventMask::KEY_PRESS);
+                .event_mask(EventMask::EXPOSURE | EventMask::STRUCTURE_NOTIFY | keys);
             let (class, visual) = (WindowClass::INPUT_OUTPUT, self.screen.root_visual);
             let depth = self.screen.root_depth;
             self.connection

@@ -10,7 +10,7 @@ use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat, ImageOr
 use super::pixel_format::PixelFormat;
 use super::session::X11Session;
 use crate::error::WindowError;
-use crate::light::OnScreen;
+use crate::on_screen::OnScreen;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
 
 /// The version of MIT-SHM that takes a descriptor.

@@ -18,7 +18,7 @@ use super::refresh::RefreshWatch;
 use super::session::X11Session;
 use super::transfer::Transfer;
 use crate::error::WindowError;
-use crate::light::OnScreen;
+use crate::on_screen::OnScreen;
 use crate::monitor::MonitorInfo;
 use crate::refresh::Refresh;
 use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
@@ -32,6 +32,8 @@ pub(crate) struct X11Window {
     watch: MonitorWatch,
     transfer: Transfer,
     keyboard: Keyboard,
+    /// The last key that was released, and when by the server's clock.
+    released: Option<(u8, u32)>,
     awake: Awake,
     refresh: RefreshWatch,
     /// `true` if no window manager places it.
@@ -68,6 +70,7 @@ impl X11Window {
             delete: session.atom("WM_DELETE_WINDOW"),
             transfer: Transfer::new(&session, window)?,
             keyboard: Keyboard::read(&session),
+            released: None,
             awake: Awake::start(&session, now),
             refresh: RefreshWatch::new(&session, window, modes.and_then(|modes| modes.refresh_period())),
             placed_by_itself,
@@ -95,7 +98,15 @@ impl X11Window {
                 self.refresh.take(&event);
                 None
             }
-            Event::KeyPress(event) => self.keyboard.keysym(&event).map(SystemEvent::Key),
+            Event::KeyRelease(event) => {
+                self.released = Some((event.detail, event.time));
+                None
+            }
+            Event::KeyPress(event) => {
+                // A key that is held down is released and pressed again at one time.
+                let is_repeat = self.released == Some((event.detail, event.time));
+                self.keyboard.keysym(&event).map(|keysym| SystemEvent::Key { keysym, is_repeat })
+            }
             Event::MappingNotify(_) => {
                 self.keyboard = Keyboard::read(&self.session);
                 None

@@ -125,20 +125,27 @@ impl AgeLimits {
         }
     }
 
-    /// Adds a limit for all topics that have none.
-    pub(crate) fn or_after(self, limit: Duration) -> Self {
-        let general = if self.general == AgeLimit::Never { AgeLimit::After(limit) } else { self.general };
-        Self { general, ..self }
+    /// Limit of a measurement: the topic's own, else `general`. Measurements always age, so `held` and `never` do not
+    /// count.
+    pub(crate) fn of_measurement(&self, topic: &str, general: Duration) -> Duration {
+        match self.by_topic.get(topic) {
+            Some(AgeLimit::After(limit)) => *limit,
+            Some(AgeLimit::Held | AgeLimit::Never) | None => general,
+        }
     }
 
-    /// Replaces the limit of all topics that have none of their own.
-    pub(crate) fn with_general(self, limit: Duration) -> Self {
-        Self { general: AgeLimit::After(limit), ..self }
+    /// `true` if a topic's own limit is none, so that its data never age by time.
+    pub(crate) fn is_endless(&self, topic: &str) -> bool {
+        matches!(self.by_topic.get(topic), Some(AgeLimit::Held | AgeLimit::Never))
+    }
+
+    /// Limit of moving frames that a measurement follows: that of `/tf`, else that of all topics, else `general`.
+    pub(crate) fn of_measured_frames(&self, general: Duration) -> Duration {
+        self.of_measurement(TRANSFORMS, self.for_all_topics().unwrap_or(general))
     }
 
     /// One limit for all topics; the notes are on.
-    #[cfg(test)]
-    pub(super) fn general(limit: Duration) -> Self {
+    pub(in crate::safety) fn general(limit: Duration) -> Self {
         Self { general: AgeLimit::After(limit), by_topic: HashMap::new(), has_note: true }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! The age of data is the longer of two: since their stamp, by ROS time, and since they were received, by the
 //! computer's clock, so that neither a wrong clock nor a simulation that stands still makes old data look new. Messages
-//! of a latching publisher do not age while it is connected, because they are not sent again. A display that follows a
+//! of a latching publisher do not age while its connection, which sent the last one, is open: they are not sent again.
+//! That is for displays and CameraInfos only; see [`rcs_light::Measured`] for measurements. A display that follows a
 //! frame is as old as the frame's transforms as well, and stale while there are none: static ones do not age, and
 //! moving ones are as old as the oldest on the path to the fixed frame. A display without data, such as a grid in the
 //! fixed frame, is neither current nor stale.
@@ -15,13 +16,13 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use rcs_displays::{CameraView, DisplayAge, FollowedFrames, ShownMessage};
+use rcs_light::{Condition, Now};
 use rcs_messages::MessageKind;
 use rcs_ros::Publishing;
 use rcs_scene::DisplayId;
 use rcs_transforms::Time;
 
 use self::limits::{AgeLimit, AgeLimits};
-use super::causes::{DarkCause, DarkReason};
 use crate::scene::SceneState;
 
 /// The publishers of a subscribed topic.
@@ -29,17 +30,8 @@ use crate::scene::SceneState;
 pub(crate) struct TopicSource {
     /// The topic's whole name.
     pub(crate) topic: String,
-    /// Connections, and whether one of them latches.
+    /// Connections, and whether the one that sent the last message latches.
     pub(crate) publishing: Publishing,
-}
-
-/// The present time by both clocks.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Now {
-    /// ROS time; zero before a simulation's first.
-    pub(crate) ros: Time,
-    /// The computer's clock.
-    pub(crate) steady: Instant,
 }
 
 /// Tracks the ages of displays, cameras and frames.
@@ -82,15 +74,26 @@ pub(crate) struct Assessment {
 }
 
 /// The ages of everything that one camera shows.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct CameraAges {
+    /// Stale displays.
     pub(super) hidden: Vec<DisplayId>,
-    pub(super) dark_reason: Option<DarkReason>,
-    /// Time of the next change if nothing new arrives.
-    pub(super) until: Option<Instant>,
+    /// Of the displays together: dark if all that have data are stale.
+    pub(super) displays: Condition,
+    /// Of the CameraInfo and the camera's frame.
+    pub(super) camera: Condition,
 }
 
 impl AgeState {
+    /// What it means for the light. Without data there is nothing that could be too old.
+    pub(super) fn condition(&self) -> Condition {
+        match self {
+            Self::Undated | Self::Current(None) => Condition::Always,
+            Self::Current(Some(until)) => Condition::Until(*until),
+            Self::Stale(why) => Condition::Dark(why.clone()),
+        }
+    }
+
     /// The worse of two: stale before current, current before undated; the sooner end.
     pub(super) fn and(self, other: Self) -> Self {
         match (self, other) {
@@ -195,7 +198,7 @@ impl Freshness {
     }
 
     /// The state of data that come on these topics.
-    pub(super) fn data<'t>(
+    fn data<'t>(
         &mut self,
         what: &str,
         topics: impl IntoIterator<Item = (&'t str, MessageKind)>,
@@ -288,30 +291,21 @@ fn age_by_stamp(stamp: Time, now: Time) -> Duration {
 impl Assessment {
     /// The ages of everything that a camera shows.
     pub(super) fn of_camera(&self, view: &CameraView) -> CameraAges {
-        let mut shown = CameraAges::default();
-        let (mut stale, mut is_any_current) = (Vec::new(), false);
+        let (mut hidden, mut stale, mut all) = (Vec::new(), Vec::new(), AgeState::Undated);
         for display in self.displays.iter().filter(|display| view.visible.shows(display.id)) {
             match &display.state {
-                AgeState::Undated => {}
-                AgeState::Current(until) => {
-                    is_any_current = true;
-                    shown.until = shown.until.into_iter().chain(*until).min();
-                }
                 AgeState::Stale(why) => {
-                    shown.hidden.push(display.id);
+                    hidden.push(display.id);
                     stale.push(why.as_str());
                 }
+                state => all = all.and(state.clone()),
             }
         }
-        match self.cameras.get(&view.settings.camera_info_topic) {
-            Some(AgeState::Stale(why)) => shown.dark_reason = Some(DarkReason::new(DarkCause::CameraData, why.clone())),
-            Some(AgeState::Current(until)) => shown.until = shown.until.into_iter().chain(*until).min(),
-            Some(AgeState::Undated) | None => {}
+        if !stale.is_empty() && all == AgeState::Undated {
+            all = AgeState::Stale(stale.join("; "));
         }
-        if shown.dark_reason.is_none() && !stale.is_empty() && !is_any_current {
-            shown.dark_reason = Some(DarkReason::new(DarkCause::Displays, stale.join("; ")));
-        }
-        shown
+        let camera = self.cameras.get(&view.settings.camera_info_topic).unwrap_or(&AgeState::Undated);
+        CameraAges { hidden, displays: all.condition(), camera: camera.condition() }
     }
 
     /// Time at which the next data become stale.

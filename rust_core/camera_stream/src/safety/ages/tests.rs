@@ -66,7 +66,8 @@ impl Bench {
     }
 
     fn now(&self) -> Now {
-        Now { ros: Time::from_secs_f64(self.secs), steady: self.start + Duration::from_secs_f64(self.secs - 100.0) }
+        let steady = self.start + Duration::from_secs_f64(self.secs - 100.0);
+        Now { ros: Time::from_secs_f64(self.secs), steady, resumed: None }
     }
 
     fn take(&mut self, topic: &str, message: &AnyMessage) {
@@ -119,7 +120,11 @@ impl Bench {
     fn shown(&mut self, secs: f64) -> (Vec<DisplayId>, Option<String>) {
         let assessment = self.wait(secs);
         let shown = assessment.of_camera(&self.scene.cameras()[0]);
-        (shown.hidden, shown.dark_reason.map(|dark| dark.why))
+        let why = [shown.camera, shown.displays].into_iter().find_map(|condition| match condition {
+            Condition::Dark(why) => Some(why),
+            Condition::Until(_) | Condition::Always => None,
+        });
+        (shown.hidden, why)
     }
 }
 

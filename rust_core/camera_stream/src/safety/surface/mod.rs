@@ -15,10 +15,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer, ObjectDepths};
-use rcs_displays::{time_from_stamp, DisplaySet, ShownMessage};
+use rcs_displays::{time_from_stamp, DisplaySet};
+use rcs_light::{Condition, Measured, Now};
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::{header, AnyMessage, MessageKind};
-use rcs_ros::Publishing;
+use rcs_messages::{header, AnyMessage};
 use rcs_scene::{lock, Camera, DepthPicture, DisplayMask};
 use rcs_transforms::WaitingQueue;
 
@@ -26,7 +26,6 @@ use self::grid::GridDecoder;
 use self::topics::info_topic;
 pub(crate) use self::topics::SurfaceTopics;
 use super::ages::limits::AgeLimits;
-use super::ages::{AgeState, Freshness, Now, TopicSource};
 use super::confirmed_displays::ConfirmedDisplays;
 use super::names::{of_camera, ConfigNames, ForCamera};
 use super::LitView;
@@ -77,7 +76,7 @@ pub(super) struct Surfaces {
     inputs: BTreeMap<String, SurfaceInput>,
     /// By the camera's name.
     cameras: BTreeMap<String, CameraSurface>,
-    ages: Option<Freshness>,
+    limits: AgeLimits,
     started: Instant,
 }
 
@@ -99,8 +98,8 @@ struct CameraSurface {
     decoder: GridDecoder,
     confirmer: Arc<Mutex<Confirmer>>,
     version: u64,
-    /// The depth image that the confirmer has.
-    placed: Option<ShownMessage>,
+    /// The depth image that the confirmer has, and the transform that placed it.
+    placed: Option<[Measured; 2]>,
     /// Why there is none.
     problem: Option<String>,
 }
@@ -108,8 +107,7 @@ struct CameraSurface {
 impl Surfaces {
     pub(super) fn new(rules: ConfirmRules, limits: AgeLimits) -> Self {
         let inputs = rules.surfaces.iter().map(|surface| (surface.value.clone(), SurfaceInput::default())).collect();
-        let ages = Freshness::new(limits.with_general(SURFACE_LIMIT));
-        Self { rules, inputs, cameras: BTreeMap::new(), ages, started: Instant::now() }
+        Self { rules, inputs, cameras: BTreeMap::new(), limits, started: Instant::now() }
     }
 
     pub(super) fn is_some(&self) -> bool {
@@ -128,7 +126,6 @@ impl Surfaces {
 
     /// Forgets all depth images: the time jumped back.
     pub(super) fn reset(&mut self) {
-        self.ages.iter_mut().for_each(Freshness::reset);
         self.cameras.clear();
     }
 
@@ -169,29 +166,25 @@ impl Surfaces {
         surface.observe(camera, scene, &info.header.frame_id, of_sensor);
     }
 
-    /// The state of a camera's surface; undated if it has none, or nobody watches and so none is received.
-    pub(super) fn state(
-        &mut self,
-        lit: &LitView<'_>,
-        source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
-        now: Now,
-    ) -> AgeState {
+    /// Whether a camera's surface is there and current.
+    pub(super) fn condition(&mut self, lit: &LitView<'_>, now: Now) -> Condition {
         let camera = lit.view.name.as_str();
-        let Some(topic) = of_camera(&self.rules.surfaces, camera) else { return AgeState::Undated };
+        let Some(topic) = of_camera(&self.rules.surfaces, camera) else { return Condition::Always };
         if let Some(why) = &lit.unknown_lens {
-            return AgeState::Stale(format!("where the lens sends light is not known: {why}"));
+            return Condition::Dark(format!("where the lens sends light is not known: {why}"));
         }
         let Some(surface) = self.cameras.get_mut(camera) else {
-            return AgeState::Stale(format!("no surface on {topic} yet"));
+            return Condition::Dark(format!("no surface on {topic} yet"));
         };
-        let state = match lit.is_watched {
-            true => surface.state(&mut self.ages, source, now),
-            false => AgeState::Undated,
+        let condition = match lit.is_watched {
+            true => surface.condition(self.limits.of_measurement(topic, SURFACE_LIMIT), now),
+            // Nothing is received.
+            false => Condition::Dark("nobody watches".to_owned()),
         };
-        if !matches!(state, AgeState::Current(_)) && surface.placed.take().is_some() {
+        if matches!(condition, Condition::Dark(_)) && surface.placed.take().is_some() {
             lock(&surface.confirmer).forget();
         }
-        state
+        condition
     }
 
     /// Surface that a camera's frames are checked against; `None` if nothing has to be confirmed.
@@ -232,12 +225,16 @@ impl CameraSurface {
         };
         let Some(header) = header(&message) else { return };
         let stamp = time_from_stamp(header.stamp);
-        let Ok(projector_from_sensor) = transforms.lookup(optical_frame, &header.frame_id, stamp) else { return };
+        let Ok((projector_from_sensor, known_at)) = transforms.lookup_stamped(optical_frame, &header.frame_id, stamp)
+        else {
+            return;
+        };
         match self.decoder.decode(&self.topic, &message, info) {
             Ok(grid) => {
                 lock(&self.confirmer).observe(camera, &projector_from_sensor, &grid);
                 self.version += 1;
-                self.placed = Some(ShownMessage { stamp, received: Some(received) });
+                // Without a stamp, it was placed by the newest transform, which may be old.
+                self.placed = Some([stamp, known_at].map(|stamp| Measured { stamp, received }));
                 self.problem = None;
             }
             Err(problem) => {
@@ -247,23 +244,14 @@ impl CameraSurface {
         }
     }
 
-    fn state(
-        &self,
-        ages: &mut Option<Freshness>,
-        source: &impl Fn(&str, MessageKind) -> Option<TopicSource>,
-        now: Now,
-    ) -> AgeState {
+    fn condition(&self, limit: Duration, now: Now) -> Condition {
         let Self { topic, placed, problem, .. } = self;
-        match (placed, problem, ages) {
-            (_, Some(problem), _) => AgeState::Stale(format!("surface on {topic}: {problem}")),
-            (None, None, _) => AgeState::Stale(format!("no current surface on {topic}")),
-            (Some(_), None, None) => AgeState::Current(None),
-            (Some(placed), None, Some(ages)) => {
-                let unlatched = |topic: &str, kind| {
-                    let TopicSource { topic, publishing } = source(topic, kind)?;
-                    Some(TopicSource { topic, publishing: Publishing { is_latched: false, ..publishing } })
-                };
-                ages.data("surface", [(topic.as_str(), MessageKind::PointCloud2)], *placed, &unlatched, now)
+        match (placed, problem) {
+            (_, Some(problem)) => Condition::Dark(format!("surface on {topic}: {problem}")),
+            (None, None) => Condition::Dark(format!("no current surface on {topic}")),
+            (Some([image, transform]), None) => {
+                let of_image = image.condition(&format!("surface on {topic}"), limit, now);
+                of_image.and(transform.condition(&format!("transform of the surface on {topic}"), limit, now))
             }
         }
     }

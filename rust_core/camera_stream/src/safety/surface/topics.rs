@@ -6,7 +6,6 @@ use rcs_ros::image_topic::camera_info_topic;
 use rcs_ros::{NodeError, RosNode, TopicSubscription};
 
 use super::grid::raw_topic;
-use crate::safety::ages::TopicSource;
 
 /// Types of messages that have a surface.
 const KINDS: [MessageKind; 3] = [MessageKind::Image, MessageKind::CompressedImage, MessageKind::PointCloud2];
@@ -54,12 +53,6 @@ impl SurfaceTopics {
                 topic.subscribe_or_log(ros);
             }
         }
-    }
-
-    /// The publishers of a topic, by its whole name.
-    pub(in crate::safety) fn source(&self, topic: &str) -> Option<TopicSource> {
-        let found = self.0.iter().find(|known| known.whole == topic)?;
-        Some(TopicSource { topic: topic.to_owned(), publishing: found.subscriptions.first()?.publishing() })
     }
 }
 

@@ -1,0 +1,144 @@
+//! The evidence about what may be lit, and the decision from it.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rcs_render::LastStep;
+
+use crate::cause::{Content, DarkCause, DarkReason};
+use crate::grant::{Generation, Grant, GrantedLight};
+
+/// State of one cause.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// Dark, and why.
+    Dark(String),
+    /// May be lit until then, if nothing new arrives.
+    Until(Instant),
+    /// May be lit as long as nobody says otherwise: not for what is measured.
+    Always,
+}
+
+impl Condition {
+    /// Both: the first that is dark, else the sooner end.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Dark(why), _) | (_, Self::Dark(why)) => Self::Dark(why),
+            (Self::Always, other) | (other, Self::Always) => other,
+            (Self::Until(a), Self::Until(b)) => Self::Until(a.min(b)),
+        }
+    }
+}
+
+/// The rules of a camera that do not change with each frame.
+#[derive(Clone, Debug)]
+pub struct LightRules {
+    /// `true` if there are masks, keep-out frames, confirmed light or, for received images, a timeout.
+    pub protects_eyes: bool,
+    /// `true` if only light that a measured surface confirms is allowed.
+    pub must_confirm: bool,
+    /// Longest duration of a grant: an output that hears nothing for this long is black.
+    pub limit: Duration,
+}
+
+impl LightRules {
+    /// No rules: nothing but the end of the process ends the light, after this limit.
+    pub fn none(limit: Duration) -> Self {
+        Self { protects_eyes: false, must_confirm: false, limit }
+    }
+}
+
+/// A condition for each cause that applies, and the allowed light at each pixel. A cause that nobody has set is dark.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    rules: LightRules,
+    rows: Vec<(DarkCause, Condition)>,
+    post: Arc<LastStep>,
+}
+
+impl Evidence {
+    /// Evidence of which nothing is known yet: dark for each of the causes, which are in the table's order.
+    pub fn unknown(causes: &[DarkCause], rules: LightRules, post: Arc<LastStep>) -> Self {
+        let rows = causes.iter().map(|cause| (*cause, Condition::Dark("nothing is known yet".to_owned()))).collect();
+        Self { rules, rows, post }
+    }
+
+    /// Sets the state of a cause. One that does not apply is an error of the program, and stays dark.
+    pub fn set(&mut self, cause: DarkCause, condition: Condition) {
+        match self.rows.iter_mut().find(|(known, _)| *known == cause) {
+            Some((_, known)) => *known = condition,
+            None => self.rows.insert(0, (cause, Condition::Dark(format!("{cause:?} is no cause here")))),
+        }
+    }
+
+    /// Takes over the state of a cause.
+    pub fn keep(&mut self, cause: DarkCause, from: &Self) {
+        if let Some((_, condition)) = from.rows.iter().find(|(known, _)| *known == cause) {
+            self.set(cause, condition.clone());
+        }
+    }
+
+    /// The rules.
+    pub fn rules(&self) -> &LightRules {
+        &self.rules
+    }
+
+    /// Post-processing with the allowed light at each pixel, and the orientation.
+    pub fn post(&self) -> &Arc<LastStep> {
+        &self.post
+    }
+
+    /// The first cause in the table that darkens the scene now.
+    pub fn dark_reason(&self, now: Instant) -> Option<DarkReason> {
+        self.check(Content::Scene, now).err()
+    }
+
+    /// The time of the next change if nothing new arrives.
+    pub fn end(&self) -> Option<Instant> {
+        let until = |(_, condition): &(DarkCause, Condition)| match condition {
+            Condition::Until(until) => Some(*until),
+            Condition::Dark(_) | Condition::Always => None,
+        };
+        self.rows.iter().filter_map(until).min()
+    }
+
+    /// Decides about content for an image of this size (before it is turned). `operator` is the generation of the
+    /// operator's words, or why the operator wants no light.
+    ///
+    /// # Errors
+    /// The first cause in the table for which the content is dark.
+    pub fn decide(
+        &self,
+        content: Content,
+        size_px: [u32; 2],
+        operator: Result<Generation, DarkReason>,
+        now: Instant,
+    ) -> Result<Grant, DarkReason> {
+        let generation = operator?;
+        let until = self.check(content, now)?;
+        let blend = self.post.blend.clone().filter(|_| content == Content::Scene);
+        let post = match blend == self.post.blend {
+            true => Arc::clone(&self.post),
+            // Blending lifts the black of scenes only.
+            false => Arc::new(LastStep { blend, ..LastStep::clone(&self.post) }),
+        };
+        Ok(Grant::new(until, generation, GrantedLight { size_px, post, must_confirm: self.rules.must_confirm }))
+    }
+
+    /// The end of what holds now.
+    fn check(&self, content: Content, now: Instant) -> Result<Instant, DarkReason> {
+        let mut until = now + self.rules.limit;
+        for (cause, condition) in self.rows.iter().filter(|row| row.0.darkens(content, self.rules.protects_eyes)) {
+            match condition {
+                Condition::Dark(why) => return Err(DarkReason::new(*cause, why.clone())),
+                Condition::Until(end) if *end <= now => {
+                    return Err(DarkReason::new(*cause, "the node is busy, and its data are too old by now"));
+                }
+                Condition::Until(end) => until = until.min(*end),
+                Condition::Always => {}
+            }
+        }
+        Ok(until)
+    }
+}

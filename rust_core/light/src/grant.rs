@@ -1,0 +1,206 @@
+//! Grants of light, and content with its grant.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rcs_render::{LastStep, LightMask};
+use rcs_scene::{Encoding, Picture};
+
+/// Duration of the grant of a tool that a person runs at the projector.
+const TOOL_LIMIT: Duration = Duration::from_secs(86_400);
+
+/// The generation of the operator's words and the config. Clones are of the moment; each is void after the next
+/// [`advance`](Self::advance) of any of them.
+#[derive(Clone, Debug, Default)]
+pub struct Generation {
+    counter: Arc<AtomicU64>,
+    number: u64,
+}
+
+impl Generation {
+    /// Voids all grants so far.
+    pub fn advance(&mut self) {
+        self.number = self.counter.fetch_add(1, Ordering::AcqRel) + 1;
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.counter, &other.counter) && self.number == other.number
+    }
+
+    fn is_current(&self) -> bool {
+        self.counter.load(Ordering::Acquire) == self.number
+    }
+}
+
+/// The allowed light at each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct GrantedLight {
+    /// Width and height of the images before they are turned.
+    pub(crate) size_px: [u32; 2],
+    /// Post-processing: masks, keep-out frames, orientation.
+    pub(crate) post: Arc<LastStep>,
+    /// `true`: nothing is lit before [`Grant::confirm`].
+    pub(crate) must_confirm: bool,
+}
+
+/// Permission to light content of one size: until when, of which generation, and how much at each pixel.
+#[derive(Clone, Debug)]
+pub struct Grant {
+    until: Instant,
+    generation: Generation,
+    light: GrantedLight,
+}
+
+impl Grant {
+    pub(crate) fn new(until: Instant, generation: Generation, light: GrantedLight) -> Self {
+        Self { until, generation, light }
+    }
+
+    /// The grant of a tool that shows its own images, such as a crosshair: a person runs it at the projector.
+    pub fn of_tool() -> Self {
+        let light = GrantedLight { size_px: [0, 0], post: Arc::default(), must_confirm: false };
+        Self::new(Instant::now() + TOOL_LIMIT, Generation::default(), light)
+    }
+
+    /// `true` while content may be shown.
+    pub fn is_valid(&self, now: Instant) -> bool {
+        now < self.until && self.generation.is_current()
+    }
+
+    /// End of the grant, if it does not become void before.
+    pub fn until(&self) -> Instant {
+        self.until
+    }
+
+    /// The grant with an earlier end.
+    #[must_use]
+    pub fn until_at_most(self, until: Instant) -> Self {
+        Self { until: self.until.min(until), ..self }
+    }
+
+    /// Post-processing of images.
+    pub fn post(&self) -> &Arc<LastStep> {
+        &self.light.post
+    }
+
+    /// `true` if both are of one generation and allow the same light at each pixel.
+    pub fn allows_the_same(&self, other: &Self) -> bool {
+        self.generation.is_same(&other.generation) && self.light == other.light
+    }
+
+    /// Allows only light that is confirmed: 255 in this mask. `None`, or a mask of another size, confirms nothing.
+    #[must_use]
+    pub fn confirm(mut self, mask: Option<Arc<LightMask>>) -> Self {
+        let mask = mask.filter(|mask| mask.size_px() == self.light.size_px);
+        if self.light.must_confirm {
+            self.light.post = Arc::new(LastStep { confirmed: mask, ..LastStep::clone(&self.light.post) });
+        }
+        self
+    }
+
+    /// `true` if a surface must confirm the light and nothing did so far.
+    pub fn is_unconfirmed(&self) -> bool {
+        self.light.must_confirm && self.light.post.confirmed.is_none()
+    }
+
+    /// Post-processes a picture: what is not allowed becomes dark, and it is turned. `None` for one of another size or
+    /// without confirmation: it is not to be shown.
+    pub fn light(self, mut picture: Picture, scratch: &mut Picture) -> Option<Lit<Arc<Picture>>> {
+        if self.is_unconfirmed() || [picture.width_px, picture.height_px] != self.light.size_px {
+            return None;
+        }
+        self.light.post.apply(&mut picture, scratch);
+        Some(Lit { content: Arc::new(picture), grant: self })
+    }
+
+    /// Darkens what is not allowed in a picture that stands on the projector as it is, and so is not turned. `None` as
+    /// for [`light`](Self::light).
+    pub fn light_turned(self, mut picture: Picture) -> Option<Lit<Arc<Picture>>> {
+        let shown_px = [picture.width_px, picture.height_px];
+        if self.is_unconfirmed() || shown_px != self.light.post.orientation.size_px(self.light.size_px) {
+            return None;
+        }
+        let allowed = LightMask::new(shown_px, self.allowed().data)?;
+        let dim = LastStep { masks: vec![Arc::new(allowed)], ..LastStep::default() };
+        dim.apply(&mut picture, &mut Picture::default());
+        Some(Lit { content: Arc::new(picture), grant: self })
+    }
+
+    /// Content of any kind, where the grant allows all light at each pixel; `None` where it does not.
+    pub fn show<T>(self, content: T) -> Option<Lit<T>> {
+        let has_no_limit = *self.light.post == LastStep::default() && !self.light.must_confirm;
+        has_no_limit.then_some(Lit { content, grant: self })
+    }
+
+    /// The share of light that is allowed at each pixel of the turned image: mono8, 255 for all.
+    pub fn allowed(&self) -> Picture {
+        let mut allowed = Picture::default();
+        allowed.reset(self.light.size_px[0], self.light.size_px[1], Encoding::Mono8);
+        allowed.data.fill(if self.is_unconfirmed() { 0 } else { u8::MAX });
+        // Blending is no mask.
+        let post = LastStep { blend: None, ..LastStep::clone(&self.light.post) };
+        post.apply(&mut allowed, &mut Picture::default());
+        allowed
+    }
+}
+
+impl<T> Lit<Arc<T>> {
+    /// `true` if both are one content, not only an equal one.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.content, &other.content)
+    }
+}
+
+impl Lit<Arc<Picture>> {
+    /// Width and height.
+    pub fn size_px(&self) -> [u32; 2] {
+        [self.content.width_px, self.content.height_px]
+    }
+
+    /// Encoding of the picture.
+    pub fn encoding(&self) -> Encoding {
+        self.content.encoding
+    }
+}
+
+/// Content with the grant under which it may be shown.
+#[derive(Clone, Debug)]
+pub struct Lit<T> {
+    content: T,
+    grant: Grant,
+}
+
+impl<T> Lit<T> {
+    /// The content while it may be shown.
+    pub fn content(&self, now: Instant) -> Option<&T> {
+        self.grant.is_valid(now).then_some(&self.content)
+    }
+
+    /// The grant.
+    pub fn grant(&self) -> &Grant {
+        &self.grant
+    }
+
+    /// Takes a later grant, if it allows the same light at each pixel. Returns `true` if so.
+    pub fn renew(&mut self, grant: &Grant) -> bool {
+        let is_same = self.grant.allows_the_same(grant);
+        if is_same {
+            self.grant = grant.clone();
+        }
+        is_same
+    }
+
+    /// The same content in another form, which has the same light.
+    ///
+    /// # Errors
+    /// Those of `convert`.
+    pub fn convert<U, E>(&self, convert: impl FnOnce(&T) -> Result<U, E>) -> Result<Lit<U>, E> {
+        Ok(Lit { content: convert(&self.content)?, grant: self.grant.clone() })
+    }
+
+    /// The content for its memory: to be drawn over, not to be shown.
+    pub fn into_memory(self) -> T {
+        self.content
+    }
+}
