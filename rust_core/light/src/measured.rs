@@ -45,9 +45,10 @@ impl Measured {
         }
         match limit.checked_sub(since_received.max(since_stamp)) {
             Some(left) if !left.is_zero() => Condition::Until(now.steady + left),
-            _ if since_stamp > limit && since_received < limit => {
-                Condition::Dark(format!("{what}: its stamp is {:.1} s old, more than {limit_secs} s", since_stamp.as_secs_f64()))
-            }
+            _ if since_stamp > limit && since_received < limit => Condition::Dark(format!(
+                "{what}: its stamp is {:.1} s old, more than {limit_secs} s",
+                since_stamp.as_secs_f64()
+            )),
             _ => Condition::Dark(format!("{what}: no data of the last {limit_secs} s")),
         }
     }

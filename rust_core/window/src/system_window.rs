@@ -10,8 +10,8 @@ use rustix::io::Errno;
 use xkeysym::Keysym;
 
 use crate::error::WindowError;
-use crate::on_screen::OnScreen;
 use crate::monitor::{MonitorChoice, MonitorInfo};
+use crate::on_screen::OnScreen;
 use crate::refresh::Refresh;
 
 /// Settings of a window.

@@ -148,7 +148,8 @@ fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndR
     let shown = window::run_with(&options, &sink, |event, sink| match event {
         UserEvent::Opened(monitor) => {
             lock(&viewer).set_monitor(monitor.clone());
-            let started = following.take().map(|following| thread::Builder::new().name("node".to_owned()).spawn(following));
+            let started =
+                following.take().map(|following| thread::Builder::new().name("node".to_owned()).spawn(following));
             if let Some(Err(error)) = started {
                 log::error!("cannot start the node's thread: {error}");
                 sink.close();

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_light::{
-    BlackoutFile, Blackouts, Condition, Content, DarkCause, DarkReason, Evidence, Generation, LightRules, Lit, Measured,
-    Now,
+    BlackoutFile, Blackouts, Condition, Content, DarkCause, DarkReason, Evidence, Generation, LightRules, Lit,
+    Measured, Now,
 };
 use rcs_transforms::Time;
 use rcs_window::test_pictures::TestPicture;
@@ -318,7 +318,10 @@ mod tests {
     fn test_pictures_before_any_image_are_for_focusing_where_nothing_is_guarded() {
         for (timeout_secs, expected) in [(0.0, None), (1.0, Some(DarkCause::NoImage))] {
             let mut viewer = Viewer::new(monitor(), Duration::from_secs_f64(timeout_secs));
-            assert_eq!(dark(&viewer, Now { ros: Time::ZERO, steady: Instant::now(), resumed: None }), Some(DarkCause::NoImage));
+            assert_eq!(
+                dark(&viewer, Now { ros: Time::ZERO, steady: Instant::now(), resumed: None }),
+                Some(DarkCause::NoImage)
+            );
             viewer.press(T);
             assert_eq!(dark(&viewer, Now { ros: Time::ZERO, steady: Instant::now(), resumed: None }), expected);
         }

@@ -384,7 +384,8 @@ impl CameraOutput {
         if let Some(test) = pattern.or(operator.test_picture.map(TestImage::Picture)) {
             match decide(Content::Test) {
                 Ok(grant) if grant.is_unconfirmed() => {
-                    let dark = DarkReason::new(DarkCause::Surface, "no light of the scene was confirmed before the test");
+                    let dark =
+                        DarkReason::new(DarkCause::Surface, "no light of the scene was confirmed before the test");
                     return Err((FrameContent::Black { size_px, dark }, None));
                 }
                 Ok(grant) => {

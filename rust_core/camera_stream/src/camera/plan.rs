@@ -85,7 +85,6 @@ pub(crate) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
 }
 
 impl CameraPlan {
-
     /// Its display's name.
     pub(crate) fn name(&self) -> &str {
         &self.view.name

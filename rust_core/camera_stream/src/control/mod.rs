@@ -140,6 +140,12 @@ impl Control {
         Self { state, file, tell: Box::new(tell), wake: Box::new(wake) }
     }
 
+    /// A control without a node.
+    #[cfg(test)]
+    pub(crate) fn for_test(file: BlackoutFile) -> Self {
+        Self::new(file, |_| {}, || {})
+    }
+
     /// Writes the parameter of `~blackout`: at the start, and to a master that was restarted.
     pub(crate) fn tell_parameter(&self) {
         let is_black = lock(&self.state).blackouts.all.is_some();
@@ -318,7 +324,9 @@ impl Control {
         let mut kept = lock(&self.file);
         // A newer one may be in it already.
         if kept.number < number {
-            kept.file.write(&blackouts).map_err(|error| format!("the blackouts are not kept for a restart: {error}"))?;
+            kept.file
+                .write(&blackouts)
+                .map_err(|error| format!("the blackouts are not kept for a restart: {error}"))?;
             kept.number = number;
         }
         Ok(())

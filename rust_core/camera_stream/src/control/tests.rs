@@ -101,9 +101,7 @@ fn a_word_of_the_operator_and_a_config_void_what_was_granted_before() {
         Arc::default(),
     );
     let now = Instant::now();
-    let grant = |name: &str| {
-        evidence.decide(rcs_light::Content::Scene, [1, 1], control.of_camera(name).light, now)
-    };
+    let grant = |name: &str| evidence.decide(rcs_light::Content::Scene, [1, 1], control.of_camera(name).light, now);
     let (left, right) = (grant("Left").unwrap(), grant("Right").unwrap());
     control.press("Left", B);
     assert!(!left.is_valid(now) && right.is_valid(now) && grant("Left").is_err());

@@ -21,9 +21,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
+use rcs_light::{Grant, Lit};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
-use rcs_light::{Grant, Lit};
 use rcs_scene::{Encoding, Picture};
 use rcs_window::{OnScreen, Refresh};
 
@@ -70,10 +70,9 @@ impl FrameImage {
     pub(crate) fn picture(&self, now: Instant) -> Arc<Picture> {
         match &self.0 {
             ImageContent::Black(picture) => Arc::clone(picture),
-            ImageContent::Lit(lit) => lit.content(now).map_or_else(
-                || Arc::new(black_picture(lit.size_px(), lit.encoding())),
-                Arc::clone,
-            ),
+            ImageContent::Lit(lit) => {
+                lit.content(now).map_or_else(|| Arc::new(black_picture(lit.size_px(), lit.encoding())), Arc::clone)
+            }
         }
     }
 

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use anyhow::Result;
-use rcs_messages::{stamp_nanos, Time};
 use rcs_light::Grant;
+use rcs_messages::{stamp_nanos, Time};
 use rcs_scene::{lock, Encoding};
 use rcs_web::{ImageFile, Images};
 

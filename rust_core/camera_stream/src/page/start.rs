@@ -21,8 +21,9 @@ const TOKEN_FILE: &str = "rviz_camera_stream/web_token";
 /// One line: no token, or an address that cannot be listened at.
 pub(crate) fn start(options: &WebOptions, config: &Path, shared: &Arc<NodeState>) -> Result<Server> {
     let option = &options.option;
-    let file =
-        rcs_ros::ros_folder().with_context(|| format!("{option}: no folder for the token; set ROS_HOME"))?.join(TOKEN_FILE);
+    let file = rcs_ros::ros_folder()
+        .with_context(|| format!("{option}: no folder for the token; set ROS_HOME"))?
+        .join(TOKEN_FILE);
     let token = Token::load_or_create(&file).with_context(|| format!("{option}: no token"))?;
     let names = rcs_ros::host_names();
     let access = Access::new(token, names.iter().chain(&options.hosts).cloned());

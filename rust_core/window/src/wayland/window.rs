@@ -20,8 +20,8 @@ use wayland_protocols::xdg::shell::client::xdg_wm_base::XdgWmBase;
 
 use super::state::{lost, lost_connection, CompositorState, WaylandSession};
 use crate::error::WindowError;
-use crate::on_screen::OnScreen;
 use crate::monitor::MonitorInfo;
+use crate::on_screen::OnScreen;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
 use crate::system_window::{poll_until, SystemEvent, SystemWindow, WindowOptions};
 use crate::watch::{DesktopRect, MonitorWatch, WindowAction};
