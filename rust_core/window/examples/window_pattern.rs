@@ -1,18 +1,20 @@
 //! Shows a test pattern full screen, as `projector_window` shows an image topic.
 //!
-//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--stale-timeout SECONDS] [--set-mode
-//! yes] [--keys window] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
+//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--limit SECONDS] [--set-mode yes]
+//! [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
 //! 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same. The same picture is
-//! shown again half a second later. Keys and the monitor are logged, unless the window answers keys itself. Escape or q
-//! quit.
+//! shown again half a second later; with a limit, it is granted for that long. Keys and the monitor are logged. B is
+//! black, Escape or q quit.
 
 use std::error::Error;
 use std::io::Write;
+use std::sync::Arc;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use log::LevelFilter;
-use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowOptions};
+use rcs_light::{Content, Evidence, Generation, LightRules};
+use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey, WindowOptions};
 
 fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     ScreenPicture::from_fn(width_px, height_px, |u, v| {
@@ -30,16 +32,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;
     let (width, height): (u32, u32) = (width.parse()?, height.parse()?);
     let mut options = WindowOptions { source: "the test pattern".to_owned(), ..WindowOptions::default() };
-    let (mut has_own_keys, mut identify, mut keep) = (false, None, None);
+    let (mut identify, mut keep) = (None, None);
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or("each option takes a value")?;
         match flag.as_str() {
             "--monitor" => options.monitor = value.parse()?,
             "--screenshot" => options.screenshot = Some(value.into()),
-            "--stale-timeout" => options.stale_timeout = Some(Duration::from_secs_f64(value.parse()?)),
+            "--limit" => options.light_limit = Some(Duration::from_secs_f64(value.parse()?)),
             "--set-mode" => options.set_mode = true,
             "--keep" => keep = Some(value),
-            "--keys" => has_own_keys = true,
             "--identify" => identify = Some(Duration::from_secs_f64(value.parse()?)),
             _ => return Err(format!("unknown option {flag}").into()),
         }
@@ -50,25 +51,37 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(title) = keep {
         return Ok(window::keep_over(&title, &options.monitor, || false)?);
     }
+    let limit = options.light_limit;
+    let show_once = move |sink: &PictureSink| match limit {
+        None => sink.show(pattern(width, height)),
+        Some(limit) => {
+            let evidence = Evidence::unknown(&[], LightRules::none(limit), Arc::default());
+            let grant = evidence.decide(Content::Scene, [width, height], Ok(Generation::default()), Instant::now());
+            let lit = grant.ok().and_then(|grant| grant.show(Arc::new(pattern(width, height))));
+            lit.into_iter().for_each(|lit| sink.show_lit(lit));
+        }
+    };
     let show = move |sink: PictureSink| {
         thread::spawn(move || {
-            sink.show(pattern(width, height));
+            show_once(&sink);
             thread::sleep(Duration::from_millis(500));
-            sink.show(pattern(width, height));
+            show_once(&sink);
             log::info!("this was the second picture");
             log::info!("refreshed every {:?}", sink.refresh().map(|refresh| refresh.period()));
         });
     };
-    if has_own_keys {
-        return Ok(window::run(&options, show)?);
-    }
     window::run_interactive(&options, move |event, sink| match event {
         UserEvent::Opened(monitor) => {
             log::info!("opened on {monitor}");
             show(sink.clone());
         }
         UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),
-        UserEvent::Key { key, .. } => log::info!("key {key:?}"),
+        UserEvent::Key { key, is_repeat } => {
+            log::info!("key {key:?}{}", if is_repeat { " again" } else { "" });
+            if key == WindowKey::Character('b') {
+                sink.clear();
+            }
+        }
     })?;
     Ok(())
 }

@@ -26,8 +26,6 @@ use pattern::Pattern;
 
 /// Parameter of `~blackout`, and of a camera's own below its name.
 pub(crate) const BLACKOUT: &str = "blackout";
-/// Who says so with a key.
-const BY_KEY: &str = "a key in its window";
 
 /// The operator's words. Cheap to read from any thread.
 pub(crate) struct Control {
@@ -250,7 +248,8 @@ impl Control {
     pub(crate) fn press(&self, name: &str, key: WindowKey) {
         match key {
             WindowKey::Character(key @ ('b' | 'B' | 'L')) => {
-                if let Err(error) = self.set_camera_blackout(name, key != 'L', BY_KEY) {
+                let (on, caller) = if key == 'L' { (false, "key Shift+L") } else { (true, "key b") };
+                if let Err(error) = self.set_camera_blackout(name, on, caller) {
                     log::error!("camera {name}: {error}");
                 }
             }

@@ -28,7 +28,7 @@ fn black_is_no_toggle_and_is_released_by_another_act() {
     let control = control(folder.path());
     assert_eq!(blackouts(&control, BOTH), [None, None]);
     (0..40).for_each(|_| control.press("Left", B));
-    let of_key = why("blackout by a key in its window, of this camera");
+    let of_key = why("blackout by key b, of this camera");
     assert_eq!(blackouts(&control, BOTH), [of_key.clone(), None]);
     control.set_camera_blackout("Left", true, "/gui").unwrap();
     assert_eq!(blackouts(&control, BOTH), [of_key, None], "who was first");

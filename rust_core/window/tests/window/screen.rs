@@ -199,16 +199,24 @@ impl Screen {
 
     /// Presses and releases the key that types `keysym`.
     pub(crate) fn press(&self, keysym: u32) {
+        self.hold(keysym, || {});
+    }
+
+    /// Holds the key that types `keysym` down meanwhile.
+    pub(crate) fn hold(&self, keysym: u32, meanwhile: impl FnOnce()) {
         let (first, last) = (self.connection.setup().min_keycode, self.connection.setup().max_keycode);
         let mapping = self.connection.get_keyboard_mapping(first, last - first + 1).unwrap();
         let mapping = mapping.reply().unwrap();
         let per_key = usize::from(mapping.keysyms_per_keycode);
         let place = mapping.keysyms.chunks(per_key).position(|keysyms| keysyms.contains(&keysym));
         let keycode = first + u8::try_from(place.unwrap()).unwrap();
-        for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
+        let send = |event| {
             let request = self.connection.xtest_fake_input(event, keycode, 0, self.root, 0, 0, 0);
             request.unwrap().check().unwrap();
-        }
+        };
+        send(KEY_PRESS_EVENT);
+        meanwhile();
+        send(KEY_RELEASE_EVENT);
     }
 
     /// Presses a key until the program ends: the window has the keyboard only once it has settled.
@@ -295,5 +303,4 @@ pub(crate) const LETTER_Q: u32 = 0x0071;
 pub(crate) const SPACE: u32 = 0x0020;
 pub(crate) const LEFT: u32 = 0xff51;
 pub(crate) const LETTER_B: u32 = 0x0062;
-pub(crate) const LETTER_T: u32 = 0x0074;
 pub(crate) const LETTER_N: u32 = 0x006e;

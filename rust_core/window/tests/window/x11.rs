@@ -153,35 +153,29 @@ fn an_unknown_monitor_and_a_missing_display_are_errors_that_name_them() {
 }
 
 #[test]
-fn keys_show_black_and_test_pictures_and_pause() {
+fn a_key_that_is_held_down_is_told_from_one_that_is_pressed_again() {
     let screen = Screen::start(true);
-    let mut window = screen.show(&["1280x800", "--keys", "window"]);
-    let picture = expected(1280, 800);
-    screen.wait_for_pixels(&mut window, &picture);
-    screen.press(LETTER_B);
-    screen.wait_for_pixels(&mut window, &expected(0, 0));
-    screen.press(LETTER_B);
-    screen.wait_for_pixels(&mut window, &picture);
-    screen.press(LETTER_T);
-    wait_for("a test picture", || {
-        let pixels = screen.pixels();
-        (pixels[0] == 0x00ff_ffff && pixels != picture).then_some(())
+    let mut window = screen.show(&["1280x800"]);
+    screen.wait_for_pixels(&mut window, &expected(1280, 800));
+    wait_for("the keyboard", || {
+        screen.press(SPACE);
+        window.log_text().contains("key Space").then_some(())
     });
+    screen.hold(LETTER_N, || {
+        wait_for("repetitions", || (window.log_text().matches("key Character('n') again").count() > 3).then_some(()));
+    });
+    assert_eq!(window.log_text().matches("key Character('n')\n").count(), 1, "{}", window.log_text());
     screen.press(LETTER_B);
     screen.wait_for_pixels(&mut window, &expected(0, 0));
-    screen.press(LETTER_B);
-    screen.wait_for_pixels(&mut window, &picture);
-    screen.press(SPACE);
-    wait_for("the pause", || window.log_text().contains("paused").then_some(()));
     assert!(screen.quit(&mut window, ESCAPE).success());
 }
 
 #[test]
-fn the_window_becomes_black_when_pictures_stop() {
+fn the_window_becomes_black_when_its_grant_ends() {
     let screen = Screen::start(true);
-    let mut window = screen.show(&["1280x800", "--stale-timeout", "2"]);
+    let mut window = screen.show(&["1280x800", "--limit", "2"]);
     screen.wait_for_pixels(&mut window, &expected(1280, 800));
-    wait_for("the warning", || window.log_text().contains("no picture for 2 s: the window is black").then_some(()));
+    wait_for("the warning", || window.log_text().contains("no picture in time: the window is black").then_some(()));
     screen.wait_for_pixels(&mut window, &expected(0, 0));
     assert!(screen.quit(&mut window, ESCAPE).success());
 }
