@@ -142,3 +142,107 @@ impl Evidence {
         Ok(until)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rcs_render::Blend;
+
+    use super::*;
+
+    const LIMIT: Duration = Duration::from_secs(1);
+
+    /// Evidence of a camera with all causes well.
+    fn lit(protects_eyes: bool, post: LastStep) -> Evidence {
+        let rules = LightRules { protects_eyes, must_confirm: false, limit: LIMIT };
+        let mut evidence = Evidence::unknown(&DarkCause::OF_CAMERA, rules, Arc::new(post));
+        DarkCause::OF_CAMERA.iter().for_each(|cause| evidence.set(*cause, Condition::Always));
+        evidence
+    }
+
+    fn unknown() -> Evidence {
+        Evidence::unknown(&DarkCause::OF_CAMERA, LightRules::none(LIMIT), Arc::default())
+    }
+
+    fn decide(evidence: &Evidence, content: Content, now: Instant) -> Result<Grant, DarkCause> {
+        evidence.decide(content, [1, 1], Ok(Generation::default()), now).map_err(|dark| dark.cause)
+    }
+
+    #[test]
+    fn a_cause_that_nobody_has_set_is_dark_and_so_is_one_that_is_none_here() {
+        let now = Instant::now();
+        for missing in DarkCause::OF_CAMERA {
+            let mut evidence = unknown();
+            let others = DarkCause::OF_CAMERA.into_iter().filter(|cause| *cause != missing);
+            others.for_each(|cause| evidence.set(cause, Condition::Always));
+            assert_eq!(decide(&evidence, Content::Scene, now).err(), Some(missing));
+            assert_eq!(evidence.dark_reason(now).map(|dark| dark.cause), Some(missing));
+        }
+        let mut evidence = lit(true, LastStep::default());
+        assert!(decide(&evidence, Content::Scene, now).is_ok() && evidence.dark_reason(now).is_none());
+        evidence.set(DarkCause::BlackImage, Condition::Always);
+        assert_eq!(decide(&evidence, Content::Scene, now).err(), Some(DarkCause::BlackImage));
+    }
+
+    #[test]
+    fn the_operator_comes_before_all() {
+        let black = Err(DarkReason::new(DarkCause::Blackout, "key b"));
+        let decided = lit(false, LastStep::default()).decide(Content::Test, [1, 1], black, Instant::now());
+        assert_eq!(decided.err().map(|dark| dark.cause), Some(DarkCause::Blackout));
+    }
+
+    #[test]
+    fn a_grant_ends_with_the_first_condition_and_after_the_limit_at_the_latest() {
+        let (now, mut evidence) = (Instant::now(), lit(true, LastStep::default()));
+        let after = |millis| now + Duration::from_millis(millis);
+        assert_eq!(decide(&evidence, Content::Scene, now).unwrap().until(), now + LIMIT);
+        assert_eq!(evidence.end(), None);
+        evidence.set(DarkCause::Mask, Condition::Until(after(700)));
+        evidence.set(DarkCause::Displays, Condition::Until(after(300)));
+        assert_eq!(decide(&evidence, Content::Scene, now).unwrap().until(), after(300));
+        assert_eq!(decide(&evidence, Content::Test, now).unwrap().until(), after(700), "a test picture shows no data");
+        assert_eq!(evidence.end(), Some(after(300)));
+        assert_eq!(decide(&evidence, Content::Scene, after(300)).err(), Some(DarkCause::Displays));
+        assert_eq!(decide(&evidence, Content::Test, after(700)).err(), Some(DarkCause::Mask));
+        evidence.set(DarkCause::Mask, Condition::Until(after(5000)));
+        assert_eq!(decide(&evidence, Content::Test, after(100)).unwrap().until(), after(100) + LIMIT);
+    }
+
+    #[test]
+    fn what_darkens_a_note_depends_on_whether_eyes_are_protected() {
+        let now = Instant::now();
+        for (protects_eyes, expected) in [(false, None), (true, Some(DarkCause::NoCamera))] {
+            let mut evidence = lit(protects_eyes, LastStep::default());
+            evidence.set(DarkCause::NoCamera, Condition::Dark("no pose".to_owned()));
+            assert_eq!(decide(&evidence, Content::Note, now).err(), expected);
+        }
+    }
+
+    #[test]
+    fn the_state_of_a_cause_is_taken_over() {
+        let (known, mut evidence) = (lit(false, LastStep::default()), unknown());
+        evidence.keep(DarkCause::NoCamera, &known);
+        assert_eq!(evidence.dark_reason(Instant::now()).map(|dark| dark.cause), Some(DarkCause::UnknownName));
+        let others = DarkCause::OF_CAMERA.into_iter().filter(|cause| *cause != DarkCause::NoCamera);
+        others.for_each(|cause| evidence.set(cause, Condition::Always));
+        assert_eq!(evidence.dark_reason(Instant::now()), None);
+    }
+
+    #[test]
+    fn blending_lifts_the_black_of_scenes_only() {
+        let blend = Blend::new([1, 1], &[1.0], &[], 2.2).ok().map(Arc::new);
+        let (now, evidence) = (Instant::now(), lit(false, LastStep { blend, ..LastStep::default() }));
+        let has_blend = |content| decide(&evidence, content, now).unwrap().post().blend.is_some();
+        assert_eq!([Content::Scene, Content::Test, Content::Note].map(has_blend), [true, false, false]);
+    }
+
+    #[test]
+    fn of_two_conditions_the_worse_counts() {
+        let (now, dark) = (Instant::now(), || Condition::Dark("why".to_owned()));
+        let until = |secs| Condition::Until(now + Duration::from_secs(secs));
+        assert_eq!(until(1).and(dark()), dark());
+        assert_eq!(dark().and(Condition::Always), dark());
+        assert_eq!(until(2).and(until(1)), until(1));
+        assert_eq!(Condition::Always.and(until(1)), until(1));
+        assert_eq!(until(1).and(Condition::Always), until(1));
+    }
+}

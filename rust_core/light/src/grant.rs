@@ -204,3 +204,114 @@ impl<T> Lit<T> {
         self.content
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mask(size_px: [u32; 2], levels: &[u8]) -> Option<Arc<LightMask>> {
+        LightMask::new(size_px, levels.to_vec()).map(Arc::new)
+    }
+
+    /// A grant for a second, of images of 2 × 1 pixels.
+    fn grant(now: Instant, post: LastStep, must_confirm: bool) -> Grant {
+        let light = GrantedLight { size_px: [2, 1], post: Arc::new(post), must_confirm };
+        Grant::new(now + Duration::from_secs(1), Generation::default(), light)
+    }
+
+    fn white([width_px, height_px]: [u32; 2]) -> Picture {
+        let mut picture = Picture::default();
+        picture.reset(width_px, height_px, Encoding::Mono8);
+        picture.data.fill(200);
+        picture
+    }
+
+    fn levels(lit: Option<Lit<Arc<Picture>>>, now: Instant) -> Option<Vec<u8>> {
+        lit.map(|lit| lit.content(now).unwrap().data.clone())
+    }
+
+    #[test]
+    fn content_is_shown_until_the_end_and_not_after_another_word() {
+        let (now, mut generation) = (Instant::now(), Generation::default());
+        let grant = Grant { generation: generation.clone(), ..grant(now, LastStep::default(), false) };
+        let end = now + Duration::from_secs(1);
+        assert!(grant.is_valid(now) && !grant.is_valid(end));
+        let lit = grant.clone().show(7).unwrap();
+        assert_eq!([lit.content(now), lit.content(end)], [Some(&7), None]);
+        let early = grant.clone().until_at_most(now + Duration::from_millis(10));
+        assert_eq!(early.until(), now + Duration::from_millis(10));
+        assert_eq!(early.until_at_most(end).until(), now + Duration::from_millis(10), "never a later one");
+        generation.advance();
+        assert!(!grant.is_valid(now) && lit.content(now).is_none());
+    }
+
+    #[test]
+    fn a_later_grant_counts_if_it_is_of_the_same_light_and_generation() {
+        let (now, mut generation) = (Instant::now(), Generation::default());
+        let of = |generation: &Generation, post, secs| {
+            let grant = grant(now, post, false);
+            Grant { generation: generation.clone(), until: now + Duration::from_secs(secs), ..grant }
+        };
+        let mut lit = of(&generation, LastStep::default(), 1).show(()).unwrap();
+        assert!(lit.renew(&of(&generation, LastStep::default(), 3)));
+        assert!(lit.content(now + Duration::from_secs(2)).is_some());
+        let masked = LastStep { masks: mask([2, 1], &[255, 0]).into_iter().collect(), ..LastStep::default() };
+        assert!(
+            !lit.renew(&of(&generation, masked, 9)) && !lit.renew(&of(&Generation::default(), LastStep::default(), 9))
+        );
+        generation.advance();
+        assert!(!lit.renew(&of(&generation, LastStep::default(), 9)));
+        assert!(lit.content(now + Duration::from_secs(4)).is_none());
+    }
+
+    #[test]
+    fn light_that_must_be_confirmed_is_dark_without_a_mask_of_its_size() {
+        let now = Instant::now();
+        let light = |grant: Grant| levels(grant.light(white([2, 1]), &mut Picture::default()), now);
+        let unconfirmed = grant(now, LastStep::default(), true);
+        assert!(unconfirmed.is_unconfirmed() && unconfirmed.allowed().data == [0, 0]);
+        assert!(light(unconfirmed.clone()).is_none() && unconfirmed.clone().light_turned(white([2, 1])).is_none());
+        assert!(unconfirmed.clone().show(()).is_none());
+        for wrong in [None, mask([1, 1], &[255]), mask([4, 2], &[255; 8])] {
+            assert!(light(unconfirmed.clone().confirm(wrong)).is_none());
+        }
+        let confirmed = unconfirmed.confirm(mask([2, 1], &[0, 255]));
+        assert!(!confirmed.is_unconfirmed() && confirmed.allowed().data == [0, 255]);
+        assert_eq!(light(confirmed.clone()), Some(vec![0, 200]));
+        assert!(light(confirmed.confirm(None)).is_none(), "the last check counts");
+        let free = grant(now, LastStep::default(), false).confirm(mask([2, 1], &[0, 0]));
+        assert_eq!(light(free), Some(vec![200, 200]), "nothing has to be confirmed");
+    }
+
+    #[test]
+    fn a_picture_of_another_size_is_not_lit() {
+        let now = Instant::now();
+        for wrong in [[1, 1], [2, 2], [1, 2]] {
+            let grant = || grant(now, LastStep::default(), false);
+            assert!(grant().light(white(wrong), &mut Picture::default()).is_none(), "{wrong:?}");
+            assert!(grant().light_turned(white(wrong)).is_none(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn masks_darken_scenes_before_they_are_turned_and_test_pictures_after() {
+        let now = Instant::now();
+        let masks = mask([2, 1], &[255, 0]).into_iter().collect();
+        let post = LastStep { masks, orientation: "90".parse().unwrap(), ..LastStep::default() };
+        let grant = grant(now, post, false);
+        let lit = grant.clone().light(white([2, 1]), &mut Picture::default()).unwrap();
+        assert_eq!((lit.size_px(), lit.encoding()), ([1, 2], Encoding::Mono8));
+        assert_eq!(levels(Some(lit), now), Some(vec![200, 0]));
+        assert_eq!(grant.allowed().data, [255, 0]);
+        assert!(grant.clone().light_turned(white([2, 1])).is_none(), "it stands on the projector as it is");
+        assert_eq!(levels(grant.clone().light_turned(white([1, 2])), now), Some(vec![200, 0]));
+        assert!(grant.show(()).is_none(), "its pixels are not known");
+    }
+
+    #[test]
+    fn a_tool_may_show_what_it_likes() {
+        let lit = Grant::of_tool().show(1).unwrap();
+        assert!(lit.content(Instant::now() + Duration::from_secs(3600)).is_some());
+        assert_eq!(lit.convert(|one| Ok::<_, ()>(one + 1)).unwrap().into_memory(), 2);
+    }
+}
