@@ -30,8 +30,8 @@ fn confirm(criterion: &mut Criterion) {
             criterion.bench_function(&format!("{lens}, {lit}"), |bencher| {
                 bencher.iter(|| {
                     now += Duration::from_millis(33);
-                    confirmer.observe(black_box(camera), &from_sensor, black_box(&grid));
-                    black_box(confirmer.confirm(black_box(&objects), now))
+                    confirmer.observe(black_box(camera), &from_sensor, black_box(&grid), now);
+                    black_box(confirmer.confirm(black_box(&objects)))
                 });
             });
         }

@@ -40,12 +40,17 @@ pub struct Confirmation {
 /// let camera = Camera::new(Intrinsics::exactly(40, 30, &p)?.0, &Isometry3::identity(), 0.01);
 ///
 /// let mut confirmer = Confirmer::new(ConfirmSettings::default());
-/// confirmer.observe(&camera, &Isometry3::identity(), &wall);
-/// for (object_m, is_confirmed) in [(2.01, true), (1.5, false), (2.5, false)] {
-///     let objects = ObjectDepths { size_px: [40, 30], depths_m: &[object_m; 1200], is_strict: false };
-///     let confirmation = confirmer.confirm(&objects, Duration::ZERO);
-///     assert_eq!(confirmation.shares.confirmed == 1.0, is_confirmed);
+/// let objects = ObjectDepths { size_px: [40, 30], depths_m: &[2.01; 1200], is_strict: false };
+/// // Light comes on when depth images have agreed for 0.3 s.
+/// for (at_ms, level) in [(0, 0), (200, 0), (400, 255)] {
+///     confirmer.observe(&camera, &Isometry3::identity(), &wall, Duration::from_millis(at_ms));
+///     let confirmation = confirmer.confirm(&objects);
+///     assert_eq!(confirmation.shares.confirmed, 1.0);
+///     assert!(confirmation.mask.is_some_and(|mask| mask.levels() == [level; 1200]));
 /// }
+/// // The wall is not where this object is.
+/// let elsewhere = ObjectDepths { depths_m: &[1.5; 1200], ..objects };
+/// assert_eq!(confirmer.confirm(&elsewhere).shares.confirmed, 0.0);
 /// # Ok::<(), rcs_scene::CameraError>(())
 /// ```
 #[derive(Debug)]
@@ -64,6 +69,8 @@ pub struct Confirmer {
     drawn_lit: Tiles,
     comparison: Comparison,
     hold_times: HoldTimes,
+    /// Time of the depth image until it is compared for the first time.
+    uncompared: Option<Duration>,
 }
 
 impl Confirmer {
@@ -79,14 +86,21 @@ impl Confirmer {
             lit: Tiles::default(),
             drawn_lit: Tiles::default(),
             comparison: Comparison::default(),
-            hold_times: HoldTimes::default(),
+            hold_times: HoldTimes::new(0),
+            uncompared: None,
         }
     }
 
     /// Takes a depth image: the closed surface as seen from the projector. `camera` is the projector's exact camera
     /// with lens and flip; its pose plays no part. `projector_from_sensor` maps the grid's points to the projector's
-    /// optical frame at the depth image's stamp. A grid with fewer points than pixels is no surface.
-    pub fn observe(&mut self, camera: &Camera, projector_from_sensor: &Isometry3<f64>, grid: &PointGrid) {
+    /// optical frame at the depth image's stamp; `now` is monotonic. A grid with fewer points than pixels is no surface.
+    pub fn observe(
+        &mut self,
+        camera: &Camera,
+        projector_from_sensor: &Isometry3<f64>,
+        grid: &PointGrid,
+        now: Duration,
+    ) {
         let [columns, rows] = grid.size_px.map(|side| side as usize);
         if columns.checked_mul(rows) != Some(grid.points.len()) {
             self.forget();
@@ -96,27 +110,31 @@ impl Confirmer {
         let known = self.picture_cells.take().filter(|cells| cells.are_of(camera));
         self.picture_cells = known.or_else(|| (!is_as_drawn(camera)).then(|| PictureCells::new(camera)));
         self.surface_px = Some(picture_px(camera));
+        self.uncompared = Some(now);
     }
 
-    /// Forgets the surface because it is stale: all light of listed displays is dark until the next one.
+    /// Forgets the surface because it is stale: all light of listed displays is dark until enough new ones agree.
     pub fn forget(&mut self) {
         self.surface_px = None;
+        self.hold_times.interrupt();
     }
 
-    /// Compares the depths of the image that is to be shown with the surface. `now` is monotonic. Light is dark while
-    /// there is no surface, or one of another size, whatever the settings say about what is unseen.
-    pub fn confirm(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {
+    /// Compares the depths of the image that is to be shown with the surface. Light comes on only when a depth image is
+    /// compared for the first time. It is dark while there is no surface, or one of another size, whatever the settings
+    /// say about what is unseen.
+    pub fn confirm(&mut self, objects: &ObjectDepths<'_>) -> Confirmation {
         let [columns, rows] = objects.size_px.map(|side| side as usize);
         self.hold_times.fit(cells_of(objects.size_px).iter().product());
         if self.surface_px != Some(objects.size_px) || objects.depths_m.len() != columns * rows {
-            return self.without_surface(objects, now);
+            return self.without_surface(objects);
         }
         let margin = (self.settings.margin_px as usize).div_ceil(CELL_PX);
         self.comparison.take(objects);
         self.comparison.lit_tiles(margin, &mut self.lit);
         self.draw_bounds(objects.size_px);
         self.comparison.compare(&self.bounds, margin);
-        self.hold_times.update(self.comparison.disagreements(self.settings.unseen), now);
+        let disagreements = self.comparison.disagreements(self.settings.unseen);
+        self.hold_times.update(disagreements, self.uncompared.take(), self.settings.max_gap);
         let levels = mask_levels(objects, self.hold_times.waits());
         Confirmation { mask: LightMask::new(objects.size_px, levels).map(Arc::new), shares: self.comparison.shares() }
     }
@@ -134,8 +152,8 @@ impl Confirmer {
         }
     }
 
-    fn without_surface(&mut self, objects: &ObjectDepths<'_>, now: Duration) -> Confirmation {
-        self.hold_times.interrupt(now);
+    fn without_surface(&mut self, objects: &ObjectDepths<'_>) -> Confirmation {
+        self.hold_times.interrupt();
         let count = objects.size_px[0] as usize * objects.size_px[1] as usize;
         let level = |depth: &f32| if depth.is_nan() && !objects.is_strict { 255 } else { 0 };
         let mut levels: Vec<u8> = objects.depths_m.iter().take(count).map(level).collect();

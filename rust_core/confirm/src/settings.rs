@@ -1,5 +1,7 @@
 //! Settings of confirmed light: agreement between the scene and the measured surface.
 
+use std::time::Duration;
+
 /// Part of the tolerance that grows with the distance, metres per metre.
 pub(crate) const TOLERANCE_PER_METRE: f32 = 0.01;
 
@@ -23,10 +25,12 @@ pub struct ConfirmSettings {
     pub margin_px: u32,
     /// Light where no surface was measured.
     pub unseen: Unseen,
+    /// Longest time between two depth images; after a longer one, light is held back as at the start.
+    pub max_gap: Duration,
 }
 
 impl Default for ConfirmSettings {
     fn default() -> Self {
-        Self { tolerance_m: 0.03, margin_px: 4, unseen: Unseen::Dark }
+        Self { tolerance_m: 0.03, margin_px: 4, unseen: Unseen::Dark, max_gap: Duration::from_millis(500) }
     }
 }

@@ -59,13 +59,21 @@ fn measured(sheets: &[Sheet], projector_from_sensor: &Isometry3<f64>) -> PointGr
 /// Light for objects of this depth everywhere.
 fn light(confirmer: &mut Confirmer, object_m: f32) -> Confirmation {
     let depths_m = vec![object_m; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
-    confirmer.confirm(&ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false }, Duration::ZERO)
+    confirmer.confirm(&ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false })
+}
+
+/// A confirmer that holds no light back: it saw the same depth image for 0.4 s, when nothing was lit.
+fn observed(settings: ConfirmSettings, camera: &Camera, from_sensor: &Isometry3<f64>, grid: &PointGrid) -> Confirmer {
+    let mut confirmer = Confirmer::new(settings);
+    for at_ms in [0, 200, 400] {
+        confirmer.observe(camera, from_sensor, grid, Duration::from_millis(at_ms));
+        light(&mut confirmer, f32::NAN);
+    }
+    confirmer
 }
 
 fn confirmed(camera: &Camera, from_sensor: &Isometry3<f64>, grid: &PointGrid, object_m: f32) -> Confirmation {
-    let mut confirmer = Confirmer::new(ConfirmSettings::default());
-    confirmer.observe(camera, from_sensor, grid);
-    light(&mut confirmer, object_m)
+    light(&mut observed(ConfirmSettings::default(), camera, from_sensor, grid), object_m)
 }
 
 fn is_lit(confirmation: &Confirmation, [u, v]: [f64; 2]) -> bool {
@@ -128,9 +136,9 @@ fn a_pencil_of_one_pixel_is_in_the_way() {
     // One pixel of the depth image is 6 mm wide at 1 m.
     let pencil = Sheet { center: [0.003, 0.0, 1.0], half_m: [0.003, 0.1] };
     let from_sensor = beside(0.0, 0.0, 0.0);
-    let mut confirmer = Confirmer::new(ConfirmSettings { unseen: Unseen::Light, ..ConfirmSettings::default() });
-    confirmer.observe(&camera(), &from_sensor, &measured(&[WALL, pencil], &from_sensor));
-    let light = light(&mut confirmer, 2.0);
+    let settings = ConfirmSettings { unseen: Unseen::Light, ..ConfirmSettings::default() };
+    let grid = measured(&[WALL, pencil], &from_sensor);
+    let light = light(&mut observed(settings, &camera(), &from_sensor, &grid), 2.0);
     for y in [-0.08, -0.04, 0.0, 0.04, 0.08] {
         assert!(!is_lit(&light, pixel([0.003, y, 1.0])), "{y}");
     }
@@ -159,15 +167,14 @@ fn a_table_at_a_grazing_angle_has_more_tolerance() {
     let depth_of_row = |row: u32| FOCAL_PX * 0.3 / (f64::from(row) + 0.5 - 100.5);
     // Depths that are off by a share of the tolerance, everywhere.
     let lit = |tolerances: f64, row: u32| {
-        let mut confirmer = Confirmer::new(ConfirmSettings::default());
-        confirmer.observe(&camera(), &from_sensor, &table);
+        let mut confirmer = observed(ConfirmSettings::default(), &camera(), &from_sensor, &table);
         let depth = |row: u32| if row > 105 { depth_of_row(row) } else { f64::NAN };
         let depths_m: Vec<f32> = (0..SIZE_PX[0] * SIZE_PX[1])
             .map(|index| depth(index / SIZE_PX[0]))
             .map(|depth| (depth + tolerances * (0.03 + 0.01 * depth)) as f32)
             .collect();
         let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false };
-        is_lit(&confirmer.confirm(&objects, Duration::ZERO), [160.0, f64::from(row)])
+        is_lit(&confirmer.confirm(&objects), [160.0, f64::from(row)])
     };
     // 1.5 m ahead, the cosine is 0.196, so that the tolerance is 5.1 times as wide.
     for (tolerances, expected) in [(0.0, true), (4.0, true), (-4.0, true), (7.0, false), (-7.0, false)] {
@@ -308,31 +315,28 @@ fn without_points_everything_is_unseen_and_without_a_surface_everything_is_dark(
     let nothing = PointGrid { size_px: SENSOR_PX, points: vec![[f32::NAN; 3]; 200 * 150] };
     let short = PointGrid { size_px: SENSOR_PX, points: Vec::new() };
     for unseen in [Unseen::Dark, Unseen::Light] {
-        let mut confirmer = Confirmer::new(ConfirmSettings { unseen, ..ConfirmSettings::default() });
-        assert!(!is_lit(&light(&mut confirmer, 2.0), [9.0, 9.0]), "no surface yet");
-        let mut confirmer = Confirmer::new(ConfirmSettings { unseen, ..ConfirmSettings::default() });
-        confirmer.observe(&camera(), &Isometry3::identity(), &nothing);
+        let settings = ConfirmSettings { unseen, ..ConfirmSettings::default() };
+        assert!(!is_lit(&light(&mut Confirmer::new(settings), 2.0), [9.0, 9.0]), "no surface yet");
+        let mut confirmer = observed(settings, &camera(), &Isometry3::identity(), &nothing);
         let unseen_light = light(&mut confirmer, 2.0);
         assert_eq!((is_lit(&unseen_light, [9.0, 9.0]), unseen_light.shares.unseen), (unseen == Unseen::Light, 1.0));
         confirmer.forget();
         let stale = light(&mut confirmer, 2.0);
         assert!(!is_lit(&stale, [9.0, 9.0]) && stale.shares.unseen == 1.0);
-        confirmer.observe(&camera(), &Isometry3::identity(), &short);
+        confirmer.observe(&camera(), &Isometry3::identity(), &short, Duration::from_millis(600));
         assert!(!is_lit(&light(&mut confirmer, 2.0), [9.0, 9.0]), "a grid without its points");
     }
 }
 
 #[test]
 fn pixels_without_an_object_are_left_alone_unless_it_is_strict() {
-    let mut confirmer = Confirmer::new(ConfirmSettings::default());
-    for has_surface in [false, true] {
-        if has_surface {
-            confirmer.observe(&camera(), &Isometry3::identity(), &measured(&[WALL], &Isometry3::identity()));
-        }
+    let wall = measured(&[WALL], &Isometry3::identity());
+    let settings = ConfirmSettings::default();
+    for mut confirmer in [Confirmer::new(settings), observed(settings, &camera(), &Isometry3::identity(), &wall)] {
         let depths_m = vec![f32::NAN; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
         for is_strict in [false, true] {
             let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict };
-            let nothing = confirmer.confirm(&objects, Duration::ZERO);
+            let nothing = confirmer.confirm(&objects);
             let is_lit = nothing.mask.unwrap().levels().iter().all(|level| *level == if is_strict { 0 } else { 255 });
             assert!(is_lit && nothing.shares == rcs_confirm::Shares::default());
         }
@@ -343,30 +347,51 @@ fn pixels_without_an_object_are_left_alone_unless_it_is_strict() {
 fn lit_over_time(place: [f64; 2], times_ms: &[u64], sheets_at: impl Fn(u64) -> Vec<Sheet>) -> Vec<bool> {
     let from_sensor = beside(0.2, 0.0, 0.0);
     let mut confirmer = Confirmer::new(ConfirmSettings::default());
-    let depths_m = vec![2.0; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
-    let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: false };
     let lit_at = |ms: &u64| {
-        confirmer.observe(&camera(), &from_sensor, &measured(&sheets_at(*ms), &from_sensor));
-        is_lit(&confirmer.confirm(&objects, Duration::from_millis(*ms)), place)
+        let grid = measured(&sheets_at(*ms), &from_sensor);
+        confirmer.observe(&camera(), &from_sensor, &grid, Duration::from_millis(*ms));
+        is_lit(&light(&mut confirmer, 2.0), place)
     };
     times_ms.iter().map(lit_at).collect()
 }
 
 #[test]
-fn light_comes_back_a_while_after_the_hand_has_left() {
-    let sheets_at = |ms: u64| if ms == 30 { vec![WALL, HAND] } else { vec![WALL] };
-    let lit = lit_over_time(pixel(HAND.center), &[0, 30, 60, 300, 400], sheets_at);
-    assert_eq!(lit, [true, false, false, false, true]);
+fn light_comes_on_after_the_start_and_comes_back_a_while_after_a_hand_has_left() {
+    let times_ms: Vec<u64> = (0..=280).map(|image| 50 * image).collect();
+    let sheets_at = |ms: u64| if ms == 12_000 { vec![WALL, HAND] } else { vec![WALL] };
+    let lit = lit_over_time(pixel(HAND.center), &times_ms, sheets_at);
+    let is_held_back = |ms: u64| ms < 350 || (12_000..12_400).contains(&ms);
+    assert_eq!(lit, times_ms.iter().map(|ms| !is_held_back(*ms)).collect::<Vec<_>>());
+}
+
+#[test]
+fn one_depth_image_after_a_gap_or_a_stale_surface_lights_nothing() {
+    let from_sensor = beside(0.2, 0.0, 0.0);
+    let wall = measured(&[WALL], &from_sensor);
+    for is_forgotten in [false, true] {
+        let mut confirmer = observed(ConfirmSettings::default(), &camera(), &from_sensor, &wall);
+        assert!(is_lit(&light(&mut confirmer, 2.0), [9.0, 9.0]));
+        if is_forgotten {
+            confirmer.forget();
+        }
+        let begin_ms = if is_forgotten { 500 } else { 1900 };
+        let lit_after = |ms: u64| {
+            confirmer.observe(&camera(), &from_sensor, &wall, Duration::from_millis(begin_ms + ms));
+            // Another frame is compared with the same depth image.
+            [(); 2].map(|()| is_lit(&light(&mut confirmer, 2.0), [9.0, 9.0]))
+        };
+        assert_eq!([0, 200].map(lit_after), [[false; 2]; 2], "{is_forgotten}");
+    }
 }
 
 #[test]
 fn an_object_that_is_away_twice_for_a_moment_is_lit_again_after_2_s() {
     let farther = Sheet { center: [0.0, 0.0, 2.5], ..WALL };
-    let sheets_at = |ms: u64| vec![if matches!(ms, 1000..1100 | 2000..2100) { farther } else { WALL }];
-    let times_ms: Vec<u64> = (0..100).map(|image| image * 50).collect();
+    let sheets_at = |ms: u64| vec![if matches!(ms, 13_000..13_100 | 14_000..14_100) { farther } else { WALL }];
+    let times_ms: Vec<u64> = (0..340).map(|image| image * 50).collect();
     let lit = lit_over_time([160.0, 100.0], &times_ms, sheets_at);
     let relit: Vec<u64> = (1..lit.len()).filter(|i| !lit[i - 1] && lit[*i]).map(|i| times_ms[i]).collect();
-    assert!(matches!(relit[..], [1350..=1450, 4050..=4150]), "{relit:?}");
+    assert!(matches!(relit[..], [350, 13_400..=13_500, 16_100..=16_200]), "{relit:?}");
 }
 
 proptest! {
@@ -405,25 +430,25 @@ proptest! {
         let from_sensor = Isometry3::from_parts(Translation3::from(offset), UnitQuaternion::identity());
         let grid = measured(&[WALL, HAND, Sheet { center: [0.3, 0.1, 1.5], half_m: [0.1, 0.2] }], &from_sensor);
         let settings = ConfirmSettings { margin_px, ..ConfirmSettings::default() };
-        let observed = || {
-            let mut confirmer = Confirmer::new(settings);
-            confirmer.observe(&camera, &from_sensor, &grid);
-            confirmer
-        };
-        let (mut moving, mut whole) = (observed(), observed());
-        light(&mut whole, 2.0);
-        // So long after each other that no light is held back.
-        for (patch, (left, top, width, height)) in (1..).zip(patches) {
-            let is_in = |index: u32| {
-                (left..left + width).contains(&(index % SIZE_PX[0])) && (top..top + height).contains(&(index / SIZE_PX[0]))
-            };
+        let new = || observed(settings, &camera, &from_sensor, &grid);
+        let mut moving = new();
+        // Where light was before, and dark: it is held back there.
+        let mut was_dark = vec![false; SIZE_PX[0] as usize * SIZE_PX[1] as usize];
+        for (left, top, width, height) in patches {
+            // Whole cells.
+            let [columns, rows] = [[left, width], [top, height]].map(|[first, len]| first & !1..(first + len) & !1);
+            let is_in = |index: u32| columns.contains(&(index % SIZE_PX[0])) && rows.contains(&(index / SIZE_PX[0]));
             let depth = |index: u32| if is_in(index) { 2.0 } else { f32::NAN };
             let depths_m: Vec<f32> = (0..SIZE_PX[0] * SIZE_PX[1]).map(depth).collect();
             let objects = ObjectDepths { size_px: SIZE_PX, depths_m: &depths_m, is_strict: true };
-            let [moving, whole] =
-                [&mut moving, &mut whole].map(|confirmer| confirmer.confirm(&objects, Duration::from_secs(60 * patch)));
-            prop_assert_eq!(moving.shares, whole.shares);
-            prop_assert!(moving.mask == whole.mask);
+            let [moving, fresh] = [moving.confirm(&objects), new().confirm(&objects)];
+            prop_assert_eq!(moving.shares, fresh.shares);
+            let levels = fresh.mask.unwrap().levels().to_vec();
+            let expected = levels.iter().zip(&was_dark).map(|(level, was_dark)| if *was_dark { 0 } else { *level });
+            prop_assert!(expected.eq(moving.mask.unwrap().levels().iter().copied()));
+            for ((was_dark, depth_m), level) in was_dark.iter_mut().zip(&depths_m).zip(levels) {
+                *was_dark |= !depth_m.is_nan() && level == 0;
+            }
         }
     }
 }

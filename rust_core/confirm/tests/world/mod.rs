@@ -106,9 +106,9 @@ impl World {
 
     /// Shows a depth image to a confirmer and asks for the light of the scene.
     pub(crate) fn confirm(&self, confirmer: &mut Confirmer, depths_m: &[f32], now: Duration) -> Confirmation {
-        confirmer.observe(&self.camera, &self.rig.projector_from_camera(), &self.grid(depths_m));
+        confirmer.observe(&self.camera, &self.rig.projector_from_camera(), &self.grid(depths_m), now);
         let objects = ObjectDepths { size_px: self.size_px(), depths_m: &self.objects, is_strict: false };
-        confirmer.confirm(&objects, now)
+        confirmer.confirm(&objects)
     }
 
     /// `true` if the depth camera sees all of the way of a pixel's light, as far as it is in its image: light that goes
