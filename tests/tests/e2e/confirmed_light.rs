@@ -1,5 +1,7 @@
 //! `~surface`: light only where a depth camera measures the surface that it is meant for.
 
+use std::time::Duration;
+
 use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::{RosMaster, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -95,6 +97,21 @@ fn a_stale_surface_is_dark_whatever_is_lit_where_nothing_is_seen() {
     fixture.python("latch('/cam/depth/camera_info', info('sensor', 40, 30, 30.0))");
     fixture.wait_for(ALL_BLACK);
     fixture.wait_for_log("the depth image has 80x60 pixels, its CameraInfo 40x30").unwrap();
+}
+
+#[test]
+fn depth_images_slower_than_their_limit_light_nothing() {
+    let fixture = fixture(&[]);
+    fixture.python("camera = stream()");
+    fixture.wait_for("viewer.middle() == RED");
+    fixture.python("camera.stop()");
+    fixture.wait_for(ALL_BLACK);
+    fixture.python("viewer.forget()");
+    for _ in 0..4 {
+        fixture.python("send(TOPIC, depth_image())");
+        std::thread::sleep(Duration::from_millis(700));
+    }
+    assert_eq!(fixture.python("viewer.colors"), "[(0, 0, 0)]");
 }
 
 #[test]

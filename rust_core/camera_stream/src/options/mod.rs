@@ -170,7 +170,8 @@ impl ConfirmOptions {
         };
         let surfaces = if displays == ConfirmedDisplays::None { Vec::new() } else { surfaces };
         let (tolerance_m, margin_px) = (args.confirm_tolerance, args.confirm_margin);
-        Ok(Self { surfaces, displays, settings: ConfirmSettings { tolerance_m, margin_px, unseen } })
+        let settings = ConfirmSettings { tolerance_m, margin_px, unseen, ..ConfirmSettings::default() };
+        Ok(Self { surfaces, displays, settings })
     }
 }
 

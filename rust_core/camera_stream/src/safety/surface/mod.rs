@@ -55,8 +55,6 @@ pub(crate) struct SurfaceCheck {
     pub(crate) displays: DisplayMask,
     /// `true` if light without a depth to compare is dark.
     is_strict: bool,
-    /// Beginning of the confirmer's time.
-    started: Instant,
 }
 
 impl SurfaceCheck {
@@ -64,7 +62,7 @@ impl SurfaceCheck {
     pub(crate) fn confirm(&self, objects: &DepthPicture) -> Confirmation {
         let size_px = [objects.width_px, objects.height_px];
         let objects = ObjectDepths { size_px, depths_m: &objects.depths_m, is_strict: self.is_strict };
-        lock(&self.confirmer).confirm(&objects, self.started.elapsed())
+        lock(&self.confirmer).confirm(&objects)
     }
 }
 
@@ -77,6 +75,7 @@ pub(super) struct Surfaces {
     /// By the camera's name.
     cameras: BTreeMap<String, CameraSurface>,
     limits: AgeLimits,
+    /// Beginning of the confirmers' time.
     started: Instant,
 }
 
@@ -155,7 +154,8 @@ impl Surfaces {
     /// Gives a camera's confirmer the newest depth image whose place is known.
     pub(super) fn observe(&mut self, lit: &LitView<'_>, scene: &SceneState) {
         let Some(topic) = of_camera(&self.rules.surfaces, &lit.view.name) else { return };
-        let new = || CameraSurface::new(topic, self.rules.settings);
+        let max_gap = self.limits.of_measurement(topic, SURFACE_LIMIT);
+        let new = || CameraSurface::new(topic, ConfirmSettings { max_gap, ..self.rules.settings });
         let surface = self.cameras.entry(lit.view.name.clone()).or_insert_with(new);
         if !lit.is_watched {
             surface.waiting.clear();
@@ -163,7 +163,7 @@ impl Surfaces {
         }
         let (Some(info), Some(camera)) = (scene.camera_info(lit.view), lit.camera) else { return };
         let of_sensor = self.inputs.get(topic).and_then(|input| input.info.as_ref());
-        surface.observe(camera, scene, &info.header.frame_id, of_sensor);
+        surface.observe(camera, scene, &info.header.frame_id, of_sensor, self.started);
     }
 
     /// Whether a camera's surface is there and current.
@@ -195,7 +195,6 @@ impl Surfaces {
             version: surface.version,
             displays: self.rules.displays.mask(displays),
             is_strict: self.rules.displays == ConfirmedDisplays::All,
-            started: self.started,
         })
     }
 }
@@ -214,7 +213,14 @@ impl CameraSurface {
     }
 
     /// Takes the newest depth image that can be placed in the projector's frame.
-    fn observe(&mut self, camera: &Camera, scene: &SceneState, optical_frame: &str, info: Option<&Arc<CameraInfo>>) {
+    fn observe(
+        &mut self,
+        camera: &Camera,
+        scene: &SceneState,
+        optical_frame: &str,
+        info: Option<&Arc<CameraInfo>>,
+        started: Instant,
+    ) {
         let (transforms, _) = scene.frames();
         let Some((message, received)) = self.waiting.take_ready(transforms, optical_frame).pop() else {
             let is_waiting = self.waiting.waiting_reason(transforms, optical_frame).is_some();
@@ -231,7 +237,8 @@ impl CameraSurface {
         };
         match self.decoder.decode(&self.topic, &message, info) {
             Ok(grid) => {
-                lock(&self.confirmer).observe(camera, &projector_from_sensor, &grid);
+                let now = received.saturating_duration_since(started);
+                lock(&self.confirmer).observe(camera, &projector_from_sensor, &grid, now);
                 self.version += 1;
                 // Without a stamp, it was placed by the newest transform, which may be old.
                 self.placed = Some([stamp, known_at].map(|stamp| Measured { stamp, received }));
