@@ -5,7 +5,7 @@ use std::time::Duration;
 /// Limits of connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Most connections at a time, pages included; further ones are closed at once.
+    /// Most connections at a time, pages included: half of them without the token, of which the oldest give way.
     pub connections: usize,
     /// Time for a request's headers.
     pub headers: Duration,
@@ -25,7 +25,7 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             connections: 256,
-            headers: Duration::from_secs(10),
+            headers: Duration::from_secs(2),
             body: Duration::from_secs(10),
             request: Duration::from_secs(60),
             send: Duration::from_secs(15),

@@ -12,11 +12,12 @@ use hyper::body::{Body as _, Bytes, Incoming};
 use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
 use hyper::{Method, Request, Response, StatusCode};
 use serde_json::{json, Value};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 
 use crate::access::{Access, Refused, PROTOCOL};
+use crate::connections::Slot;
 use crate::limits::Limits;
 use crate::operator::{Operator, Refusal};
 use crate::page_socket;
@@ -67,9 +68,6 @@ pub(crate) struct Site {
 
 type Answer = Response<Full<Bytes>>;
 
-/// Counts a connection until the last clone is dropped; an extension of its request.
-pub(crate) type ConnectionPermit = Arc<OwnedSemaphorePermit>;
-
 /// Answers a request.
 pub(crate) async fn answer(site: Arc<Site>, peer: IpAddr, request: Request<Incoming>) -> Result<Answer, Infallible> {
     let answered = route(&site, peer, request).await;
@@ -85,7 +83,7 @@ async fn route(site: &Arc<Site>, peer: IpAddr, request: Request<Incoming>) -> Re
     let path = request.uri().path();
     if path == STREAM {
         allow(&request, &[Method::GET])?;
-        return open_stream(site, request);
+        return open_stream(site, peer, request);
     }
     if let Some(name) = path.strip_prefix(API) {
         allow(&request, &[Method::POST])?;
@@ -128,10 +126,11 @@ fn json_answer(status: StatusCode, message: &str) -> Answer {
 }
 
 /// Answers the handshake of a page's WebSocket, and serves it from then on.
-fn open_stream(site: &Arc<Site>, mut request: Request<Incoming>) -> Result<Answer, Refused> {
+fn open_stream(site: &Arc<Site>, peer: IpAddr, mut request: Request<Incoming>) -> Result<Answer, Refused> {
     let headers = request.headers();
     site.access.check_origin(headers)?;
     site.access.check_protocols(headers)?;
+    let slot = admitted(&request)?;
     let is_upgrade =
         has_word(headers, &header::UPGRADE, "websocket") && has_word(headers, &header::CONNECTION, "upgrade");
     let is_version = headers.get(header::SEC_WEBSOCKET_VERSION).is_some_and(|version| version == "13");
@@ -140,13 +139,12 @@ fn open_stream(site: &Arc<Site>, mut request: Request<Incoming>) -> Result<Answe
     let accept = HeaderValue::from_str(&derive_accept_key(key.as_bytes()));
     let accept = accept.map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
     let upgrade = hyper::upgrade::on(&mut request);
-    let permit = request.extensions_mut().remove::<ConnectionPermit>();
-    let (operator, pages, limits) = (Arc::clone(&site.operator), site.pages.clone(), site.limits);
+    let site = Arc::clone(site);
     tokio::spawn(async move {
-        let _permit = permit;
+        let _slot = slot;
         // Fails if the client leaves before.
         if let Ok(upgraded) = upgrade.await {
-            page_socket::serve(upgraded, operator, pages, limits).await;
+            page_socket::serve(upgraded, &caller(peer), &site).await;
         }
     });
     let mut response = Response::new(Full::default());
@@ -165,16 +163,29 @@ fn has_word(headers: &HeaderMap, name: &HeaderName, word: &str) -> bool {
     values.flat_map(|value| value.split(',')).any(|listed| listed.trim().eq_ignore_ascii_case(word))
 }
 
+/// Moves a connection that has shown the token to those that have, and returns its slot.
+fn admitted(request: &Request<Incoming>) -> Result<Arc<Slot>, Refused> {
+    let slot = request.extensions().get::<Arc<Slot>>().filter(|slot| slot.admit());
+    let full = || (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open; close some".to_owned());
+    slot.map(Arc::clone).ok_or_else(full)
+}
+
+/// The name of a page in logs.
+fn caller(peer: IpAddr) -> String {
+    format!("the page at {peer}")
+}
+
 /// Has a request of the API carried out.
 async fn post(site: &Arc<Site>, peer: IpAddr, name: &str, request: Request<Incoming>) -> Result<Answer, Refused> {
     site.access.check_origin(request.headers())?;
     site.access.check_bearer(request.headers())?;
+    admitted(&request)?;
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
     if kind.split(';').next().map(str::trim) != Some("application/json") {
         return Err((StatusCode::UNSUPPORTED_MEDIA_TYPE, "the body must be application/json".to_owned()));
     }
     let body = read_body(request.into_body(), site.limits.body).await?;
-    let caller = format!("the page at {peer}");
+    let caller = caller(peer);
     let result = if site.operator.is_immediate(name) {
         site.operator.post(name, &body, &caller)
     } else {

@@ -13,16 +13,20 @@ use rcs_scene::join_within;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::{oneshot, Semaphore};
+use tokio::task::yield_now;
 use tokio::time::{sleep, timeout};
 
 use crate::access::Access;
+use crate::connections::{Connections, Slot};
 use crate::limits::Limits;
 use crate::operator::Operator;
 use crate::pages::Pages;
-use crate::requests::{self, ConnectionPermit, Site, MOST_REQUESTS};
+use crate::requests::{self, Site, MOST_REQUESTS};
 
 /// Most bytes of a request's headers.
 const MOST_HEADER_BYTES: usize = 16 << 10;
+/// Most connections that wait to be accepted.
+const BACKLOG: i32 = 1024;
 /// Time until a connection is accepted after that failed: usually the descriptors are used up.
 const RETRY_AFTER: Duration = Duration::from_millis(200);
 const END_PATIENCE: Duration = Duration::from_millis(500);
@@ -50,6 +54,8 @@ impl Server {
         limits: Limits,
     ) -> io::Result<Self> {
         let listener = StdListener::bind(address)?;
+        // Again: of more than std's 128 that come at a time, some would wait for a second.
+        rustix::net::listen(&listener, BACKLOG)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread()
@@ -99,13 +105,14 @@ fn serve(runtime: &Runtime, listener: StdListener, site: &Arc<Site>, is_ended: o
 }
 
 async fn accept_all(listener: &TcpListener, site: &Arc<Site>) {
-    let connections = Arc::new(Semaphore::new(site.limits.connections));
+    let connections = Connections::new(site.limits.connections);
     loop {
         match listener.accept().await {
             Ok((stream, peer)) => {
-                if let Ok(permit) = Arc::clone(&connections).try_acquire_owned() {
-                    tokio::spawn(serve_connection(stream, peer.ip(), Arc::clone(site), Arc::new(permit)));
-                }
+                let peer = peer.ip();
+                connections.serve(peer, |slot| serve_connection(stream, peer, Arc::clone(site), slot));
+                // So that it is read before others displace it.
+                yield_now().await;
             }
             Err(error) => {
                 log::warn!("the page's server cannot accept a connection: {error}; it goes on");
@@ -115,12 +122,12 @@ async fn accept_all(listener: &TcpListener, site: &Arc<Site>) {
     }
 }
 
-/// Serves one request; a WebSocket goes on as a task of its own, with the connection's permit.
-async fn serve_connection(stream: TcpStream, peer: IpAddr, site: Arc<Site>, permit: ConnectionPermit) {
+/// Serves one request; a WebSocket goes on as a task of its own, with the connection's slot.
+async fn serve_connection(stream: TcpStream, peer: IpAddr, site: Arc<Site>, slot: Arc<Slot>) {
     // Only delays small messages if it fails.
     let _ = stream.set_nodelay(true);
     let service = service_fn(|mut request: hyper::Request<hyper::body::Incoming>| {
-        request.extensions_mut().insert(Arc::clone(&permit));
+        request.extensions_mut().insert(Arc::clone(&slot));
         requests::answer(Arc::clone(&site), peer, request)
     });
     let connection = http1::Builder::new()

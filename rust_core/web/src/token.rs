@@ -1,10 +1,10 @@
-//! The token that gives access to the API: random, kept in a file that only its owner reads.
+//! The token that gives access to the API: random, kept in a file that belongs to the node's user, who alone reads it.
 
 use std::fmt;
 use std::fs::{self, OpenOptions};
 use std::hint::black_box;
 use std::io::{self, Read as _, Write as _};
-use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
 /// Random bytes of a token, two digits each.
@@ -26,6 +26,16 @@ pub enum TokenError {
         file: PathBuf,
         /// What went wrong.
         error: io::Error,
+    },
+    /// The file is another user's, who knows the token; root could read it all the same.
+    #[error("{}: this token belongs to user {owner}, not to user {user} who runs the node; remove the file to get another token, or start the node as its owner", file.display())]
+    Owner {
+        /// The token's file.
+        file: PathBuf,
+        /// Its owner's number.
+        owner: u32,
+        /// The number of the node's user.
+        user: u32,
     },
     /// Others may read the file.
     #[error("{}: others may read this token (mode {mode:04o}); remove the file to get another token, or chmod 600", file.display())]
@@ -50,7 +60,8 @@ impl Token {
     /// [`TokenError`].
     pub fn load_or_create(file: &Path) -> Result<Self, TokenError> {
         let failed = |error| TokenError::File { file: file.to_owned(), error };
-        match Self::load(file) {
+        let user = rustix::process::geteuid().as_raw();
+        match Self::load(file, user) {
             Err(TokenError::File { error, .. }) if error.kind() == io::ErrorKind::NotFound => {}
             loaded => return loaded,
         }
@@ -65,12 +76,13 @@ impl Token {
         match written {
             Ok(()) => removed.map(|()| token).map_err(failed),
             // Another node was faster: both use its token.
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Self::load(file),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Self::load(file, user),
             Err(error) => Err(failed(error)),
         }
     }
 
-    fn load(file: &Path) -> Result<Self, TokenError> {
+    /// The token in a file that belongs to this user.
+    fn load(file: &Path, user: u32) -> Result<Self, TokenError> {
         let failed = |error| TokenError::File { file: file.to_owned(), error };
         // Without blocking on a FIFO.
         let opened = OpenOptions::new()
@@ -78,7 +90,11 @@ impl Token {
             .custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed())
             .open(file)
             .map_err(failed)?;
-        let mode = opened.metadata().map_err(failed)?.permissions().mode() & 0o777;
+        let metadata = opened.metadata().map_err(failed)?;
+        let (owner, mode) = (metadata.uid(), metadata.permissions().mode() & 0o777);
+        if owner != user {
+            return Err(TokenError::Owner { file: file.to_owned(), owner, user });
+        }
         if mode & 0o077 != 0 {
             return Err(TokenError::Readable { file: file.to_owned(), mode });
         }
@@ -141,6 +157,18 @@ mod tests {
         fs::write(&file, "short\n").unwrap();
         fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
         assert!(matches!(Token::load_or_create(&file), Err(TokenError::Invalid { .. })));
+    }
+
+    #[test]
+    fn the_file_of_another_user_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("token");
+        Token::load_or_create(&file).unwrap();
+        let owner = fs::metadata(&file).unwrap().uid();
+        assert!(Token::load(&file, owner).is_ok());
+        let error = Token::load(&file, owner + 1).unwrap_err().to_string();
+        let expected = format!("{}: this token belongs to user {owner}, not to user {}", file.display(), owner + 1);
+        assert!(error.starts_with(&expected) && error.contains("remove the file"), "{error}");
     }
 
     #[test]

@@ -3,10 +3,11 @@
 
 mod common;
 
-use std::io::Write as _;
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::net::TcpStream;
 use std::time::Duration;
 
-use common::{until, Site};
+use common::{response, until, Site, LONG};
 use rcs_web::Limits;
 use serde_json::json;
 
@@ -175,14 +176,48 @@ fn slow_headers_and_bodies_end_the_connection() {
     assert_eq!(site.raw(format!("{head}Content-Length: 10\r\n\r\n{{").as_bytes()).0, 408);
 }
 
+/// Without the time for headers, which would end connections that say nothing.
+fn patient() -> Limits {
+    Limits { headers: LONG, ..Limits::default() }
+}
+
+/// A connection that has begun a request and says no more.
+fn half_open(site: &Site) -> TcpStream {
+    let mut stream = site.connect();
+    // The server may have closed it.
+    let _ = stream.write_all(b"GET / HTTP/1.1\r\nX: ");
+    stream
+}
+
 #[test]
-fn of_a_thousand_connections_those_above_the_limit_are_closed_at_once() {
-    let site = Site::with_limits(Limits { headers: Duration::from_secs(2), ..Limits::default() });
-    let held: Vec<_> = (0..1000).map(|_| site.connect()).collect();
-    // Those above the limit end at once, those below after the time for headers.
-    for mut stream in held {
-        let _ = std::io::Read::read_to_end(&mut stream, &mut Vec::new());
-    }
-    until(|| site.request("GET /", &["Host: localhost"], "").0 == 200);
+fn black_arrives_while_anybody_holds_more_connections_than_there_are() {
+    let site = Site::with_limits(patient());
+    let held: Vec<_> = (0..1000).map(|_| half_open(&site)).collect();
     assert_eq!(site.post("blackout", "{}").0, 200);
+    assert_eq!(site.request("GET /", &["Host: localhost"], "").0, 200);
+    assert!(site.page().text("state").is_object());
+    // The oldest ones have given way, the newest wait.
+    let ends = |mut stream: &TcpStream| {
+        stream.set_nonblocking(true).unwrap();
+        !matches!(stream.read(&mut [0]), Err(error) if error.kind() == ErrorKind::WouldBlock)
+    };
+    until(|| held[..900].iter().all(ends));
+    assert!(!held[990..].iter().any(ends));
+}
+
+#[test]
+fn black_arrives_during_a_steady_flood_of_connections() {
+    let site = Site::with_limits(patient());
+    let headers = format!("Authorization: Bearer {}\r\nContent-Type: application/json\r\n", site.token);
+    let request = format!("POST /api/blackout HTTP/1.1\r\nHost: localhost\r\n{headers}Content-Length: 2\r\n\r\n{{}}");
+    let mut held = Vec::new();
+    for _ in 0..20 {
+        held.extend((0..100).map(|_| half_open(&site)));
+        let mut stream = site.connect();
+        // Fewer than an address may have, so this one has not given way.
+        held.extend((0..60).map(|_| half_open(&site)));
+        stream.write_all(request.as_bytes()).unwrap();
+        assert_eq!(response(&mut stream).0, 200);
+        held.drain(..held.len() - 160);
+    }
 }

@@ -84,6 +84,24 @@ fn a_page_that_stalls_delays_nobody_and_is_closed() {
 }
 
 #[test]
+fn black_on_the_socket_is_carried_out_while_an_image_waits_to_be_sent() {
+    let site = Site::with_limits(Limits { send: LONG, ..Limits::default() });
+    encode_all(&site.pages);
+    let mut page = site.watching_page();
+    // More than the buffers of a connection hold, and nobody reads it.
+    site.pages.images().offer("proj", || image(1, 64 << 20));
+    std::thread::sleep(Duration::from_millis(300));
+    page.send(r#"{"type":"black","camera":null}"#);
+    page.send(r#"{"type":"black","camera":"proj","on":false}"#);
+    until(|| site.operator.posts.lock().unwrap().len() == 2);
+    let expected = ["null", r#""proj""#]
+        .map(|camera| format!(r#"blackout {{"camera":{camera},"on":true}} by the page at 127.0.0.1"#));
+    assert_eq!(*site.operator.posts.lock().unwrap(), expected);
+    assert_eq!(page.image().1, 64 << 20, "the image goes on");
+    while page.text("state")["posts"] != 2 {}
+}
+
+#[test]
 fn a_silent_page_is_closed_and_one_that_answers_pings_stays() {
     let (ping, silence) = (Duration::from_millis(100), Duration::from_millis(600));
     let site = Site::with_limits(Limits { ping, silence, ..Limits::default() });

@@ -159,7 +159,7 @@ impl Site {
     }
 }
 
-fn response(stream: &mut TcpStream) -> (u16, String) {
+pub(crate) fn response(stream: &mut TcpStream) -> (u16, String) {
     let mut text = Vec::new();
     // A reset ends it, too.
     let _ = stream.read_to_end(&mut text);
