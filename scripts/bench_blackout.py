@@ -142,11 +142,15 @@ def script(_bench):
 
 
 def page(bench):
-    """Switches as the operator's page does."""
+    """Blacks out as the operator's page does; what releases it makes no difference."""
+    release = script(bench)
     (host, port), token = bench_pages.address(bench.log)
     head = {'Authorization': 'Bearer ' + token, 'Content-Type': 'application/json'}
 
     def post(is_on):
+        if not is_on:
+            release(False)
+            return
         connection = http.client.HTTPConnection(host, port, timeout=TIMEOUT_S)
         connection.request('POST', '/api/blackout', json.dumps({'on': is_on, 'camera': None}), head)
         answer = connection.getresponse()

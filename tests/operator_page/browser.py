@@ -1,5 +1,6 @@
 """The page in a headless Chromium, found by what an operator reads: words, labels, names of displays."""
 
+import contextlib
 import shutil
 
 from selenium import webdriver
@@ -68,6 +69,16 @@ class Page:
 
     def type_key(self, key, selector='body'):
         self.element(selector).send_keys(key)
+
+    @contextlib.contextmanager
+    def holding_enter(self):
+        """Holds Enter down; what it gives is called for each repetition by the system."""
+        def send(kind, **how):
+            event = dict({'type': kind, 'key': 'Enter', 'code': 'Enter', 'windowsVirtualKeyCode': 13}, **how)
+            self.driver.execute_cdp_cmd('Input.dispatchKeyEvent', event)
+        send('keyDown', text='\r')
+        yield lambda: send('keyDown', text='\r', autoRepeat=True)
+        send('keyUp')
 
     def open_details(self):
         """Opens everything that can be unfolded."""

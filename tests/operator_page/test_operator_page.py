@@ -14,8 +14,8 @@ from .stage import OPTICAL_FRAME, ROOT, TEST_NODE, LiveScene, moved, pose_of_fra
 SAME_M = 1e-6
 # Time in which nothing may happen.
 QUIET_SECS = 1.0
-PRESSED_TWICE_SECS = 0.8
 CLUSTERS = 'Show clusters in CameraPub'
+BLACK_PICTURES = ROOT / 'test_output/operator_page'
 PICTURES = ROOT / ('docs/images' if os.environ.get('RCS_WRITE_DOCS') else 'test_output/operator_page')
 
 
@@ -45,21 +45,110 @@ class OperatorPage(unittest.TestCase):
         page = page or self.page
         self.wait(lambda: page.light() == word, f'the page does not say {word}, but {page.light()}')
 
+    def expect_errors(self, *parts):
+        """The browser itself reports what fails: lines with one of these parts, and no others."""
+        self.assertEqual([], [line for line in self.page.errors() if not any(part in line for part in parts)])
+
     def wait_for_answer(self):
         self.wait(lambda: not self.page.elements('[aria-busy]'), 'the node does not answer')
         self.assertEqual('', self.page.text('#failure'))
 
+    def release(self, name='Release', page=None):
+        """Releases a blackout. A press that answers the state of before is void, and is repeated."""
+        page = page or self.page
+
+        def is_granted():
+            page.press(name)
+            self.wait(lambda: not page.elements('[aria-busy]'), 'the node does not answer')
+            return page.text('#failure') == ''
+        self.wait(is_granted, 'no release is granted')
+        self.wait(self.scene.images.is_lit, 'the image stays black')
+        self.wait_for_light('Lit', page)
+
     # --- what the projector shows ---
 
     def test_black_and_its_release(self):
+        self.assertFalse(self.page.element('#release').is_enabled(), 'there is nothing to release')
         self.page.press('Black')
         self.wait(self.scene.images.is_black, 'the image is not black')
         self.wait_for_light('Black')
         self.assertIn('the page at 127.0.0.1', self.page.text('#light-why'))
-        time.sleep(PRESSED_TWICE_SECS)
+        self.page.press('Black')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Black', self.page.light(), 'Black is no toggle')
+        self.release()
+
+    def focus(self, selector):
+        self.page.run('document.querySelector(arguments[0]).focus()', selector)
+
+    def test_enter_held_on_black_stays_black(self):
+        self.focus('#black')
+        with self.page.holding_enter() as repeat:
+            self.wait_for_light('Black')
+            for _ in range(100):
+                repeat()
+                self.assertEqual('Black', self.page.light())
+        self.assertTrue(self.scene.images.is_black())
+        self.release()
+
+    def test_enter_held_on_release_releases_once(self):
+        self.page.press('Black')
+        self.wait_for_light('Black')
+        time.sleep(QUIET_SECS)
+        self.focus('#release')
+        with self.page.holding_enter() as repeat:
+            self.wait_for_light('Lit')
+            self.page.run('document.querySelector("#black").click()')
+            self.wait_for_light('Black')
+            time.sleep(QUIET_SECS)
+            self.focus('#release')
+            for _ in range(100):
+                repeat()
+                self.assertEqual('Black', self.page.light())
+        self.release()
+
+    def test_enter_held_on_pause_pauses_once(self):
+        self.focus('#pause')
+        with self.page.holding_enter() as repeat:
+            self.wait_for_light('Paused')
+            for _ in range(100):
+                repeat()
+                self.assertEqual('Paused', self.page.light())
+        self.page.press('Resume')
+
+    def test_a_release_that_is_late_is_void(self):
+        self.page.press('Black')
+        self.wait_for_light('Black')
+        time.sleep(QUIET_SECS)
+        self.page.run('window.own = fetch; window.fetch = async (...all) => { await new Promise((go) => setTimeout(go, 2500)); '
+                      'return own(...all); };')
         self.page.press('Release')
-        self.wait(self.scene.images.is_lit, 'the image stays black')
-        self.wait_for_light('Lit')
+        failed = 'Release failed: it is older than 2 s'
+        self.wait(lambda: self.page.text('#failure').startswith(failed), 'the page does not say that the release failed')
+        self.wait(lambda: self.page.text('#failure') == '', 'the page does not forget it')
+        self.assertTrue(self.scene.images.is_black(), 'it has lit the projector')
+        self.page.run('window.fetch = own')
+        self.expect_errors('409')
+        self.release()
+
+    def test_black_arrives_by_the_socket_alone(self):
+        self.page.run('window.own = fetch; window.fetch = () => Promise.reject(new TypeError())')
+        self.page.press('Black')
+        self.wait(self.scene.images.is_black, 'the image is not black')
+        self.wait_for_light('Black')
+        self.wait(lambda: self.page.text('#failure') == '', 'the page says that it failed')
+        self.page.press('Release')
+        self.wait(lambda: self.page.text('#failure').startswith('Release failed: the node'), 'there is no failure')
+        self.page.run('window.fetch = own')
+        self.release()
+
+    def test_a_camera_has_a_release_of_its_own(self):
+        self.page.run('import("/node.js").then((node) => node.black(document.querySelector("#black"), "CameraPub"))')
+        self.wait(self.scene.images.is_black, 'the image is not black')
+        self.release('Release CameraPub')
+        self.assertEqual([], [each for each in self.page.elements('.camera header button') if each.is_displayed()])
+        self.page.open_details()
+        self.assertNotIn('blackout', self.page.text('#settings'))
 
     def test_key_b_is_black_but_not_while_typing(self):
         self.page.open_details()
@@ -70,8 +159,13 @@ class OperatorPage(unittest.TestCase):
         self.page.type_key('b')
         self.wait(self.scene.images.is_black, 'the image is not black')
         time.sleep(QUIET_SECS)
-        self.assertEqual('Black', self.page.light(), 'the second press in a hurry has released it')
         self.page.type_key('b')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Black', self.page.light(), 'key B is no toggle')
+        self.page.type_key('l')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Black', self.page.light(), 'it needs Shift')
+        self.page.type_key('L')
         self.wait(self.scene.images.is_lit, 'the image stays black')
 
     def test_all_pages_show_the_blackout_of_a_script(self):
@@ -82,11 +176,8 @@ class OperatorPage(unittest.TestCase):
             for page in (self.page, second):
                 self.wait_for_light('Black', page)
                 self.assertIn(TEST_NODE, page.text('#light-why'))
-            time.sleep(PRESSED_TWICE_SECS)
-            second.press('Release')
-            for page in (self.page, second):
-                self.wait_for_light('Lit', page)
-            self.wait(self.scene.images.is_lit, 'the image stays black')
+            self.release(page=second)
+            self.wait_for_light('Lit')
             self.assertEqual([], second.errors())
 
     def test_pause_keeps_the_image(self):
@@ -232,13 +323,13 @@ class OperatorPage(unittest.TestCase):
         self.scene.end_camera_stream()
         self.wait_for_light('Connection lost')
         self.page.press('Black')
-        self.wait(lambda: 'cannot be reached' in self.page.text('#failure'), 'the failure is not shown')
+        failed = 'Black failed: the node cannot be reached'
+        self.wait(lambda: self.page.text('#failure').startswith(failed), 'the failure is not shown')
         self.scene.start_camera_stream()
         self.wait_for_light('Lit')
+        self.wait(lambda: self.page.text('#failure') == '', 'the failure is not forgotten')
         self.wait(lambda: self.page.text('.masked'), 'there are no images')
-        # The browser itself reports connections that fail.
-        unexpected = [line for line in self.page.errors() if 'ERR_CONNECTION' not in line and 'WebSocket connection' not in line]
-        self.assertEqual([], unexpected)
+        self.expect_errors('ERR_CONNECTION', 'WebSocket connection')
 
     # --- who uses it, and on what ---
 
@@ -252,7 +343,8 @@ class OperatorPage(unittest.TestCase):
         self.assertEqual([], self.page.unnamed())
 
     def test_screenshots_on_laptop_and_phone(self):
-        PICTURES.mkdir(parents=True, exist_ok=True)
+        for folder in (PICTURES, BLACK_PICTURES):
+            folder.mkdir(parents=True, exist_ok=True)
         for name, size in (('desktop', None), ('phone', PHONE)):
             with Page(self.scene.address, *([size] if size else [])) as page:
                 self.wait_for_light('Lit', page)
@@ -261,6 +353,11 @@ class OperatorPage(unittest.TestCase):
                 time.sleep(5)
                 self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')
                 page.save(PICTURES / f'operator_page_{name}.png')
+                page.press('Black')
+                self.wait_for_light('Black', page)
+                self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')
+                page.save(BLACK_PICTURES / f'black_{name}.png')
+                self.release(page=page)
                 self.assertEqual([], page.errors())
 
 

@@ -1,7 +1,7 @@
 // A camera's image as its projector shows it, with figures of the last minute.
 
 import { duration, make, makeStatuses, newId, rate, setAttribute, setText } from './elements.js';
-import { post } from './node.js';
+import { black, release } from './node.js';
 import { makeNudge } from './nudge.js';
 
 const PLOT_SECS = 60;
@@ -121,24 +121,22 @@ function hatch() {
 export function makeCamera({ name }) {
   const title = newId();
   const about = make('span');
-  const black = make('button', { type: 'button', onclick: () => post('blackout', { on: !isBlack, camera: name }, black) });
+  const onlyBlack = make('button', { type: 'button', onclick: () => black(onlyBlack, name) }, `Black ${name} only`);
+  const onlyRelease = make('button', { type: 'button', onclick: (event) => release(event, onlyRelease, name) }, `Release ${name}`);
   const screen = makeScreen(name);
   const plots = { rate_hz: makePlot('Rate', rate), latency_ms: makePlot('Latency', duration), age_ms: makePlot('Age', duration) };
   const figures = make('dl', { class: 'figures' }, ...Object.values(plots).map((plot) => plot.node));
   const statuses = makeStatuses();
   const nudge = makeNudge(name);
-  const header = make('header', {}, make('h2', { id: title }, name), about, black);
+  const header = make('header', {}, make('h2', { id: title }, name), about, onlyRelease, onlyBlack);
   const node = make('article', { class: 'camera', 'aria-labelledby': title },
     header, screen.node, figures, statuses.node, nudge.node);
-  let isBlack = false;
 
   const update = (camera, state) => {
-    isBlack = camera.blackout;
     const size = camera.size && `${camera.size.join(' × ')} ${camera.encoding}`;
     setText(about, [camera.topic, camera.frame && `frame ${camera.frame}`, size].filter(Boolean).join(', '));
-    setText(black, isBlack ? `Release ${name}` : `Black ${name} only`);
-    black.toggleAttribute('data-on', isBlack);
-    black.hidden = state.cameras.length < 2 && !isBlack;
+    onlyRelease.hidden = !camera.blackout;
+    onlyBlack.hidden = state.cameras.length < 2;
     screen.update(camera);
     for (const [key, plot] of Object.entries(plots)) {
       plot.add(camera[key] ?? null);

@@ -1,46 +1,49 @@
 // The operator's page of camera_stream: what the projectors show, and what an operator can do about it.
 //
-// One WebSocket brings images, masks, the state and the log; what the operator does is a POST, so that a blackout never waits
-// behind images. The page shows the node's state only: a button changes when the node says so, on all pages at once.
+// One WebSocket brings images, masks, the state and the log; what the operator does is a POST, so that it never waits behind
+// images. Black takes both roads. The page shows the node's state only: a button changes when the node says so, on all pages at once.
 
 import { makeCamera } from './camera.js';
 import { makeDisplay, summaryOf } from './displays.js';
 import { LEVELS, Views, byId, make, setText } from './elements.js';
 import { lightOf, showLight } from './light.js';
-import { currentToken, isTokenWrong, post, report, setToken } from './node.js';
+import {
+  answerTo, black, currentToken, isTokenWrong, post, release, report, send, setSocket, setState, setToken, socket, state,
+} from './node.js';
 import { makeServer } from './settings.js';
-
-// A second press within this time is the same one: whoever presses twice in a hurry wants black, not light.
-const RELEASE_AFTER_MS = 700;
-
-// The node's last state, and null while there is no connection.
-let state = null;
-let blackSince = 0;
 
 const cameras = new Views(byId('cameras'), (camera) => camera.name, makeCamera);
 const displays = new Views(byId('displays-rows'), (display, index) => `${index} ${display.path}`, makeDisplay);
 const servers = new Views(byId('settings'), (server) => server.name, makeServer);
 
-// --- black, pause, test pictures --------------------------------------------------------------------------------------
+// --- black, release, pause, test pictures -----------------------------------------------------------------------------
 
-// Black, or the release of all blackouts. Without a connection it is always black.
-function pressBlack() {
-  const isBlack = state?.blackout.on ?? false;
-  if (!isBlack || performance.now() - blackSince > RELEASE_AFTER_MS) {
-    post('blackout', { on: !isBlack, camera: null }, byId('black'));
-  }
-}
-
-byId('black').addEventListener('click', pressBlack);
-byId('pause').addEventListener('click', (event) => post('pause', { on: !state?.paused.on }, event.currentTarget));
-byId('test-picture').addEventListener('click', (event) => post('test_picture', {}, event.currentTarget));
+byId('black').addEventListener('click', () => black(byId('black')));
+byId('release').addEventListener('click', (event) => release(event, byId('release')));
+byId('pause').addEventListener('click', (event) => {
+  const on = !state?.paused.on;
+  post('pause', { on, ...answerTo(event) }, event.currentTarget, on ? 'Pause' : 'Resume');
+});
+byId('test-picture').addEventListener('click', (event) => {
+  post('test_picture', { ...answerTo(event) }, event.currentTarget, 'Test picture');
+});
 
 document.addEventListener('keydown', (event) => {
+  if (event.repeat) {
+    // A button that has the focus would be pressed again and again.
+    if (event.key === 'Enter') {
+      event.preventDefault();
+    }
+    return;
+  }
   const isTyping = event.target.closest?.('input:not([type="checkbox"]):not([type="radio"]), select, textarea');
-  const isPlain = !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey;
-  if (event.key.toLowerCase() === 'b' && isPlain && !isTyping) {
+  const key = event.ctrlKey || event.altKey || event.metaKey || isTyping ? '' : event.key.toLowerCase();
+  if (key === 'b') {
     event.preventDefault();
-    pressBlack();
+    black(byId('black'));
+  } else if (key === 'l' && event.shiftKey && !byId('release').disabled) {
+    event.preventDefault();
+    release(event, byId('release'));
   }
 });
 
@@ -71,17 +74,10 @@ const LAST_RETRY_MS = 5000;
 // The node sends its state every second.
 const SILENCE_MS = 4000;
 
-let socket = null;
 let retryMs = FIRST_RETRY_MS;
 let timer = 0;
 let silence = 0;
 let watched = null;
-
-function send(message) {
-  if (socket?.readyState === WebSocket.OPEN) {
-    socket.send(JSON.stringify(message));
-  }
-}
 
 // Asks for the images of all cameras, of none while nobody sees the page.
 function watch() {
@@ -94,16 +90,12 @@ function watch() {
 }
 
 function showState(next) {
-  if (next.blackout.on && !state?.blackout.on) {
-    blackSince = performance.now();
-  }
-  state = next;
+  setState(next);
   retryMs = FIRST_RETRY_MS;
   byId('token-form').hidden = true;
   byId('node').hidden = false;
   showLight(lightOf(state));
-  setText(byId('black-word'), state.blackout.on ? 'Release' : 'Black');
-  byId('black').toggleAttribute('data-on', state.blackout.on);
+  byId('release').disabled = !state.blackout.on && !state.cameras.some((camera) => camera.black);
   setText(byId('pause'), state.paused.on ? 'Resume' : 'Pause');
   byId('pause').toggleAttribute('data-on', state.paused.on);
   setText(byId('test-picture'), state.test_picture === null ? 'Test picture' : 'Next test picture');
@@ -159,7 +151,7 @@ function connect() {
   const address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/api/stream`;
   const opened = new WebSocket(address, ['rcs', `token.${currentToken()}`]);
   opened.binaryType = 'arraybuffer';
-  socket = opened;
+  setSocket(opened);
   watched = null;
   expectMessage();
   opened.onopen = () => {
@@ -174,12 +166,11 @@ function connect() {
 async function lose() {
   clearTimeout(silence);
   const wasConnected = state !== null;
-  state = null;
+  setState(null);
   const lost = socket;
-  socket = null;
+  setSocket(null);
   lost?.close();
-  setText(byId('black-word'), 'Black');
-  byId('black').removeAttribute('data-on');
+  byId('release').disabled = true;
   showLight(['lost', byId('node').hidden ? 'No connection' : 'Connection lost',
     'What you see here is old, and the projectors may be lit. The page connects again by itself.']);
   clearTimeout(timer);

@@ -1,4 +1,4 @@
-// All of dynamic_reconfigure: a form for each of its servers.
+// dynamic_reconfigure: a form for each of its servers.
 
 import { Views, make, makeSwitch, newId, plain, setAttribute, setText } from './elements.js';
 import { setParameters } from './node.js';

@@ -37,7 +37,7 @@ class Page:
             body = self.stream.read(length)
             if head[0] & 15 == 1:
                 message = json.loads(body)
-                if message['type'] == 'state': self.state = message
+                if message['type'] == 'state': self.state = dict(message, came=time.monotonic())
                 else: self.lines += message['lines']
             elif head[0] & 15 == 2:
                 length = struct.unpack('<I', body[:4])[0]
@@ -53,6 +53,12 @@ class Page:
         try:
             with urllib.request.urlopen(request, timeout=30) as response: return response.status, json.load(response)['message']
         except urllib.error.HTTPError as error: return error.code, json.load(error)['message']
+    def answer(self, name, body, number=None, late_ms=0):
+        """Posts what answers the newest state, or the one of this number."""
+        state = self.state
+        sent_ms = state['clock_ms'] + 1e3 * (time.monotonic() - state['came']) - late_ms
+        number = state['number'] if number is None else number
+        return self.post(name, dict(body, number=number, sent_ms=sent_ms))
 "#;
 /// Words before the page's address in the log.
 const ADDRESS: &str = "the operator's page: ";
@@ -165,14 +171,14 @@ fn a_page_blacks_out_pauses_and_shows_test_pictures_and_all_pages_say_so() {
     let by_page = "{'on': True, 'by': 'the page at 127.0.0.1'}";
     fixture
         .wait_for(format!("other.state['blackout'] == {by_page} and 'blackout' in other.state['cameras'][0]['dark']"));
-    assert_eq!(fixture.python("other.post('blackout', {'on': False})"), "(200, 'all cameras: released')");
+    fixture.wait_for("other.answer('blackout', {'on': False}) == (200, 'all cameras: released')");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and not page.state['blackout']['on']");
-    let camera = |on: &str| format!("page.post('blackout', {{'on': {on}, 'camera': 'CameraPub'}})[0]");
-    assert_eq!(fixture.python(camera("True")), "200");
+    assert_eq!(fixture.python("page.post('blackout', {'on': True, 'camera': 'CameraPub'})[0]"), "200");
     fixture.wait_for("viewer.middle() == (0, 0, 0) and other.state['cameras'][0]['blackout']");
-    assert_eq!(fixture.python(camera("False")), "200");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    assert_eq!(fixture.python("page.post('pause', {'on': True})[0], page.post('test_picture', {})[0]"), "(200, 200)");
+    fixture.wait_for("other.answer('blackout', {'on': False, 'camera': 'CameraPub'})[0] == 200");
+    fixture.wait_for("viewer.middle() == (255, 0, 0) and not page.state['cameras'][0]['black']");
+    assert_eq!(fixture.python("page.post('pause', {'on': True})[0]"), "200");
+    fixture.wait_for("page.answer('test_picture', {})[0] == 200");
     fixture.wait_for(format!("other.state['paused'] == {by_page} and other.state['test_picture']"));
     assert_eq!(fixture.python("page.post('blackout', {'on': 1})"), "(400, 'on: neither true nor false')");
     assert_eq!(
@@ -180,6 +186,45 @@ fn a_page_blacks_out_pauses_and_shows_test_pictures_and_all_pages_say_so() {
         "(400, 'camera: there is no camera x')"
     );
     assert_eq!(fixture.python("page.post('nudge', {'camera': 'CameraPub', 'right_m': 0.001})[0]"), "409");
+}
+
+#[test]
+fn what_may_light_answers_the_present_state_and_is_young() {
+    let fixture = fixture(&[]);
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.python("page = Page(URL)");
+    fixture.wait_for("viewer.middle() == (255, 0, 0) and page.state");
+    fixture.python("page.send({'type': 'black', 'camera': None})");
+    fixture.wait_for("viewer.middle() == (0, 0, 0) and page.state['blackout']['on']");
+    fixture.wait_for_log("all cameras: blackout on by the page at 127.0.0.1").unwrap();
+    let outdated = "(409, 'the state has changed since; look at it, and press again')";
+    for (name, body) in [
+        ("blackout", "{'on': False}"),
+        ("blackout", "{'on': False, 'camera': 'CameraPub'}"),
+        ("pause", "{'on': False}"),
+        ("test_picture", "{}"),
+    ] {
+        let answer = |how: &str| fixture.python(format!("page.answer('{name}', {body}, {how})"));
+        assert_eq!(answer("number=page.state['number'] - 1"), outdated, "{name}");
+        let late = answer("late_ms=2000");
+        assert!(late.starts_with("(409, 'it is older than 2 s: "), "{name}: {late}");
+        assert!(answer("late_ms=-60000").contains("future"), "{name}");
+        assert_eq!(
+            fixture.python(format!("page.post('{name}', {body})")),
+            "(400, 'number: missing; the state has it')"
+        );
+    }
+    let parameters = "{'server': page.state['cameras'][0]['parameters'], 'values': {'blackout': False}}";
+    let refused = "(400, 'there is no parameter blackout')";
+    assert_eq!(fixture.python(format!("page.post('parameters', {parameters})")), refused);
+    // A Black that nobody has seen makes a release void.
+    fixture.python("seen = page.state['number']");
+    fixture.python("page.post('blackout', {'on': True})");
+    assert_eq!(fixture.python("page.answer('blackout', {'on': False}, number=seen)"), outdated);
+    fixture.wait_for("page.state['number'] > seen");
+    assert_eq!(fixture.python("viewer.middle()"), "(0, 0, 0)");
+    fixture.wait_for("page.answer('blackout', {'on': False})[0] == 200");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
 
 #[test]

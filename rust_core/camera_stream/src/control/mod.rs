@@ -45,7 +45,7 @@ struct KeptBlackouts {
 #[derive(Default)]
 struct ControlledState {
     blackouts: Blackouts,
-    /// Counts the changes of blackouts.
+    /// Counts what was said about blackouts, also where that changed nothing.
     number: u64,
     /// Who has paused all cameras.
     paused: Option<String>,
@@ -183,15 +183,7 @@ impl Control {
     /// # Errors
     /// It holds, but could not be kept for the next start of the node.
     pub(crate) fn set_blackout(&self, on: bool, caller: &str) -> Result<(), String> {
-        let kept = self.change(|state| {
-            state.blackouts.all = on.then(|| caller.to_owned());
-            if !on {
-                state.blackouts.cameras.clear();
-            }
-            state.number += 1;
-            state.cameras.iter_mut().for_each(|camera| camera.generation.advance());
-            log::warn!("all cameras: blackout {} by {caller}", on_or_off(on));
-        });
+        let kept = self.change(|state| state.set_blackout(on, caller));
         (self.tell)(on);
         kept
     }
@@ -201,21 +193,25 @@ impl Control {
     /// # Errors
     /// It holds, but could not be kept for the next start of the node.
     pub(crate) fn set_camera_blackout(&self, name: &str, on: bool, caller: &str) -> Result<(), String> {
-        self.change(|state| {
-            if state.blackouts.cameras.contains_key(name) == on {
-                return;
+        self.change(|state| state.set_camera_blackout(name, on, caller))
+    }
+
+    /// Releases a camera's own blackout, or all blackouts, as an answer to the present [`number`](Self::number). `None`:
+    /// that is another one by now, and nothing was released.
+    pub(crate) fn release(&self, camera: Option<&str>, number: u64, caller: &str) -> Option<Result<(), String>> {
+        let mut is_answer = false;
+        let kept = self.change(|state| {
+            is_answer = state.number == number;
+            match camera {
+                _ if !is_answer => {}
+                Some(name) => state.set_camera_blackout(name, false, caller),
+                None => state.set_blackout(false, caller),
             }
-            if on {
-                state.blackouts.cameras.insert(name.to_owned(), caller.to_owned());
-            } else {
-                state.blackouts.cameras.remove(name);
-            }
-            state.number += 1;
-            state.camera(name).generation.advance();
-            let all = state.blackouts.all.as_ref().filter(|_| !on);
-            let all = all.map(|caller| format!("; all cameras are still black by {caller}")).unwrap_or_default();
-            log::warn!("camera {name}: blackout {} by {caller}{all}", on_or_off(on));
-        })
+        });
+        if is_answer {
+            self.tell_parameter();
+        }
+        is_answer.then_some(kept)
     }
 
     /// Pauses all cameras, or resumes them, also those that a key has paused.
@@ -294,7 +290,7 @@ impl Control {
         ControlState { blackout, paused, test_picture: state.test_picture.map(TestPicture::name) }
     }
 
-    /// A number that changes with each change of blackouts.
+    /// Number of what was said about blackouts last. It is another one after each blackout and each release.
     pub(crate) fn number(&self) -> u64 {
         lock(&self.state).number
     }
@@ -333,6 +329,33 @@ impl Control {
 }
 
 impl ControlledState {
+    fn set_blackout(&mut self, on: bool, caller: &str) {
+        self.blackouts.all = on.then(|| caller.to_owned());
+        if !on {
+            self.blackouts.cameras.clear();
+        }
+        self.number += 1;
+        self.cameras.iter_mut().for_each(|camera| camera.generation.advance());
+        log::warn!("all cameras: blackout {} by {caller}", on_or_off(on));
+    }
+
+    fn set_camera_blackout(&mut self, name: &str, on: bool, caller: &str) {
+        let is_same = self.blackouts.cameras.contains_key(name) == on;
+        self.number += u64::from(on || !is_same);
+        if is_same {
+            return;
+        }
+        if on {
+            self.blackouts.cameras.insert(name.to_owned(), caller.to_owned());
+        } else {
+            self.blackouts.cameras.remove(name);
+        }
+        self.camera(name).generation.advance();
+        let all = self.blackouts.all.as_ref().filter(|_| !on);
+        let all = all.map(|caller| format!("; all cameras are still black by {caller}")).unwrap_or_default();
+        log::warn!("camera {name}: blackout {} by {caller}{all}", on_or_off(on));
+    }
+
     /// The part of a camera, which is new if need be.
     fn camera(&mut self, name: &str) -> &mut CameraState {
         let known = self.cameras.iter().position(|camera| camera.name == name);

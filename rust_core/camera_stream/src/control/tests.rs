@@ -53,6 +53,26 @@ fn releasing_all_releases_single_cameras() {
 }
 
 #[test]
+fn a_release_is_void_after_any_other_word_about_blackouts() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = control(folder.path());
+    control.set_blackout(true, "/script").unwrap();
+    let seen = control.number();
+    control.set_blackout(true, "/other").unwrap();
+    assert!(control.release(None, seen, "the page").is_none() && control.of_camera("Left").light.is_err());
+    assert!(control.release(None, control.number(), "the page").is_some());
+    assert_eq!(blackouts(&control, BOTH), [None, None]);
+    control.press("Left", B);
+    let seen = control.number();
+    control.press("Left", B);
+    assert!(control.release(Some("Left"), seen, "the page").is_none(), "somebody wants it black still");
+    let seen = control.number();
+    control.set_pause(true, "/script");
+    assert!(control.release(Some("Left"), seen, "the page").is_some());
+    assert!(control.of_camera("Left").light.is_ok());
+}
+
+#[test]
 fn the_next_run_has_the_blackouts_of_the_last_one() {
     let folder = tempfile::tempdir().unwrap();
     let first = control(folder.path());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
-use rcs_web::{LogLine, Operator, Refusal};
+use rcs_web::{answered_number, LogLine, Operator, Refusal};
 use serde_json::Value;
 
 use super::nudging::Nudging;
@@ -23,21 +23,29 @@ impl PageOperator {
         Self { shared: Arc::clone(shared), nudging: Nudging::new(shared), config }
     }
 
-    /// Blacks out all cameras or a single one. All: `false` releases all blackouts.
+    /// Blacks out all cameras or a single one, or releases them. All: releases all blackouts.
     fn black_out(&self, body: &Value, caller: &str) -> Result<String, Refusal> {
         let on = switch(body)?;
-        let (control, what) = (&self.shared.control, if on { "black" } else { "released" });
-        if body["camera"].is_null() {
-            control.set_blackout(on, caller).map_err(Refusal::Failed)?;
-            return Ok(format!("all cameras: {what}"));
-        }
-        let camera = text(body, "camera")?;
-        let is_known = self.shared.cameras().iter().any(|known| known.view().name == camera);
-        if !is_known {
+        let camera = if body["camera"].is_null() { None } else { Some(text(body, "camera")?) };
+        let is_known = |camera: &&str| self.shared.cameras().iter().any(|known| known.view().name == *camera);
+        if let Some(camera) = camera.filter(|camera| !is_known(camera)) {
             return Err(Refusal::Invalid(format!("camera: there is no camera {camera}")));
         }
-        control.set_camera_blackout(camera, on, caller).map_err(Refusal::Failed)?;
-        Ok(format!("camera {camera}: {what}"))
+        let control = &self.shared.control;
+        let kept = match (on, camera) {
+            (true, None) => control.set_blackout(true, caller),
+            (true, Some(camera)) => control.set_camera_blackout(camera, true, caller),
+            (false, camera) => control.release(camera, answered_number(body)?, caller).ok_or_else(outdated)?,
+        };
+        kept.map_err(Refusal::Failed)?;
+        let what = if on { "black" } else { "released" };
+        Ok(camera.map_or_else(|| format!("all cameras: {what}"), |camera| format!("camera {camera}: {what}")))
+    }
+
+    /// Checks that a request which may light answers the present state.
+    fn check_answer(&self, body: &Value) -> Result<(), Refusal> {
+        let is_answer = answered_number(body)? == self.shared.control.number();
+        is_answer.then_some(()).ok_or_else(outdated)
     }
 
     /// Sets parameters of a dynamic_reconfigure server.
@@ -71,10 +79,14 @@ impl Operator for PageOperator {
             "blackout" => self.black_out(body, caller),
             "pause" => {
                 let on = switch(body)?;
+                if !on {
+                    self.check_answer(body)?;
+                }
                 self.shared.control.set_pause(on, caller);
                 Ok(["no camera is paused", "all cameras are paused"][usize::from(on)].to_owned())
             }
             "test_picture" => {
+                self.check_answer(body)?;
                 let test = self.shared.control.next_test_picture(caller);
                 Ok(test.map_or_else(|| "the scene is shown".to_owned(), |name| format!("test picture: {name}")))
             }
@@ -104,6 +116,10 @@ impl Operator for PageOperator {
         self.nudging.poll_while_open();
         self.shared.ros.events().wake();
     }
+}
+
+fn outdated() -> Refusal {
+    Refusal::Failed("the state has changed since; look at it, and press again".to_owned())
 }
 
 fn invalid(reason: &str) -> Refusal {

@@ -6,14 +6,21 @@ use rcs_messages::dynamic_reconfigure::{
 use rcs_ros::ReconfigureServer;
 use serde_json::{json, Map, Value};
 
+use crate::control::BLACKOUT;
 use crate::outputs::parameter_description::choices;
 
 /// A server with its parameters, as the pages show it.
 pub(super) fn server(server: &ReconfigureServer, camera: &str) -> Value {
     let (description, config) = (server.description(), server.config());
-    let parameters = description.groups.iter().flat_map(|group| &group.parameters);
-    let parameters: Vec<_> = parameters.map(|parameter| parameter_json(parameter, description, config)).collect();
+    let parameters: Vec<_> =
+        shown(description).map(|parameter| parameter_json(parameter, description, config)).collect();
     json!({"name": &**server.name(), "camera": camera, "parameters": parameters})
+}
+
+/// The parameters without the blackout: a page has buttons for that, of which only one can light.
+fn shown(description: &ConfigDescription) -> impl Iterator<Item = &ParamDescription> {
+    let all = description.groups.iter().flat_map(|group| &group.parameters);
+    all.filter(|parameter| parameter.name != BLACKOUT)
 }
 
 fn parameter_json(parameter: &ParamDescription, description: &ConfigDescription, config: &Config) -> Value {
@@ -52,9 +59,8 @@ pub(super) fn request(values: &Map<String, Value>, server: &ReconfigureServer) -
 
 fn typed(values: &Map<String, Value>, description: &ConfigDescription) -> Result<Config, String> {
     let mut request = Config::default();
-    let parameters: Vec<_> = description.groups.iter().flat_map(|group| &group.parameters).collect();
     for (name, value) in values {
-        let known = parameters.iter().find(|parameter| parameter.name == *name);
+        let known = shown(description).find(|parameter| parameter.name == *name);
         let kind = known.ok_or_else(|| format!("there is no parameter {name}"))?.r#type.as_str();
         let wrong = || format!("{name}: {value} is no {kind}");
         let name = name.clone();
@@ -80,6 +86,7 @@ mod tests {
 
     fn description() -> ConfigDescription {
         let parameters = vec![
+            parameter(BLACKOUT, "bool", "", String::new()),
             parameter("show", "bool", "", String::new()),
             parameter("rate", "double", "Images a second", String::new()),
             parameter("red", "int", "", String::new()),
@@ -100,6 +107,7 @@ mod tests {
         assert_eq!(typed(r#"{"show": 1}"#).unwrap_err(), "show: 1 is no bool");
         assert_eq!(typed(r#"{"red": 3000000000}"#).unwrap_err(), "red: 3000000000 is no int");
         assert_eq!(typed(r#"{"other": 1}"#).unwrap_err(), "there is no parameter other");
+        assert_eq!(typed(r#"{"blackout": false}"#).unwrap_err(), "there is no parameter blackout");
     }
 
     #[test]
@@ -107,7 +115,7 @@ mod tests {
         let description = description();
         let values =
             Config { doubles: vec![DoubleParameter { name: "rate".to_owned(), value: 5.0 }], ..Config::default() };
-        let json = |index: usize| parameter_json(&description.groups[0].parameters[index], &description, &values);
+        let json = |index: usize| parameter_json(shown(&description).nth(index).unwrap(), &description, &values);
         let rate = json(1);
         assert_eq!([&rate["min"], &rate["max"], &rate["default"], &rate["value"]], [-1.0, 100.0, 30.0, 5.0]);
         let encoding = json(3);

@@ -11,6 +11,8 @@ use crate::scene::status_tree::path_text;
 
 /// The whole state of a node with a config of this file name.
 pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Value {
+    // Before the state is read, so that a change meanwhile makes an answer void.
+    let (clock_ms, number, control) = (rcs_web::clock_ms(), shared.control.number(), shared.control.state());
     let statuses = shared.board.statuses();
     let mut displays = statuses.displays.clone();
     let (mut cameras, mut servers) = (Vec::new(), Vec::new());
@@ -21,14 +23,17 @@ pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Valu
         let rate_hz = statuses.rate_hz(name);
         let mut json = camera_json(camera, rate_hz, of_camera);
         json["nudge"] = nudging.of_camera(name);
-        json["blackout"] = json!(shared.control.of_camera(name).is_switched_off);
+        let settings = shared.control.of_camera(name);
+        json["blackout"] = json!(settings.is_switched_off);
+        json["black"] = json!(settings.light.is_err());
         cameras.push(json);
         servers.extend(camera.servers().map(|server| parameters::server(server, name)));
     }
     drop(statuses);
-    let control = shared.control.state();
     json!({
         "type": "state",
+        "number": number,
+        "clock_ms": clock_ms,
         "node": shared.ros.name(),
         "config": config,
         "version": env!("CARGO_PKG_VERSION"),
