@@ -48,6 +48,9 @@ const INVALID: u8 = 2;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
+    if let Some(status) = rcs_window::run_black_window() {
+        return status;
+    }
     let mut warnings = Vec::new();
     let words = old_spellings::command_line(own_arguments(), &mut warnings);
     let mut cli = match Cli::try_parse_from(&words) {

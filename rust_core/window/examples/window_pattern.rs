@@ -1,20 +1,21 @@
 //! Shows a test pattern full screen, as `projector_window` shows an image topic.
 //!
 //! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--limit SECONDS] [--set-mode yes]
-//! [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
+//! [--guarded yes] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
 //! 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same. The same picture is
 //! shown again half a second later; with a limit, it is granted for that long. Keys and the monitor are logged. B is
 //! black, Escape or q quit.
 
 use std::error::Error;
 use std::io::Write;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use log::LevelFilter;
 use rcs_light::{Content, Evidence, Generation, LightRules};
-use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey, WindowOptions};
+use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey, WindowOptions, WindowRole};
 
 fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     ScreenPicture::from_fn(width_px, height_px, |u, v| {
@@ -23,7 +24,15 @@ fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     })
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    if let Some(status) = window::run_black_window() {
+        return Ok(status);
+    }
+    run()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut logger = env_logger::Builder::new();
     logger.filter_module("rcs_", LevelFilter::Info).filter_module("window_pattern", LevelFilter::Info);
     logger.format(|out, record| writeln!(out, "{}: {}", record.level(), record.args())).try_init()?;
@@ -40,6 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--screenshot" => options.screenshot = Some(value.into()),
             "--limit" => options.light_limit = Some(Duration::from_secs_f64(value.parse()?)),
             "--set-mode" => options.set_mode = true,
+            "--guarded" => options.role = WindowRole::Guarded,
             "--keep" => keep = Some(value),
             "--identify" => identify = Some(Duration::from_secs_f64(value.parse()?)),
             _ => return Err(format!("unknown option {flag}").into()),

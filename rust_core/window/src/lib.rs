@@ -16,6 +16,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod content;
+mod dead_man;
 mod error;
 mod identify;
 mod keys;
@@ -34,6 +35,7 @@ mod watch;
 mod wayland;
 mod x11;
 
+pub use dead_man::{run_black_window, BlackWindow, WindowRole};
 pub use error::WindowError;
 pub use identify::identify;
 pub use keys::WindowKey;

@@ -1,5 +1,6 @@
 //! Opening the window, on Wayland or X11.
 
+use crate::dead_man::DeadManSwitch;
 use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::report::MonitorReport;
@@ -20,7 +21,9 @@ pub fn run_with(
     sink: &PictureSink,
     mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
-    run_window(open(options)?.as_mut(), options, sink, &mut handle)
+    // Before the window, which is to lie on the black one of the child process; it ends after it.
+    let mut switch = DeadManSwitch::start(options, sink);
+    run_window(open(options)?.as_mut(), options, (sink, &mut switch), &mut handle)
 }
 
 /// Opens the window and runs it until it is closed, as [`run_with`] does, with a sink of its own. `handle` may show

@@ -10,6 +10,7 @@ use rcs_light::Lit;
 use rcs_scene::{Encoding, Picture};
 
 use crate::content::WindowContent;
+use crate::dead_man::DeadManSwitch;
 use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
 use crate::monitor::MonitorInfo;
@@ -38,9 +39,10 @@ pub enum UserEvent<'a> {
 pub(crate) fn run(
     window: &mut dyn SystemWindow,
     options: &WindowOptions,
-    sink: &PictureSink,
+    (sink, switch): (&PictureSink, &mut DeadManSwitch),
     handle: &mut dyn FnMut(UserEvent<'_>, &PictureSink),
 ) -> Result<(), WindowError> {
+    switch.report();
     handle(UserEvent::Opened(window.monitor()), sink);
     let mut painter = WindowPainter::new(options);
     while !sink.is_closing() {
@@ -50,6 +52,10 @@ pub(crate) fn run(
             // A busy display server may have lost pixels.
             painter.is_due = true;
         }
+        if switch.restart_if_back(window.is_there(), options, sink) {
+            window.come_to_front()?;
+            painter.is_due = true;
+        }
         painter.take_picture(sink, window.monitor());
         if let Some(grant) = sink.take_renewed() {
             painter.content.renew(&grant);
@@ -57,13 +63,14 @@ pub(crate) fn run(
         painter.is_due |= painter.content.check(Instant::now());
         painter.draw_if_due(window)?;
         let until = painter.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));
+        let until = switch.beat(Instant::now()).map_or(until, |at| at.min(until));
         let events = window.wait(sink.wake_fd(), until)?;
         sink.clear_wake();
         sink.set_refresh(window.refresh());
         for event in events {
             match event {
-                SystemEvent::Close => return Ok(()),
-                SystemEvent::Key { keysym, .. } if is_quit_key(keysym) => return Ok(()),
+                SystemEvent::Close if options.role.takes_keyboard() => return Ok(()),
+                SystemEvent::Key { keysym, .. } if is_quit_key(keysym) && options.role.takes_keyboard() => return Ok(()),
                 SystemEvent::Key { keysym, is_repeat } => {
                     let Some(key) = WindowKey::from_keysym(keysym) else { continue };
                     handle(UserEvent::Key { key, is_repeat }, sink);
@@ -72,7 +79,7 @@ pub(crate) fn run(
                     painter.check(window, sink, handle)?;
                     painter.is_due = true;
                 }
-                SystemEvent::Expose => painter.is_due = true,
+                SystemEvent::Expose | SystemEvent::Close => painter.is_due = true,
             }
         }
     }
@@ -113,7 +120,7 @@ impl<'a> WindowPainter<'a> {
             screenshot: options.screenshot.clone(),
             warned_sizes: HashSet::new(),
             is_due: true,
-            on_screen: None,
+            on_screen: options.role.listener(),
         }
     }
 

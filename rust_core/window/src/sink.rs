@@ -11,6 +11,7 @@ use rcs_scene::{lock, Picture};
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
+use crate::dead_man::SwitchPipe;
 use crate::on_screen::OnScreen;
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
@@ -38,6 +39,8 @@ struct SinkState {
     refresh: Mutex<Option<Refresh>>,
     /// The last grant of the newest picture.
     renewed: Mutex<Option<Grant>>,
+    /// Hears of the end of a window with a dead-man's switch.
+    switch: Mutex<Option<Arc<SwitchPipe>>>,
     /// An eventfd.
     wake: OwnedFd,
 }
@@ -54,6 +57,7 @@ impl PictureSink {
             is_closing: AtomicBool::new(false),
             refresh: Mutex::default(),
             renewed: Mutex::default(),
+            switch: Mutex::default(),
             wake,
         })))
     }
@@ -102,7 +106,13 @@ impl PictureSink {
     /// Closes the window; [`crate::run`] returns.
     pub fn close(&self) {
         self.0.is_closing.store(true, Ordering::Release);
+        // Here, because the window's thread may wait for a display server that hangs.
+        lock(&self.0.switch).iter().for_each(|switch| switch.end());
         self.wake();
+    }
+
+    pub(crate) fn set_switch(&self, switch: Option<Arc<SwitchPipe>>) {
+        *lock(&self.0.switch) = switch;
     }
 
     /// `true` after [`PictureSink::close`].

@@ -9,6 +9,7 @@ use rustix::event::{poll, PollFd, Timespec};
 use rustix::io::Errno;
 use xkeysym::Keysym;
 
+use crate::dead_man::WindowRole;
 use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::on_screen::OnScreen;
@@ -27,12 +28,20 @@ pub struct WindowOptions {
     pub light_limit: Option<Duration>,
     /// `true` to set a monitor to its native mode; otherwise there is a warning if it runs another one.
     pub set_mode: bool,
+    /// Role of the window on its monitor.
+    pub role: WindowRole,
 }
 
 /// An open window on a window system.
 pub(crate) trait SystemWindow {
     /// The monitor at the last check.
     fn monitor(&self) -> &MonitorInfo;
+
+    /// `true` while the monitor is present.
+    fn is_there(&self) -> bool;
+
+    /// Brings the window to the front of others, by showing it anew.
+    fn come_to_front(&mut self) -> Result<(), WindowError>;
 
     /// Current width and height of the window, pixels; zero while it is not on the screen.
     fn size_px(&self) -> (u32, u32);

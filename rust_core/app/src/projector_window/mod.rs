@@ -16,7 +16,7 @@ use rcs_messages::{header, AnyMessage, Image, MessageKind};
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_scene::lock;
 use rcs_transforms::Time;
-use rcs_window::{self as window, MonitorInfo, PictureSink, ReceivedPicture, ScreenPicture, UserEvent};
+use rcs_window::{self as window, MonitorInfo, PictureSink, ReceivedPicture, ScreenPicture, UserEvent, WindowRole};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
@@ -104,7 +104,7 @@ pub fn command() -> Command {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(run)
+    rcs_window::run_black_window().unwrap_or_else(|| lifecycle::run_main(run))
 }
 
 fn run(arguments: WindowArguments) -> anyhow::Result<()> {
@@ -132,6 +132,7 @@ fn watch(end: &EndRequest) -> anyhow::Result<WindowWatch> {
 fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndRequest) -> anyhow::Result<()> {
     let watch = watch(end)?;
     let mut options = arguments.monitor.window_options(&arguments.topic());
+    options.role = WindowRole::Guarded;
     options.light_limit = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
     let sink = PictureSink::new().context("cannot open a window")?;
     // The node runs on a thread of its own and closes the window when it ends.

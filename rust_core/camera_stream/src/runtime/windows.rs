@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{bail, Context, Result};
 use rcs_ros::RosNode;
-use rcs_window::WindowOptions;
+use rcs_window::{WindowOptions, WindowRole};
 
 use crate::camera::plan::CameraPlan;
 use crate::control::Control;
@@ -44,7 +44,8 @@ impl Windows {
             }
             let source = format!("camera {camera}");
             let (set_mode, light_limit) = (options.set_mode, Some(safety.light_limit(&camera)));
-            let options = WindowOptions { source, monitor, set_mode, light_limit, ..WindowOptions::default() };
+            let role = WindowRole::Guarded;
+            let options = WindowOptions { source, monitor, set_mode, light_limit, role, ..WindowOptions::default() };
             windows.0.push(OpenWindow::open(ros, control, camera, options)?);
         }
         Ok(windows)

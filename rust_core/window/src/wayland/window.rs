@@ -193,6 +193,14 @@ impl SystemWindow for WaylandWindow {
         self.watch.monitor()
     }
 
+    fn is_there(&self) -> bool {
+        self.watch.is_there()
+    }
+
+    fn come_to_front(&mut self) -> Result<(), WindowError> {
+        self.show()
+    }
+
     fn size_px(&self) -> (u32, u32) {
         // The configured size is in the desktop's units; the surface has the output's pixels.
         if self.active.is_some() && self.session.state.configured.is_some() {

@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, MapState, PropMode, Window};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, MapState, PropMode, StackMode, Window};
 use x11rb::wrapper::ConnectionExt as _;
 
 use super::session::X11Session;
@@ -75,7 +75,7 @@ fn keep(
     } else if now >= kept.next && kept.attempts < MAX_ATTEMPTS {
         kept.attempts += 1;
         kept.next = now + SETTLE_TIME;
-        session.cover_again(window, monitor, !session.has_fullscreen_manager())?;
+        session.cover_again(window, monitor, !session.has_fullscreen_manager(), Some(StackMode::ABOVE))?;
     } else if now >= kept.next && kept.attempts == MAX_ATTEMPTS {
         kept.attempts += 1;
         log::warn!("WINDOW '{title}' DOES NOT COVER MONITOR {monitor}: its program does not let it");

@@ -18,10 +18,13 @@ use x11rb::wrapper::ConnectionExt as _;
 use super::session::X11Session;
 use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
+use crate::system_window::WindowOptions;
 use crate::watch::DesktopRect;
 
 /// Instance and class of this package's windows (ICCCM's `WM_CLASS`).
 pub(super) const WINDOW_CLASS: &[u8] = b"projector_window\0projector_window\0";
+/// That of the black windows of a dead-man's switch.
+const BLACK_WINDOW_CLASS: &[u8] = b"black_window\0black_window\0";
 
 /// Actions of a message that changes `_NET_WM_STATE` (EWMH).
 const REMOVE: u32 = 0;
@@ -35,7 +38,7 @@ impl X11Session {
     /// Creates a black window with the monitor's position and size and an invisible pointer. It is not mapped yet.
     pub(super) fn create_window(
         &self,
-        title: &str,
+        options: &WindowOptions,
         monitor: &MonitorInfo,
         placed_by_itself: bool,
     ) -> Result<Window, WindowError> {
@@ -53,7 +56,7 @@ impl X11Session {
             self.connection
                 .create_window(depth, window, self.root(), x, y, width, height, 0, class, visual, &attributes)?
                 .check()?;
-            self.describe(window, title)?;
+            self.describe(window, options)?;
             Ok(window)
         };
         create().map_err(|error| WindowError::Open { monitor: monitor.clone(), reason: error.to_string() })
@@ -75,17 +78,18 @@ impl X11Session {
     }
 
     /// Sets title and class, no decorations, the close protocol, and no compositing.
-    fn describe(&self, window: Window, title: &str) -> Result<(), Box<dyn std::error::Error>> {
+    fn describe(&self, window: Window, options: &WindowOptions) -> Result<(), Box<dyn std::error::Error>> {
         let atom = |name: &str| self.connection.intern_atom(false, name.as_bytes());
         let (utf8, net_name) = (atom("UTF8_STRING")?.reply()?.atom, atom("_NET_WM_NAME")?.reply()?.atom);
         let (protocols, delete) = (atom("WM_PROTOCOLS")?.reply()?.atom, atom("WM_DELETE_WINDOW")?.reply()?.atom);
         let (motif, bypass) =
             (atom("_MOTIF_WM_HINTS")?.reply()?.atom, atom("_NET_WM_BYPASS_COMPOSITOR")?.reply()?.atom);
-        let connection = &self.connection;
+        let (connection, title) = (&self.connection, &options.source);
+        let class = if options.role.is_black() { BLACK_WINDOW_CLASS } else { WINDOW_CLASS };
         let replace = PropMode::REPLACE;
         connection.change_property8(replace, window, AtomEnum::WM_NAME, AtomEnum::STRING, title.as_bytes())?;
         connection.change_property8(replace, window, net_name, utf8, title.as_bytes())?;
-        connection.change_property8(replace, window, AtomEnum::WM_CLASS, AtomEnum::STRING, WINDOW_CLASS)?;
+        connection.change_property8(replace, window, AtomEnum::WM_CLASS, AtomEnum::STRING, class)?;
         connection.change_property32(replace, window, protocols, AtomEnum::ATOM, &[delete])?;
         // Flags: only the decorations are set, to none.
         connection.change_property32(replace, window, motif, motif, &[2, 0, 0, 0, 0])?;
@@ -95,7 +99,7 @@ impl X11Session {
 
     /// Maps the window over its monitor.
     pub(super) fn map(&self, window: Window, monitor: &MonitorInfo, placed_by_itself: bool) -> Result<(), WindowError> {
-        self.move_to(window, monitor).map_err(Self::lost)?;
+        self.move_to(window, monitor, Some(StackMode::ABOVE)).map_err(Self::lost)?;
         if !placed_by_itself {
             let (x, y, width, height) = rectangle(monitor);
             let specification = WmSizeHintsSpecification::UserSpecified;
@@ -135,13 +139,14 @@ impl X11Session {
         window: Window,
         monitor: &MonitorInfo,
         placed_by_itself: bool,
+        stacking: Option<StackMode>,
     ) -> Result<(), WindowError> {
         if placed_by_itself {
-            self.move_to(window, monitor).map_err(Self::lost)?;
+            self.move_to(window, monitor, stacking).map_err(Self::lost)?;
         } else {
             // A window that is full screen already would not move.
             self.ask_for_fullscreen(window, REMOVE)?;
-            self.move_to(window, monitor).map_err(Self::lost)?;
+            self.move_to(window, monitor, stacking).map_err(Self::lost)?;
             self.ask_for_fullscreen(window, ADD)?;
         }
         self.connection.flush().map_err(Self::lost)
@@ -161,10 +166,23 @@ impl X11Session {
         self.connection.send_event(false, self.root(), mask, event)
     }
 
-    fn move_to(&self, window: Window, monitor: &MonitorInfo) -> Result<(), ConnectionError> {
+    /// Brings a window to the front of all others.
+    pub(super) fn raise(&self, window: Window) -> Result<(), WindowError> {
+        let front = ConfigureWindowAux::new().stack_mode(StackMode::ABOVE);
+        self.connection.configure_window(window, &front).map_err(Self::lost)?;
+        self.connection.flush().map_err(Self::lost)
+    }
+
+    fn move_to(
+        &self,
+        window: Window,
+        monitor: &MonitorInfo,
+        stacking: Option<StackMode>,
+    ) -> Result<(), ConnectionError> {
         let (x, y, width, height) = rectangle(monitor);
         let place = ConfigureWindowAux::new().x(i32::from(x)).y(i32::from(y));
-        let place = place.width(u32::from(width)).height(u32::from(height)).stack_mode(StackMode::ABOVE);
+        let place = place.width(u32::from(width)).height(u32::from(height));
+        let place = ConfigureWindowAux { stack_mode: stacking, ..place };
         self.connection.configure_window(window, &place).map(drop)
     }
 

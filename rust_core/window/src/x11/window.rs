@@ -7,7 +7,7 @@ use std::time::Instant;
 use rustix::event::{PollFd, PollFlags};
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::randr::{self, ConnectionExt as _, NotifyMask};
-use x11rb::protocol::xproto::Window;
+use x11rb::protocol::xproto::{StackMode, Window};
 use x11rb::protocol::Event;
 use x11rb::wrapper::ConnectionExt as _;
 
@@ -17,6 +17,7 @@ use super::modes::ModeCheck;
 use super::refresh::RefreshWatch;
 use super::session::X11Session;
 use super::transfer::Transfer;
+use crate::dead_man::WindowRole;
 use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
 use crate::on_screen::OnScreen;
@@ -41,6 +42,7 @@ pub(crate) struct X11Window {
     has_keyboard: bool,
     size_px: (u32, u32),
     mode_check: ModeCheck,
+    role: WindowRole,
 }
 
 impl X11Window {
@@ -57,8 +59,10 @@ impl X11Window {
         log::info!("{} on monitor {monitor}", options.source);
         let modes = session.output_modes(&monitor.name);
         let is_unknown_to_managers = monitor.is_virtual || modes.is_none();
-        let placed_by_itself = is_unknown_to_managers || !session.has_fullscreen_manager();
-        let window = session.create_window(&options.source, &monitor, placed_by_itself)?;
+        // Managers keep windows that they do not manage in front of all others.
+        let is_unmanaged = is_unknown_to_managers || options.role.is_in_front();
+        let placed_by_itself = is_unmanaged || !session.has_fullscreen_manager();
+        let window = session.create_window(options, &monitor, placed_by_itself)?;
         let now = Instant::now();
         if session.connection.extension_information(randr::X11_EXTENSION_NAME).ok().flatten().is_some() {
             let changes = NotifyMask::SCREEN_CHANGE | NotifyMask::CRTC_CHANGE | NotifyMask::OUTPUT_CHANGE;
@@ -78,6 +82,7 @@ impl X11Window {
             size_px: monitor.size_px,
             watch: MonitorWatch::new(monitor, now),
             mode_check,
+            role: options.role.clone(),
             session,
         })
     }
@@ -140,6 +145,16 @@ impl SystemWindow for X11Window {
         self.watch.monitor()
     }
 
+    fn is_there(&self) -> bool {
+        self.watch.is_there()
+    }
+
+    fn come_to_front(&mut self) -> Result<(), WindowError> {
+        self.session.withdraw(self.window)?;
+        self.has_keyboard = !self.placed_by_itself;
+        self.session.map(self.window, self.watch.monitor(), self.placed_by_itself)
+    }
+
     fn size_px(&self) -> (u32, u32) {
         if self.watch.is_there() {
             self.size_px
@@ -153,6 +168,12 @@ impl SystemWindow for X11Window {
     }
 
     fn present(&mut self, pixels: &[u32], on_screen: Option<Arc<dyn OnScreen>>) -> Result<(), WindowError> {
+        if self.role.is_black() {
+            // The server paints the background. It has mapped the window when it answers.
+            self.session.connection.sync().map_err(X11Session::lost)?;
+            on_screen.iter().for_each(|listener| listener.shown());
+            return Ok(());
+        }
         self.transfer.send(&self.session, pixels, self.size_px, on_screen)
     }
 
@@ -195,14 +216,21 @@ impl SystemWindow for X11Window {
                 self.session.map(self.window, self.watch.monitor(), self.placed_by_itself)?;
             }
             WindowAction::CoverAgain => {
-                self.session.cover_again(self.window, self.watch.monitor(), self.placed_by_itself)?;
+                // A black window stays below the process's own.
+                let stacking = if self.role.is_black() { None } else { Some(StackMode::ABOVE) };
+                self.session.cover_again(self.window, self.watch.monitor(), self.placed_by_itself, stacking)?;
             }
         }
-        if self.watch.is_there() {
+        if self.role.is_in_front() {
+            self.session.raise(self.window)?;
+        }
+        if self.watch.is_there() && self.role.takes_keyboard() {
             self.has_keyboard = self.has_keyboard || self.session.focus(self.window);
             if found.has_settled && !self.has_keyboard {
                 log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
             }
+        }
+        if self.watch.is_there() && !self.role.is_black() {
             let name = self.watch.monitor().name.clone();
             self.session.check_mode(&name, &mut self.mode_check);
         }

@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod dead_man;
 mod screen;
 mod two_monitors;
 mod wayland;

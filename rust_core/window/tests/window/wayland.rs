@@ -7,17 +7,17 @@ use x11rb::protocol::xproto::{ClientMessageEvent, ConfigureWindowAux, Connection
 
 use crate::screen::*;
 
-const OUTPUT: (u32, u32) = (600, 400);
+pub(crate) const OUTPUT: (u32, u32) = (600, 400);
 
-struct Weston {
-    compositor: Process,
-    screen: Screen,
+pub(crate) struct Weston {
+    pub(crate) compositor: Process,
+    pub(crate) screen: Screen,
     folder: tempfile::TempDir,
 }
 
 impl Weston {
     /// Two outputs beside each other.
-    fn start() -> Self {
+    pub(crate) fn start() -> Self {
         let screen = Screen::start(false);
         let folder = tempfile::tempdir().unwrap();
         let (width, height) = OUTPUT;
@@ -39,18 +39,18 @@ impl Weston {
         started
     }
 
-    fn show(&self, arguments: &[&str]) -> Shown {
+    pub(crate) fn show(&self, arguments: &[&str]) -> Shown {
         let mut command = Command::new(example());
         command.env("XDG_RUNTIME_DIR", self.folder.path()).env("WAYLAND_DISPLAY", "test").env_remove("WAYLAND_SOCKET");
         Shown::start(command.env_remove("DISPLAY").args(arguments))
     }
 
     /// `true` if the window shows the pattern on an output.
-    fn has_pattern(&self, output: usize) -> bool {
+    pub(crate) fn has_pattern(&self, output: usize) -> bool {
         self.screen.corners((output as u32 * OUTPUT.0, 0), OUTPUT) == pattern_corners(OUTPUT)
     }
 
-    fn wait_for_pattern(&self, window: &Shown, output: usize) {
+    pub(crate) fn wait_for_pattern(&self, window: &Shown, output: usize) {
         let start = Instant::now();
         while !self.has_pattern(output) {
             assert!(start.elapsed() < PATIENCE, "{}", window.log_text());
@@ -101,7 +101,7 @@ impl Weston {
     }
 
     /// Gives the keyboard to an output: the pointer is over it.
-    fn focus(&self, output: usize) {
+    pub(crate) fn focus(&self, output: usize) {
         let (x, y) = (output as i16 * OUTPUT.0 as i16 + 300, 200);
         self.screen.connection.warp_pointer(x11rb::NONE, self.screen.root, 0, 0, 0, 0, x, y).unwrap().check().unwrap();
     }
