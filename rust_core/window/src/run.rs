@@ -70,7 +70,9 @@ pub(crate) fn run(
         for event in events {
             match event {
                 SystemEvent::Close if options.role.takes_keyboard() => return Ok(()),
-                SystemEvent::Key { keysym, .. } if is_quit_key(keysym) && options.role.takes_keyboard() => return Ok(()),
+                SystemEvent::Key { keysym, .. } if is_quit_key(keysym) && options.role.takes_keyboard() => {
+                    return Ok(())
+                }
                 SystemEvent::Key { keysym, is_repeat } => {
                     let Some(key) = WindowKey::from_keysym(keysym) else { continue };
                     handle(UserEvent::Key { key, is_repeat }, sink);

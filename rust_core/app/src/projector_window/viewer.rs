@@ -298,7 +298,10 @@ mod tests {
         let (mut viewer, now) = viewer(0.0, 1);
         let shown = |viewer: &Viewer| {
             let lit = viewer.choose(now(0.0)).unwrap();
-            lit.content(now(0.0).steady).map(|picture| (picture.size_px(), picture.pixels()[0] & 0xff)).unwrap()
+            let picture = lit.content(now(0.0).steady).unwrap();
+            let mut pixels = [0; 64 * 48];
+            picture.draw_unscaled(&mut pixels, 64);
+            (picture.size_px(), pixels[0] & 0xff)
         };
         viewer.press(WindowKey::Space);
         viewer.take(image(2), Measured { stamp: now(0.0).ros, received: now(0.0).steady });
