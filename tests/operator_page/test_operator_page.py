@@ -197,7 +197,8 @@ class OperatorPage(unittest.TestCase):
     def test_test_pictures_and_the_scene_again(self):
         scene, names = self.scene.images.newest, []
         self.page.press('Test picture')
-        while self.wait(lambda: self.page.light() in ('Test picture', 'Lit'), 'no test picture') and self.page.light() != 'Lit':
+        self.wait_for_light('Test picture')
+        while self.page.light() != 'Lit':
             shown = self.page.text('#light-why')
             names.append(shown)
             self.wait(lambda: not numpy.array_equal(scene, self.scene.images.newest), 'the image stays')
