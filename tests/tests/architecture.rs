@@ -23,6 +23,7 @@ const LAYERS: [(&str, &[&str]); 26] = [
     ("render", &["rosrust", "rosrust_msg", "rosbag", "winit"]),
     ("confirm", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("files", &["rosrust", "rosbag", "wgpu", "winit"]),
+    ("light", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("bag", &["rosrust", "wgpu", "winit"]),
     ("ros", &["rosbag", "wgpu", "winit"]),
     ("web", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
