@@ -11,8 +11,6 @@ pub(crate) mod black_image;
 pub(crate) mod confirmed_displays;
 mod eyes;
 pub(crate) mod mask_image;
-#[cfg(test)]
-mod model;
 pub(crate) mod names;
 pub(crate) mod read_rules;
 pub(crate) mod rules;

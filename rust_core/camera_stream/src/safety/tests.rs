@@ -1,5 +1,7 @@
 //! Tests of dark cameras.
 
+mod model;
+
 use rcs_messages::std_msgs::Header;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::Time;

@@ -19,12 +19,12 @@ use rcs_ros::Publishing;
 use rcs_transforms::Time;
 
 use self::oracle::{Oracle, Seen};
-use super::ages::limits::{AgeLimits, StaleTimeout};
-use super::confirmed_displays::ConfirmedDisplays;
-use super::names::ForCamera;
-use super::rules::KeepOutFrame;
-use super::surface::ConfirmRules;
-use super::*;
+use super::super::ages::limits::{AgeLimits, StaleTimeout};
+use super::super::confirmed_displays::ConfirmedDisplays;
+use super::super::names::ForCamera;
+use super::super::rules::KeepOutFrame;
+use super::super::surface::ConfirmRules;
+use super::super::*;
 use crate::control::Control;
 
 const START_MS: i64 = 1_000_000;
