@@ -18,7 +18,7 @@
 
 use std::fmt;
 
-/// What is to be lit.
+/// Kind of content that asks for light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// The scene, live or paused.

@@ -191,7 +191,7 @@ impl<T> Lit<T> {
         is_same
     }
 
-    /// The same content in another form, which has the same light.
+    /// Converts the content, which keeps its grant.
     ///
     /// # Errors
     /// Those of `convert`.

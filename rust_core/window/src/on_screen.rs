@@ -1,4 +1,4 @@
-//! What a program hands a window with an image.
+//! Callback of a window when an image is on the screen.
 
 use std::fmt::Debug;
 

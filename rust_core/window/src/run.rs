@@ -10,7 +10,7 @@ use rcs_light::Lit;
 use rcs_scene::{Encoding, Picture};
 
 use crate::content::WindowContent;
-use crate::dead_man::DeadManSwitch;
+use crate::dead_man::{DeadManSwitch, WindowRole};
 use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
 use crate::monitor::MonitorInfo;
@@ -107,6 +107,7 @@ struct WindowPainter<'a> {
     is_due: bool,
     /// Hears when the newest picture is on the screen.
     on_screen: Option<Arc<dyn OnScreen>>,
+    role: WindowRole,
 }
 
 impl<'a> WindowPainter<'a> {
@@ -122,7 +123,8 @@ impl<'a> WindowPainter<'a> {
             screenshot: options.screenshot.clone(),
             warned_sizes: HashSet::new(),
             is_due: true,
-            on_screen: options.role.listener(),
+            on_screen: None,
+            role: options.role.clone(),
         }
     }
 
@@ -222,7 +224,7 @@ impl<'a> WindowPainter<'a> {
                 &self.composed
             }
         };
-        window.present(pixels, self.on_screen.take())?;
+        window.present(pixels, self.on_screen.take().or_else(|| self.role.listener()))?;
         if is_picture && size == window.monitor().size_px {
             if let Some(path) = self.screenshot.take() {
                 let (width_px, height_px) = size;

@@ -25,6 +25,7 @@ mod check_live;
 mod command_line;
 mod compressed;
 mod confirmed_light;
+mod dead_man;
 mod depth;
 mod diagnostics;
 mod doctor;

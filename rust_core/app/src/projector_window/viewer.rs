@@ -1,4 +1,4 @@
-//! What the window shows: the newest image, a paused one or a test picture, each under a grant, else black.
+//! Content of the window: the newest image, a paused one or a test picture, each under a grant, else black.
 //!
 //! The window is a last hop like the node's own: an image must be current (where a timeout is set) and not black, which
 //! its publisher has a reason for, and the operator's black, which the next run keeps, comes before all.
@@ -39,7 +39,7 @@ pub(super) struct Viewer {
     /// `None` until the node has its name.
     file: Option<BlackoutFile>,
     generation: Generation,
-    /// What was handed to the window last; `None` for black.
+    /// The image that the window has; `None` for black.
     shown: Option<Lit<Arc<ScreenPicture>>>,
     /// The time of the last decision.
     last_now: Now,

@@ -65,7 +65,7 @@ pub(crate) struct CameraOutput {
     pub(super) settings: RuntimeSettings,
     pub(super) connections: CameraConnections,
     timing: FrameTiming,
-    /// What is known about its light.
+    /// Evidence about its light.
     light: CameraLight,
     epoch: Epoch,
     last_check: LastCheck,

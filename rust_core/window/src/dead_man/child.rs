@@ -52,7 +52,7 @@ pub(super) fn main(arguments: impl Iterator<Item = String>) -> ExitCode {
 struct Arguments {
     monitor: MonitorChoice,
     limit: Duration,
-    /// What the process's window shows, for the titles.
+    /// Name of the process's window, for the titles.
     source: String,
 }
 
@@ -132,7 +132,7 @@ impl Drop for BlackThread {
     }
 }
 
-/// What the child has read.
+/// Bytes that the child has read.
 #[derive(Debug, PartialEq, Eq)]
 enum Heard {
     /// The process is alive.
@@ -204,7 +204,14 @@ impl Watch {
                     self.front = None;
                 }
                 Heard::Nothing if Instant::now() < due => {}
-                Heard::Nothing => self.cover(),
+                Heard::Nothing => {
+                    if self.front.is_none() {
+                        let Arguments { limit, source, .. } = &self.arguments;
+                        let limit = limit.as_secs_f32();
+                        tell(format!("{source}: the program has been silent for {limit} s: black until it goes on"));
+                    }
+                    self.cover();
+                }
                 Heard::End => return,
                 Heard::Death => return self.stay_black(),
             }
@@ -219,13 +226,6 @@ impl Watch {
     fn cover(&mut self) {
         if self.front.as_ref().is_some_and(|front| !front.is_closed()) {
             return;
-        }
-        if self.front.is_none() {
-            let Arguments { limit, source, .. } = &self.arguments;
-            tell(format!(
-                "{source}: the program has been silent for {} s: black until it goes on",
-                limit.as_secs_f32()
-            ));
         }
         self.front = BlackThread::open(&self.arguments, true, &self.is_orphaned).ok();
     }

@@ -90,11 +90,12 @@ impl WindowRole {
         }
     }
 
-    /// Hears when the window is on the screen for the first time.
+    /// Hears when the window is on the screen for the first time. To be passed with each image until then: a display
+    /// server may drop one for the next.
     pub(crate) fn listener(&self) -> Option<Arc<dyn OnScreen>> {
         match self {
-            Self::Plain | Self::Guarded => None,
-            Self::Black(black) => Some(Arc::clone(&black.shown) as Arc<dyn OnScreen>),
+            Self::Black(black) if !black.shown.0.load(Ordering::Acquire) => Some(Arc::clone(&black.shown) as _),
+            _ => None,
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::watch::DesktopRect;
 
 /// Instance and class of this package's windows (ICCCM's `WM_CLASS`).
 pub(super) const WINDOW_CLASS: &[u8] = b"projector_window\0projector_window\0";
-/// That of the black windows of a dead-man's switch.
+/// Instance and class of the black windows of a dead-man's switch.
 const BLACK_WINDOW_CLASS: &[u8] = b"black_window\0black_window\0";
 
 /// Actions of a message that changes `_NET_WM_STATE` (EWMH).
