@@ -70,6 +70,11 @@ class Page:
     def type_key(self, key, selector='body'):
         self.element(selector).send_keys(key)
 
+    @staticmethod
+    def retype(field, text):
+        """Types over what a field has. In one that is empty for a moment, the page shows the node's value again."""
+        field.send_keys(Keys.CONTROL, 'a', Keys.NULL, text)
+
     @contextlib.contextmanager
     def holding_enter(self):
         """Holds Enter down; what it gives is called for each repetition by the system."""

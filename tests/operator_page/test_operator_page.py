@@ -245,8 +245,7 @@ class OperatorPage(unittest.TestCase):
         field = next(each for each in self.page.elements('.parameter input') if each.accessible_name == 'frame_rate')
         before = self.scene.parameter('frame_rate')
         for value in (12.5, before):
-            field.clear()
-            field.send_keys(f'{value}\n')
+            self.page.retype(field, f'{value}\n')
             self.wait(lambda: self.scene.parameter('frame_rate') == value, f'the parameter is not {value}')
             self.wait(lambda: float(field.get_attribute('value')) == value, f'the page does not show {value}')
 
