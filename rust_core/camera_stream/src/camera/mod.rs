@@ -3,6 +3,7 @@
 mod buffers;
 pub(crate) mod connections;
 pub(crate) mod frame;
+mod granting;
 mod health;
 mod idle;
 pub(crate) mod latency;

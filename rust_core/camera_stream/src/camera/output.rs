@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
-use rcs_light::{Condition, Content, DarkCause, DarkReason, Grant};
+use rcs_light::{Condition, DarkCause, DarkReason, Grant};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
@@ -31,7 +31,7 @@ use rcs_web::Images;
 
 use super::buffers::FrameBuffers;
 use super::connections::CameraConnections;
-use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec, TestImage};
+use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
 use super::health::CameraHealth;
 use super::latency::Update;
 use super::light_check::LastCheck;
@@ -66,9 +66,9 @@ pub(crate) struct CameraOutput {
     pub(super) connections: CameraConnections,
     timing: FrameTiming,
     /// Evidence about its light.
-    light: CameraLight,
-    epoch: Epoch,
-    last_check: LastCheck,
+    pub(super) light: CameraLight,
+    pub(super) epoch: Epoch,
+    pub(super) last_check: LastCheck,
     pub(super) buffers: FrameBuffers,
     turned_info: TurnedInfo,
     pub(super) health: CameraHealth,
@@ -76,8 +76,8 @@ pub(crate) struct CameraOutput {
 
 /// The number of the frames among which a paused one may stay: see [`FrameSpec::epoch`].
 #[derive(Default)]
-struct Epoch {
-    number: u64,
+pub(super) struct Epoch {
+    pub(super) number: u64,
     hidden: Vec<DisplayId>,
     size_px: [u32; 2],
 }
@@ -172,11 +172,6 @@ impl CameraOutput {
 
     pub(super) fn orientation(&self) -> Orientation {
         self.light.evidence.post().orientation
-    }
-
-    /// Why its scene is dark now.
-    pub(super) fn dark_reason(&self, operator: &OperatorSettings) -> Option<DarkReason> {
-        operator.light.clone().err().or_else(|| self.light.evidence.dark_reason(Instant::now()))
     }
 
     pub(crate) fn is_watched(&self) -> bool {
@@ -364,58 +359,6 @@ impl CameraOutput {
         let (begun, keeps_drawn) = (Instant::now(), self.light.evidence.rules().protects_eyes);
         let check = self.light.surface.clone().map(|surface| (surface, std::mem::take(&mut self.buffers.back_objects)));
         Ok(Some(DueFrame { spec, view, visible, camera, depth, check, keeps_drawn, begun }))
-    }
-
-    /// The grant of the scene, or the content in its place with its grant: a test picture or pattern where the operator
-    /// wants one, else black for a reason. `place` is the size before turning, and the optical frame.
-    fn grant_scene(
-        &self,
-        place: ([u32; 2], &str),
-        operator: &OperatorSettings,
-    ) -> Result<Grant, (FrameContent, Option<Grant>)> {
-        let ((size_px, frame_id), now) = (place, Instant::now());
-        let decide = |content| {
-            let grant = self.light.evidence.decide(content, size_px, operator.light.clone(), now)?;
-            Ok::<_, DarkReason>(self.last_check.confirm(content, grant))
-        };
-        let turned_px = self.orientation().size_px(size_px);
-        let pattern = operator.pattern.as_ref().filter(|pattern| pattern.fits(frame_id, turned_px));
-        let pattern = pattern.map(|pattern| TestImage::Pattern(Arc::clone(pattern)));
-        if let Some(test) = pattern.or(operator.test_picture.map(TestImage::Picture)) {
-            match decide(Content::Test) {
-                Ok(grant) if grant.is_unconfirmed() => {
-                    let dark =
-                        DarkReason::new(DarkCause::Surface, "no light of the scene was confirmed before the test");
-                    return Err((FrameContent::Black { size_px, dark }, None));
-                }
-                Ok(grant) => {
-                    let grant = substitute::grant_of(&test, grant);
-                    return Err((FrameContent::Test { size_px, test }, Some(grant)));
-                }
-                // The scene is dark, too.
-                Err(_) => {}
-            }
-        }
-        let dark = match decide(Content::Scene) {
-            Ok(grant) => return Ok(grant),
-            Err(dark) => dark,
-        };
-        let note = self.light.has_note.then(|| decide(Content::Note).ok()).flatten();
-        Err(match note.filter(|grant| !grant.is_unconfirmed()) {
-            Some(grant) => (FrameContent::Note { size_px, dark }, Some(grant)),
-            None => (FrameContent::Black { size_px, dark }, None),
-        })
-    }
-
-    /// The last frame as a pause keeps it, with the scene's present grant; `None` if it may not stay.
-    fn held(&self, grant: &Grant) -> Option<FrameSpec> {
-        let last = self.buffers.front.as_ref()?;
-        let is_scene = matches!(last.spec.content, FrameContent::Scene { .. });
-        let has_light = |own: &Grant| own.allows_the_same(grant);
-        let can_be_masked = last.drawn.is_some() || last.spec.grant.as_ref().is_some_and(has_light);
-        let stays = is_scene && can_be_masked && last.spec.epoch == self.epoch.number;
-        let stays = stays && self.last_check.is_of_present_pose();
-        stays.then(|| FrameSpec { grant: Some(grant.clone()), ..last.spec.clone() })
     }
 
     fn spec(&self, content: FrameContent, grant: Option<Grant>, info: &Arc<CameraInfo>) -> FrameSpec {

@@ -1,7 +1,7 @@
 //! Key presses as symbols, by the X server's keyboard mapping.
 
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask, KeyPressEvent};
+use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask, KeyPressEvent, KeyReleaseEvent};
 use xkeysym::{KeyCode, Keysym};
 
 use super::session::X11Session;
@@ -15,6 +15,8 @@ pub(super) struct Keyboard {
     first: u8,
     per_key: u8,
     keysyms: Vec<u32>,
+    /// The last key that was released, and when by the server's clock.
+    released: Option<(u8, u32)>,
 }
 
 impl Keyboard {
@@ -27,7 +29,18 @@ impl Keyboard {
             first,
             per_key: mapping.keysyms_per_keycode,
             keysyms: mapping.keysyms,
+            released: None,
         })
+    }
+
+    /// Takes a key that was released.
+    pub(super) fn release(&mut self, event: &KeyReleaseEvent) {
+        self.released = Some((event.detail, event.time));
+    }
+
+    /// `true` if the key is held down: it is released and pressed again at one time.
+    pub(super) fn is_repeat(&self, event: &KeyPressEvent) -> bool {
+        self.released == Some((event.detail, event.time))
     }
 
     /// The symbol of a key press.

@@ -33,8 +33,6 @@ pub(crate) struct X11Window {
     watch: MonitorWatch,
     transfer: Transfer,
     keyboard: Keyboard,
-    /// The last key that was released, and when by the server's clock.
-    released: Option<(u8, u32)>,
     awake: Awake,
     refresh: RefreshWatch,
     /// `true` if no window manager places it.
@@ -74,7 +72,6 @@ impl X11Window {
             delete: session.atom("WM_DELETE_WINDOW"),
             transfer: Transfer::new(&session, window)?,
             keyboard: Keyboard::read(&session),
-            released: None,
             awake: Awake::start(&session, now),
             refresh: RefreshWatch::new(&session, window, modes.and_then(|modes| modes.refresh_period())),
             placed_by_itself,
@@ -104,12 +101,11 @@ impl X11Window {
                 None
             }
             Event::KeyRelease(event) => {
-                self.released = Some((event.detail, event.time));
+                self.keyboard.release(&event);
                 None
             }
             Event::KeyPress(event) => {
-                // A key that is held down is released and pressed again at one time.
-                let is_repeat = self.released == Some((event.detail, event.time));
+                let is_repeat = self.keyboard.is_repeat(&event);
                 self.keyboard.keysym(&event).map(|keysym| SystemEvent::Key { keysym, is_repeat })
             }
             Event::MappingNotify(_) => {
