@@ -10,7 +10,7 @@ use rcs_tests::programs::repository;
 use rcs_tests::sources::{missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 26] = [
+const LAYERS: [(&str, &[&str]); 27] = [
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("camera", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),

@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn blending_lifts_the_black_of_scenes_only() {
-        let blend = Blend::new([1, 1], &[1.0], &[], 2.2).ok().map(Arc::new);
+        let blend = Blend::new([1, 1], &[u16::MAX], &[], 2.2).ok().map(Arc::new);
         let (now, evidence) = (Instant::now(), lit(false, LastStep { blend, ..LastStep::default() }));
         let has_blend = |content| decide(&evidence, content, now).unwrap().post().blend.is_some();
         assert_eq!([Content::Scene, Content::Test, Content::Note].map(has_blend), [true, false, false]);
