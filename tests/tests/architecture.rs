@@ -10,7 +10,8 @@ use rcs_tests::programs::repository;
 use rcs_tests::sources::{missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 27] = [
+const LAYERS: [(&str, &[&str]); 28] = [
+    ("user_files", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("camera", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -42,7 +43,7 @@ const LAYERS: [(&str, &[&str]); 27] = [
 
 /// The crates that may be part of the static library that rviz's plugin links, so that it is built in less than a
 /// minute and without the definitions of messages.
-const IN_THE_STATIC_LIBRARY: [&str; 5] = ["calibration", "camera", "capi", "rviz_config", "scene"];
+const IN_THE_STATIC_LIBRARY: [&str; 6] = ["calibration", "camera", "capi", "rviz_config", "scene", "user_files"];
 
 /// The crates that may have `unsafe`: neither C's pointers can be read nor the C library be called without it.
 const UNSAFE: [&str; 2] = ["capi", "memory"];

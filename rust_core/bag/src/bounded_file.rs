@@ -20,10 +20,8 @@ pub(crate) struct BoundedFile {
 
 impl BoundedFile {
     pub(crate) fn open(path: PathBuf) -> Result<Self, BagError> {
-        let opened = File::open(&path).and_then(|file| Ok((file.metadata()?, file)));
-        match opened {
-            Ok((metadata, _)) if metadata.is_dir() => Err(BagError::new(&path, io::ErrorKind::IsADirectory)),
-            Ok((metadata, file)) => Ok(Self { len: metadata.len(), file, path }),
+        match rcs_user_files::open(&path) {
+            Ok((file, len)) => Ok(Self { path, len, file }),
             Err(error) => Err(BagError::new(&path, error)),
         }
     }

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Context, Result};
 use rcs_files::atomic_file::write_atomically;
-use rcs_files::limited_read::read_limited_text;
 use rcs_rviz_config::{insert_camera, NewCamera, MAX_FILE_BYTES};
+use rcs_user_files::read_text;
 
 use crate::cli::NewCameraArgs;
 
@@ -52,7 +52,7 @@ fn add(file: &Path, camera: &NewCamera) -> Result<()> {
     let source = file.display().to_string();
     // A link keeps leading to the file.
     let path = fs::canonicalize(file).with_context(|| source.clone())?;
-    let text = read_limited_text(&path, MAX_FILE_BYTES).with_context(|| source.clone())?;
+    let text = read_text(&path, MAX_FILE_BYTES).with_context(|| source.clone())?;
     let extended = insert_camera(&text, &source, camera)?;
     let permissions = fs::metadata(&path).with_context(|| source.clone())?.permissions();
     let written = write_atomically(

@@ -3,20 +3,18 @@
 //! Grey is the weight in linear light, and transparency the black-level lift in linear light, so that an opaque
 //! picture, such as a mask drawn by hand, lifts nothing. Files have 16 bits; 8 bits are read, too.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use image::codecs::png::{PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError};
 
 use crate::atomic_file::write_atomically;
+use crate::picture_limits::PictureLimits;
 use crate::FileError;
 
-/// Memory of the decoder, bytes: a picture of 16384×16384 pixels needs more.
-const MOST_BYTES: u64 = 1 << 30;
-/// Longest side, pixels.
-const MOST_SIDE_PX: u32 = 16384;
+/// 8K has 33 million pixels.
+const LIMITS: PictureLimits = PictureLimits { most_px: 1 << 25, to_do: "save it in the projector's size" };
 /// Weight 1.
 const FULL: f32 = 65535.0;
 
@@ -44,12 +42,9 @@ impl BlendFile {
     /// [`FileError`], naming the file.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let decode_error = |error: ImageError| FileError::new(path, format_args!("not a PNG of weights: {error}"));
-        let file = File::open(path).map_err(|error| FileError::new(path, format_args!("cannot read it: {error}")))?;
-        let mut limits = Limits::default();
-        limits.max_alloc = Some(MOST_BYTES);
-        (limits.max_image_width, limits.max_image_height) = (Some(MOST_SIDE_PX), Some(MOST_SIDE_PX));
-        let mut decoder = PngDecoder::with_limits(BufReader::new(file), limits.clone()).map_err(decode_error)?;
-        decoder.set_limits(limits).map_err(decode_error)?;
+        let file = BufReader::new(LIMITS.open(path)?);
+        let decoder = PngDecoder::with_limits(file, LIMITS.of_decoder()).map_err(decode_error)?;
+        LIMITS.check(path, &decoder)?;
         let picture = DynamicImage::from_decoder(decoder).map_err(decode_error)?.into_luma_alpha16();
         let size_px = [picture.width(), picture.height()];
         let (weights, lifts) = picture.pixels().map(|pixel| (pixel.0[0], u16::MAX - pixel.0[1])).unzip();
@@ -112,5 +107,44 @@ mod tests {
         assert!(BlendFile::read(&path).unwrap_err().to_string().contains("left.png: not a PNG of weights"));
         let lost = folder.path().join("missing/left.png");
         assert!(BlendFile::default().write(&lost).unwrap_err().to_string().contains("missing/left.png"));
+    }
+
+    #[test]
+    fn a_small_file_with_more_pixels_than_a_projector_has_is_refused_before_it_is_decoded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mask.png");
+        for (size_px, expected) in [
+            (
+                [16384, 16384],
+                Err("mask.png: cannot read it: 16384x16384 pixels, more than 33554432 in all; save it in"),
+            ),
+            ([16385, 1], Err("mask.png: cannot read it: 16385x1 pixels, more than 16384 a side; save it in")),
+            ([16384, 1], Ok(())),
+        ] {
+            std::fs::write(&path, png_of_zeros(size_px)).unwrap();
+            let read = BlendFile::read(&path).map(|file| assert_eq!(file.size_px, size_px));
+            let said = read.map_err(|error| error.to_string());
+            match expected {
+                Ok(()) => assert_eq!(said, Ok(())),
+                Err(expected) => assert!(said.clone().is_err_and(|said| said.contains(expected)), "{said:?}"),
+            }
+        }
+    }
+
+    /// A black picture, which is a small file.
+    fn png_of_zeros([width, height]: [u32; 2]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let pixels = vec![0; width as usize * height as usize];
+        PngEncoder::new(&mut bytes).write_image(&pixels, width, height, ExtendedColorType::L8).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_fifo_does_not_hold_up_the_reader() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mask.png");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let error = BlendFile::read(&path).unwrap_err().to_string();
+        assert!(error.ends_with("mask.png: cannot read it: it is a FIFO, only regular files are read"), "{error}");
     }
 }

@@ -1,15 +1,17 @@
 //! Writing pictures as PNG and JPEG files, by the name's extension, and reading their grey levels.
 
 use std::borrow::Cow;
+use std::io::BufReader;
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::error::{ParameterError, ParameterErrorKind};
-use image::{ExtendedColorType, ImageEncoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageReader};
 use rcs_scene::{Encoding, Picture};
 
 use crate::atomic_file::write_atomically;
+use crate::picture_limits::PictureLimits;
 use crate::FileError;
 
 /// Format of a picture file.
@@ -91,9 +93,8 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), FileError> {
     )
 }
 
-/// Largest width and height of a picture that is read, pixels, and memory for it, bytes.
-const MOST_READ_PX: u32 = 16_384;
-const MOST_READ_BYTES: u64 = 2 << 30;
+/// Limits of a camera's pictures.
+const LIMITS: PictureLimits = PictureLimits { most_px: 1 << 27, to_do: "scale it down" };
 
 /// `true` for names of pictures that [`read_grey`] reads.
 pub fn is_picture(path: &Path) -> bool {
@@ -106,13 +107,13 @@ pub fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// [`FileError`] with the file: it cannot be read, is no picture, or too large.
 pub fn read_grey(path: &Path) -> Result<([u32; 2], Vec<u8>), FileError> {
-    let open = || ImageReader::open(path)?.with_guessed_format();
-    let mut reader = open().map_err(|error| FileError::new(path, error))?;
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MOST_READ_PX), Some(MOST_READ_PX));
-    limits.max_alloc = Some(MOST_READ_BYTES);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|error| FileError::new(path, error))?.into_luma8();
+    let failed = |error: ImageError| FileError::new(path, error);
+    let reader = ImageReader::new(BufReader::new(LIMITS.open(path)?)).with_guessed_format();
+    let mut reader = reader.map_err(|error| failed(error.into()))?;
+    reader.limits(LIMITS.of_decoder());
+    let decoder = reader.into_decoder().map_err(failed)?;
+    LIMITS.check(path, &decoder)?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(failed)?.into_luma8();
     Ok(([picture.width(), picture.height()], picture.into_raw()))
 }
 

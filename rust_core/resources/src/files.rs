@@ -10,11 +10,11 @@
 
 use std::{
     fs::{File, Metadata, OpenOptions},
-    io::Read,
-    os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt},
+    os::unix::fs::{MetadataExt, OpenOptionsExt},
     path::{Component, Path, PathBuf},
 };
 
+use rcs_user_files::{other_kind, read_up_to};
 use rustix::fs::OFlags;
 
 use crate::ResourceError;
@@ -109,13 +109,6 @@ fn is_linked(path: &Path, real: &Path) -> bool {
     })
 }
 
-/// The contents of an open file; `None` for more than `max_bytes`.
-fn read_up_to(file: File, size: u64, max_bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
-    let mut bytes = Vec::with_capacity(usize::try_from(size.min(max_bytes)).unwrap_or(0));
-    file.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 <= max_bytes).then_some(bytes))
-}
-
 /// Refuses everything but regular files.
 fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
     match other_kind(metadata) {
@@ -124,40 +117,11 @@ fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
     }
 }
 
-/// The kind of a file that is not regular.
-fn other_kind(metadata: &Metadata) -> Option<&'static str> {
-    match metadata.file_type() {
-        kind if kind.is_file() => None,
-        kind if kind.is_dir() => Some("a folder"),
-        kind if kind.is_fifo() => Some("a FIFO"),
-        kind if kind.is_socket() => Some("a socket"),
-        _ => Some("a device"),
-    }
-}
-
 /// The text of a small harmless file, such as a manifest, in any folder; `None` unless it is a regular file of at most
 /// `max_bytes`.
 pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
     let options = ResourceOptions { max_file_bytes: max_bytes, folders: vec![PathBuf::from("/")] };
     String::from_utf8(options.read(path).ok()?).ok()
-}
-
-/// Reads a file that the user has named, in any folder: a regular file of at most `max_bytes`. Does not block on a
-/// FIFO.
-///
-/// # Errors
-/// The system's errors, and files that are not regular or too large.
-pub fn read_regular_file(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
-    let check = |metadata: &Metadata| match other_kind(metadata) {
-        Some(kind) => Err(std::io::Error::other(format!("it is {kind}, only regular files are read"))),
-        None => Ok(metadata.len()),
-    };
-    check(&path.metadata()?)?;
-    let flags = i32::try_from((OFlags::NONBLOCK | OFlags::NOCTTY).bits()).unwrap_or(0);
-    let file = OpenOptions::new().read(true).custom_flags(flags).open(path)?;
-    let size = check(&file.metadata()?)?;
-    let bytes = if size > max_bytes { None } else { read_up_to(file, size, max_bytes)? };
-    bytes.ok_or_else(|| std::io::Error::other(format!("larger than {} MB", max_bytes >> 20)))
 }
 
 /// Identity of a file's contents, to detect changes.
@@ -184,43 +148,5 @@ impl FileStamp {
             size: metadata.size(),
             modified: (metadata.mtime(), metadata.mtime_nsec()),
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::io::Write;
-
-    use super::*;
-
-    #[test]
-    fn a_file_that_grows_while_it_is_read_is_not_read_past_the_limit() {
-        let mut file = tempfile::tempfile().unwrap();
-        file.write_all(&[7; 1000]).unwrap();
-        let open = || {
-            use std::io::Seek;
-            let mut file = file.try_clone().unwrap();
-            file.rewind().unwrap();
-            file
-        };
-        // It had 10 bytes when it was opened.
-        assert_eq!(read_up_to(open(), 10, 1000).unwrap().unwrap().len(), 1000);
-        assert_eq!(read_up_to(open(), 10, 999).unwrap(), None);
-    }
-
-    #[test]
-    fn only_regular_files_within_the_limit_are_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("file"), "text").unwrap();
-        std::os::unix::fs::symlink(at("file"), at("link")).unwrap();
-        assert_eq!(read_regular_file(&at("link"), 4).unwrap(), b"text");
-        std::fs::File::create(at("sparse")).unwrap().set_len(40 << 30).unwrap();
-        assert!(std::process::Command::new("mkfifo").arg(at("fifo")).status().unwrap().success());
-        let refusal = |path: &Path| read_regular_file(path, 8 << 20).unwrap_err().to_string();
-        assert_eq!(refusal(&at("sparse")), "larger than 8 MB");
-        assert_eq!(refusal(&at("fifo")), "it is a FIFO, only regular files are read");
-        assert_eq!(refusal(folder.path()), "it is a folder, only regular files are read");
-        assert_eq!(refusal(Path::new("/dev/zero")), "it is a device, only regular files are read");
     }
 }

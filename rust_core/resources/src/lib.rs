@@ -22,7 +22,7 @@ mod store;
 mod texture;
 
 pub use error::{MeshFault, ResourceError};
-pub use files::{read_regular_file, ResourceOptions};
+pub use files::ResourceOptions;
 pub use loaded::{LoadedMesh, MeshMaterial, MeshPart};
 pub use packages::PackageIndex;
 pub use store::{yield_to_others, MeshStore, Retry};

@@ -3,8 +3,6 @@
 //! Only the section `Visualization Manager` decides what is drawn. The others lay out rviz's windows and are skipped,
 //! except for the Time panel's synchronization. Of the mouse tools only the first counts.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
@@ -110,7 +108,7 @@ fn ros2_class<'a>(root: &'a Node, manager: &'a Node) -> Option<&'a str> {
     (!classes.iter().any(|class| class.starts_with(ROS1_PACKAGE))).then_some(found)
 }
 
-/// Reads the `.rviz` file at `path`.
+/// Reads the `.rviz` file at `path`, which may be a pipe of the shell.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;
@@ -126,13 +124,8 @@ fn ros2_class<'a>(root: &'a Node, manager: &'a Node) -> Option<&'a str> {
 /// [`ConfigError`], which names the file.
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
     let source = path.display().to_string();
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
-    read.map_err(|error| ConfigError::unreadable(path, &error))?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        let problem = format!("larger than {} MB, so this is not a .rviz file", MAX_FILE_BYTES >> 20);
-        return Err(ConfigError::new(source, problem));
-    }
+    let read = rcs_user_files::read_once(path, MAX_FILE_BYTES);
+    let bytes = read.map_err(|error| ConfigError::unreadable(path, &error))?;
     parse_bytes(&bytes, &source)
 }
 

@@ -91,7 +91,7 @@ pub(crate) fn write(folder: &Path, files: &[NamedText]) -> Result<Vec<&'static s
 /// `true` for a file of the projector that is not a setup's guess.
 fn is_calibrated(path: &Path) -> anyhow::Result<bool> {
     let mut first = vec![0; projector_guess::MARK.len()];
-    match fs::File::open(path).and_then(|mut file| file.read_exact(&mut first)) {
+    match rcs_user_files::open(path).and_then(|(mut file, _)| file.read_exact(&mut first)) {
         Ok(()) => Ok(first != projector_guess::MARK.as_bytes()),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),

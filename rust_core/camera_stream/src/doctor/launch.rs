@@ -160,10 +160,13 @@ fn translated(arguments: &Arguments, parameters: &[String]) -> Vec<OsString> {
     words.into_iter().map(OsString::from).collect()
 }
 
+/// Most bytes of a launch file.
+const MAX_LAUNCH_FILE_BYTES: u64 = 4 << 20;
+
 /// The arguments that the launch file of a folder gives the launch files that it includes.
 fn of_folder(folder: &Path, given: &Arguments) -> Result<Arguments, LaunchError> {
     let file = folder.join(LAUNCH_FILE);
-    let text = match std::fs::read_to_string(&file) {
+    let text = match rcs_user_files::read_text(&file, MAX_LAUNCH_FILE_BYTES) {
         Ok(text) => text,
         Err(error) => return Err(LaunchError::Unreadable { file, error }),
     };

@@ -15,7 +15,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::{full_name, Bag};
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
-use rcs_files::limited_read::read_limited;
 use rcs_light::{Content, Evidence, Generation, LightRules};
 use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
@@ -237,8 +236,8 @@ pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, Stri
 /// Most bytes of a parameter's text.
 const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 
-/// Reads parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's own
-/// file may be anything that can be read, such as a pipe.
+/// Reads parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The file
+/// may be a pipe of the shell.
 ///
 /// # Errors
 /// One line that names the parameter and the file that cannot be read.
@@ -247,7 +246,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
         let (name, file) =
             key_value::split(parameter, &[]).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
-        let read = read_limited(&path, MAX_PARAMETER_BYTES);
+        let read = rcs_user_files::read_once(&path, MAX_PARAMETER_BYTES);
         let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;
         let text = String::from_utf8_lossy(&bytes).into_owned();
         Ok((name.trim_start_matches('/').to_owned(), text.into()))

@@ -14,7 +14,6 @@ use std::sync::mpsc::{sync_channel, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::Duration;
 
-use rcs_resources::read_regular_file;
 use rcs_rviz_config::{parse_bytes, Config, ConfigError, MAX_FILE_BYTES};
 
 use crate::runtime::watchdog::Task;
@@ -81,7 +80,7 @@ pub(crate) struct ConfigRead {
 
 /// Reads the config in a regular file: a pipe, which is allowed at the node's start, would block.
 fn load(file: &Path) -> ReadResult {
-    match read_regular_file(file, MAX_FILE_BYTES) {
+    match rcs_user_files::read(file, MAX_FILE_BYTES) {
         Ok(bytes) => parse_bytes(&bytes, &file.display().to_string()),
         Err(error) => Err(ConfigError::unreadable(file, &error)),
     }

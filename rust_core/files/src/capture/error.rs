@@ -18,12 +18,6 @@ pub enum CaptureError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The file is a folder, a pipe or a device.
-    #[error("{}: not a file", path.display())]
-    NotAFile {
-        /// The name.
-        path: PathBuf,
-    },
     /// A link leads out of the folder.
     #[error("{}: a link to {}, which is not in the capture's folder", path.display(), target.display())]
     Outside {

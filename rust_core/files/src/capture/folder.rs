@@ -13,7 +13,7 @@ use super::limits::check_amount;
 use super::pattern_entry::{Patterns, ProjectorSize};
 use super::pictures::{read_depth, read_grey};
 use super::robot::{CapturedRobot, FrameChain};
-use super::yaml_file::{check_is_file, read_text, read_yaml};
+use super::yaml_file::{read_text, read_yaml};
 use crate::projector::checked_numbers::PositiveNumber;
 use crate::projector::ProjectorFile;
 
@@ -122,7 +122,6 @@ impl Capture {
 
 /// Reads the camera's lens, frame, and warnings.
 fn read_camera(path: &Path) -> Result<(Lens, String, Vec<String>), CaptureError> {
-    check_is_file(path)?;
     let file = ProjectorFile::read(path)?;
     let lens = file.camera_lens().map_err(|problem| CaptureError::Lens { path: path.to_owned(), problem })?;
     let warnings = file.warnings().into_iter().map(|warning| format!("{}: {warning}", path.display())).collect();

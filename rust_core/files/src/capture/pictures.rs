@@ -1,7 +1,6 @@
 //! Reading the pictures of a capture. Their size is known from the CameraInfo before anything is decoded, so that a
 //! small file cannot announce a large picture.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -9,7 +8,6 @@ use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, Limits};
 
 use super::error::CaptureError;
-use super::yaml_file::check_is_file;
 
 /// Memory of a decoder besides the pixels, bytes.
 const DECODER_BYTES: u64 = 64 << 20;
@@ -52,9 +50,9 @@ fn read_png(
     camera_px: [u32; 2],
     wanted: impl Fn(ColorType) -> Option<&'static str>,
 ) -> Result<(ColorType, Vec<u8>), CaptureError> {
-    check_is_file(path)?;
     let decode_error = |source| CaptureError::Decode { path: path.to_owned(), source };
-    let file = File::open(path).map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
+    let (file, _) =
+        rcs_user_files::open(path).map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(DECODER_BYTES + 8 * u64::from(camera_px[0]) * u64::from(camera_px[1]));
     let decoder = PngDecoder::with_limits(BufReader::new(file), limits).map_err(decode_error)?;

@@ -338,7 +338,10 @@ fn what_is_wrong_with_a_picture_is_said_with_its_file() {
     assert!(with("c003.png", &|_| ()).starts_with("c003.png: No such file"));
     assert!(with("capture.yaml", &|_| ()).starts_with("capture.yaml: No such file"));
     assert!(with("camera_info.yaml", &|_| ()).starts_with("camera_info.yaml: No such file"));
-    assert_eq!(with("c003.png", &|path| fs::create_dir(path).unwrap()), "c003.png: not a file");
+    assert_eq!(
+        with("c003.png", &|path| fs::create_dir(path).unwrap()),
+        "c003.png: it is a folder, only regular files are read"
+    );
     let garbage = |path: &Path| fs::write(path, "GIF89a").unwrap();
     assert!(with("c003.png", &garbage).starts_with("c003.png: invalid PNG: "));
     let cut = |path: &Path| {

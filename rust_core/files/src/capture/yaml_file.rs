@@ -5,7 +5,6 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::error::CaptureError;
-use crate::limited_read::read_limited_text;
 use crate::yaml_text::one_line;
 
 /// Largest YAML file.
@@ -18,8 +17,7 @@ pub(super) fn read_yaml<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<(T,
 
 /// Reads a text file of a limited size.
 pub(super) fn read_text(path: &Path, most_bytes: u64) -> Result<String, CaptureError> {
-    check_is_file(path)?;
-    read_limited_text(path, most_bytes).map_err(|source| CaptureError::Read { path: path.to_owned(), source })
+    rcs_user_files::read_text(path, most_bytes).map_err(|source| CaptureError::Read { path: path.to_owned(), source })
 }
 
 /// Parses YAML; `path` is for errors and warnings.
@@ -36,14 +34,4 @@ pub(super) fn parse_yaml<T: for<'de> Deserialize<'de>>(
     let contents = serde_ignored::deserialize(document, ignored)
         .map_err(|source| CaptureError::Yaml { path: path.to_owned(), source })?;
     Ok((contents, warnings))
-}
-
-/// Checks that a path is a file: opening a pipe would wait for its writer.
-pub(super) fn check_is_file(path: &Path) -> Result<(), CaptureError> {
-    let metadata = std::fs::metadata(path).map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
-    if metadata.is_file() {
-        Ok(())
-    } else {
-        Err(CaptureError::NotAFile { path: path.to_owned() })
-    }
 }

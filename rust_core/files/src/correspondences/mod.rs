@@ -25,7 +25,6 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use rcs_calibration::Sample;
 
-use crate::limited_read::read_limited;
 pub use error::{PointsError, RowProblem};
 pub use write::{write_pixels, write_points, PointColumns};
 
@@ -132,7 +131,7 @@ fn distinct_scans(samples: &[Sample]) -> BTreeSet<u32> {
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, PointsError> {
-    read_limited(path, MOST_BYTES).map_err(|source| PointsError::Read { path: path.to_owned(), source })
+    rcs_user_files::read(path, MOST_BYTES).map_err(|source| PointsError::Read { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

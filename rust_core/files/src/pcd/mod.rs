@@ -19,7 +19,6 @@ use std::path::Path;
 
 use rcs_messages::sensor_msgs::PointField;
 
-use crate::limited_read::read_limited;
 use crate::FileError;
 use header::{PcdEncoding, PcdField, PcdHeader, PcdType};
 
@@ -60,7 +59,7 @@ impl PcdCloud {
     /// # Errors
     /// [`FileError`] with the file and the line or offset.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let bytes = read_limited(path, MOST_FILE_BYTES).map_err(|error| FileError::new(path, error))?;
+        let bytes = rcs_user_files::read(path, MOST_FILE_BYTES).map_err(|error| FileError::new(path, error))?;
         Self::parse(path, &bytes)
     }
 

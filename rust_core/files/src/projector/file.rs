@@ -10,7 +10,6 @@ use super::frames::{check_placed_once, FrameEntry, StaticFrame};
 use super::key_error::key_error;
 use super::other_tools;
 use super::raw_file::RawFile;
-use crate::limited_read::read_limited;
 use crate::yaml_text::{brief, one_line};
 use crate::FileError;
 
@@ -99,7 +98,7 @@ impl ProjectorFile {
 
 /// Reads the text of a file.
 pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
-    let bytes = read_limited(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
+    let bytes = rcs_user_files::read(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
     String::from_utf8(bytes).map_err(|error| {
         let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
         let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is not text in UTF-8" };

@@ -341,12 +341,13 @@ fn files_that_cannot_be_read_are_errors_that_name_them() {
     let path = folder.path().join("a.rviz");
     let missing = rcs_rviz_config::load(&path).unwrap_err();
     assert!(missing.to_string().contains("a.rviz: cannot be read: "), "{missing}");
-    for (endless, len) in [(std::path::Path::new("/dev/zero"), None), (path.as_path(), Some(40 << 30))] {
-        if let Some(len) = len {
-            std::fs::File::create(endless).unwrap().set_len(len).unwrap();
-        }
+    std::fs::File::create(&path).unwrap().set_len(40 << 30).unwrap();
+    for (endless, problem) in [
+        (std::path::Path::new("/dev/zero"), "it is a device, only regular files are read"),
+        (path.as_path(), "larger than 8 MB"),
+    ] {
         let error = rcs_rviz_config::load(endless).unwrap_err().to_string();
-        assert_eq!(error, format!("{}: larger than 8 MB, so this is not a .rviz file", endless.display()));
+        assert_eq!(error, format!("{}: cannot be read: {problem}", endless.display()));
     }
     std::fs::write(&path, b"Visualization Manager:\n  Name: \xff\n").unwrap();
     let bytes = rcs_rviz_config::load(&path).unwrap_err();
