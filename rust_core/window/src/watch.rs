@@ -71,7 +71,8 @@ impl MonitorWatch {
         self.next_check
     }
 
-    fn is_settling(&self, now: Instant) -> bool {
+    /// `true` while the window system places the window.
+    pub(crate) fn is_settling(&self, now: Instant) -> bool {
         now < self.placed_at + SETTLE_TIME
     }
 

@@ -221,7 +221,9 @@ impl SystemWindow for X11Window {
             self.session.raise(self.window)?;
         }
         if self.watch.is_there() && self.role.takes_keyboard() {
-            self.has_keyboard = self.has_keyboard || self.session.focus(self.window);
+            // A window manager that hears of the process's death later passes the keyboard on.
+            let may_lose_it = self.role.is_black() && self.watch.is_settling(now);
+            self.has_keyboard = (self.has_keyboard && !may_lose_it) || self.session.focus(self.window);
             if found.has_settled && !self.has_keyboard {
                 log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
             }
