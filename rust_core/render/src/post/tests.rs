@@ -284,7 +284,12 @@ fn what_forbids_light_comes_after_what_adds_some_and_both_before_the_picture_is_
     let blend = Blend::new([2, 1], &[65535; 2], &[655; 2], 2.2).unwrap();
     let mask = LightMask::new([2, 1], vec![0, 255]).unwrap();
     let (blend, mask) = (Some(Arc::new(blend)), Some(Arc::new(mask)));
-    let step = LastStep { blend, mask, orientation: "mirrored".parse().unwrap(), ..LastStep::default() };
+    let step = LastStep {
+        blend,
+        masks: mask.into_iter().collect(),
+        orientation: "mirrored".parse().unwrap(),
+        ..LastStep::default()
+    };
     let after = applied(&step, &picture(Encoding::Mono8, [2, 1], |_, _| [0; 3]));
     assert!(after.data[0] > 20 && after.data[1] == 0, "{:?}", after.data);
 }
@@ -293,7 +298,7 @@ fn what_forbids_light_comes_after_what_adds_some_and_both_before_the_picture_is_
 fn of_two_masks_the_darker_one_counts() {
     let mask = |levels: &[u8]| LightMask::new([4, 1], levels.to_vec()).map(Arc::new);
     let (painted_mask, mask) = (mask(&[0, 255, 255, 51]), mask(&[255, 0, 255, 102]));
-    let step = LastStep { painted_mask, mask, ..LastStep::default() };
+    let step = LastStep { painted_mask, masks: mask.into_iter().collect(), ..LastStep::default() };
     assert!(!step.is_nothing());
     let after = applied(&step, &picture(Encoding::Mono8, [4, 1], |_, _| [200; 3]));
     assert_eq!(after.data, [0, 0, 200, 40]);
