@@ -93,7 +93,8 @@ impl Confirmer {
 
     /// Takes a depth image: the closed surface as seen from the projector. `camera` is the projector's exact camera
     /// with lens and flip; its pose plays no part. `projector_from_sensor` maps the grid's points to the projector's
-    /// optical frame at the depth image's stamp; `now` is monotonic. A grid with fewer points than pixels is no surface.
+    /// optical frame at the depth image's stamp; `now` is monotonic. A grid with fewer points than pixels is no
+    /// surface.
     pub fn observe(
         &mut self,
         camera: &Camera,

@@ -10,8 +10,8 @@
 //!
 //! One thread serves everything with tokio; it sleeps while no page is open. A page gets an image only after it has
 //! shown the one before (`ready`), so that a slow page skips images and delays nobody. Writes are POSTs of their own
-//! connections, so that a blackout never queues behind a stream. Black has the open WebSocket as a second road, which is
-//! read also while images are sent. What may light answers a state ([`answered_number`]).
+//! connections, so that a blackout never queues behind a stream. Black has the open WebSocket as a second road, which
+//! is read also while images are sent. What may light answers a state ([`answered_number`]).
 //!
 //! Access ([`Access`]): the page's files are for everybody who may connect, the API needs a token. Names in `Host` are
 //! checked against DNS rebinding, and `Origin` against other sites. Sizes, times and the number of connections are

@@ -32,6 +32,16 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Shows the pattern, granted for the limit if there is one.
+fn show_pattern(sink: &PictureSink, size_px: [u32; 2], limit: Option<Duration>) {
+    let picture = pattern(size_px[0], size_px[1]);
+    let Some(limit) = limit else { return sink.show(picture) };
+    let evidence = Evidence::unknown(&[], LightRules::none(limit), Arc::default());
+    let grant = evidence.decide(Content::Scene, size_px, Ok(Generation::default()), Instant::now());
+    let lit = grant.ok().and_then(|grant| grant.show(Arc::new(picture)));
+    lit.into_iter().for_each(|lit| sink.show_lit(lit));
+}
+
 fn run() -> Result<(), Box<dyn Error>> {
     let mut logger = env_logger::Builder::new();
     logger.filter_module("rcs_", LevelFilter::Info).filter_module("window_pattern", LevelFilter::Info);
@@ -62,15 +72,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         return Ok(window::keep_over(&title, &options.monitor, || false)?);
     }
     let limit = options.light_limit;
-    let show_once = move |sink: &PictureSink| match limit {
-        None => sink.show(pattern(width, height)),
-        Some(limit) => {
-            let evidence = Evidence::unknown(&[], LightRules::none(limit), Arc::default());
-            let grant = evidence.decide(Content::Scene, [width, height], Ok(Generation::default()), Instant::now());
-            let lit = grant.ok().and_then(|grant| grant.show(Arc::new(pattern(width, height))));
-            lit.into_iter().for_each(|lit| sink.show_lit(lit));
-        }
-    };
+    let show_once = move |sink: &PictureSink| show_pattern(sink, [width, height], limit);
     let show = move |sink: PictureSink| {
         thread::spawn(move || {
             show_once(&sink);

@@ -29,6 +29,7 @@ mod run;
 mod screen_picture;
 mod shared_pixels;
 mod sink;
+mod switch_pipe;
 mod system_window;
 pub mod test_pictures;
 mod watch;

@@ -10,8 +10,8 @@ use crate::system_window::{SystemWindow, WindowOptions};
 use crate::wayland::{self, WaylandWindow};
 use crate::x11::{self, X11Session, X11Window};
 
-/// Opens the window and shows the sink's pictures, each while its grant holds, until it is closed. Keys except Escape and
-/// q are left to the program. `handle` is called on this thread for each event, the first of which is
+/// Opens the window and shows the sink's pictures, each while its grant holds, until it is closed. Keys except Escape
+/// and q are left to the program. `handle` is called on this thread for each event, the first of which is
 /// [`UserEvent::Opened`]; it must not block.
 ///
 /// # Errors

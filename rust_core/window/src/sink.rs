@@ -11,10 +11,10 @@ use rcs_scene::{lock, Picture};
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
-use crate::dead_man::SwitchPipe;
 use crate::on_screen::OnScreen;
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
+use crate::switch_pipe::SwitchPipe;
 
 /// A picture in the sink.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! A camera's light as the last measured surface confirms it.
 //!
-//! A frame that is drawn is checked when it is finished ([`super::frame`]). When the next depth image arrives, the depths
-//! of what the camera drew last are checked again, also while something else is shown in its place.
+//! A frame that is drawn is checked when it is finished ([`super::frame`]). When the next depth image arrives, the
+//! depths of what the camera drew last are checked again, also while something else is shown in its place.
 
 use std::sync::Arc;
 

@@ -7,8 +7,8 @@
 //!
 //! Nothing else holds such state. A camera is black while all cameras or it are blacked out. Black is no toggle: it is
 //! said any number of times and released by another act. `~blackout false` releases all; what is of one camera is
-//! released for that camera. Blackouts are kept in a file before they are acknowledged, so that a node which ends during
-//! one does not come back lit, and written to the parameter server for others to read.
+//! released for that camera. Blackouts are kept in a file before they are acknowledged, so that a node which ends
+//! during one does not come back lit, and written to the parameter server for others to read.
 
 pub(crate) mod pattern;
 
@@ -196,8 +196,8 @@ impl Control {
         self.change(|state| state.set_camera_blackout(name, on, caller))
     }
 
-    /// Releases a camera's own blackout, or all blackouts, as an answer to the present [`number`](Self::number). `None`:
-    /// that is another one by now, and nothing was released.
+    /// Releases a camera's own blackout, or all blackouts, as an answer to the present [`number`](Self::number).
+    /// `None`: that is another one by now, and nothing was released.
     pub(crate) fn release(&self, camera: Option<&str>, number: u64, caller: &str) -> Option<Result<(), String>> {
         let mut is_answer = false;
         let kept = self.change(|state| {

@@ -6,8 +6,8 @@ use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_render::{LastStep, Orientation};
 
-/// The mask of an image of this size, turned like the image, from its post-processing; all dark where nothing may be lit
-/// and so without one. `None` where no light has to be confirmed.
+/// The mask of an image of this size, turned like the image, from its post-processing; all dark where nothing may be
+/// lit and so without one. `None` where no light has to be confirmed.
 pub(super) fn confirmed_image(post: Option<&LastStep>, size_px: [u32; 2], header: Header) -> Option<Image> {
     let levels = match post.map(|post| (&post.confirmed, post.orientation)) {
         None => vec![0; size_px[0] as usize * size_px[1] as usize],

@@ -1,8 +1,9 @@
 //! Eye safety: masks on topics, and keep-out spheres around frames.
 //!
-//! Both are measurements, which age ([`Measured`]), after a second where nothing else is set. Each publisher of a mask's
-//! topic has a mask of its own, and the darkest counts; one that is missing, invalid or stale makes all black, until the
-//! master does not list its publisher any more. Where masks are not required, the last mask and the last place hold.
+//! Both are measurements, which age ([`Measured`]), after a second where nothing else is set. Each publisher of a
+//! mask's topic has a mask of its own, and the darkest counts; one that is missing, invalid or stale makes all black,
+//! until the master does not list its publisher any more. Where masks are not required, the last mask and the last
+//! place hold.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -13,12 +13,13 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::io::{read, Errno};
 
 use super::hand_over::BlackPlace;
-use super::{BlackWindow, Shown, WindowRole, END, OPEN};
+use super::{BlackWindow, Shown, WindowRole, OPEN};
 use crate::error::WindowError;
 use crate::monitor::MonitorChoice;
 use crate::open::run_with;
 use crate::run::UserEvent;
 use crate::sink::PictureSink;
+use crate::switch_pipe::END;
 use crate::system_window::{poll_until, WindowOptions};
 
 /// Time in which a window comes to the screen.

@@ -4,11 +4,12 @@
 //! A thread cannot watch its own process: a stopped one keeps its window on the screen, and a killed one uncovers the
 //! desktop. So a small child process, the same executable with [`CHILD_ARGUMENT`], opens a black full-screen window
 //! before the process opens its own above it. A pipe leads to the child; the window's thread writes a byte into it at
-//! least four times per light limit. If the pipe is silent for that limit, or closes without the byte [`END`], the child
-//! opens a second black window in front of all others, and closes it when bytes come again.
+//! least four times per light limit. If the pipe is silent for that limit, or closes without the byte
+//! [`END`](crate::switch_pipe::END), the child opens a second black window in front of all others, and closes it when
+//! bytes come again.
 //!
-//! A child whose process has died keeps the monitor black until Escape is pressed, the display server ends, or the child
-//! of a new process covers the monitor ([`hand_over`]).
+//! A child whose process has died keeps the monitor black until Escape is pressed, the display server ends, or the
+//! child of a new process covers the monitor ([`hand_over`]).
 
 mod child;
 mod hand_over;
@@ -20,14 +21,12 @@ use std::sync::Arc;
 
 use crate::OnScreen;
 
-pub(crate) use switch::{DeadManSwitch, SwitchPipe};
+pub(crate) use switch::DeadManSwitch;
 
 /// First argument of the child process.
 const CHILD_ARGUMENT: &str = "__black-window";
 /// Byte of a process that is alive.
 const ALIVE: u8 = b'.';
-/// Byte of a process that closes its window in order.
-const END: u8 = b'q';
 /// The child's line for an open window.
 const OPEN: &str = "open";
 

@@ -2,18 +2,19 @@
 
 use std::io::{self, Read};
 use std::os::unix::process::CommandExt;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rustix::event::{poll, PollFd, PollFlags, Timespec};
 use rustix::fs::{fcntl_setfl, OFlags};
-use rustix::io::{write, Errno};
+use rustix::io::Errno;
 
-use super::{WindowRole, ALIVE, CHILD_ARGUMENT, END, OPEN};
+use super::{WindowRole, ALIVE, CHILD_ARGUMENT, OPEN};
 use crate::monitor::MonitorChoice;
 use crate::sink::PictureSink;
+use crate::switch_pipe::SwitchPipe;
 use crate::system_window::WindowOptions;
 
 /// Silence after which the child blacks the monitor out, if the window has no light limit.
@@ -60,27 +61,6 @@ struct RunningChild {
     is_loss_logged: bool,
 }
 
-/// The pipe to the child. Never waits: a byte that does not fit is dropped.
-#[derive(Debug)]
-pub(crate) struct SwitchPipe(ChildStdin);
-
-impl SwitchPipe {
-    fn new(pipe: ChildStdin) -> io::Result<Self> {
-        fcntl_setfl(&pipe, OFlags::NONBLOCK)?;
-        Ok(Self(pipe))
-    }
-
-    /// Returns `false` if the child is gone.
-    fn send(&self, byte: u8) -> bool {
-        write(&self.0, &[byte]) != Err(Errno::PIPE)
-    }
-
-    /// Tells the child that the window closes in order.
-    pub(crate) fn end(&self) {
-        self.send(END);
-    }
-}
-
 impl DeadManSwitch {
     /// Starts the child for a window that is to be opened on top of its black one, and waits until that is on the
     /// screen. Does nothing for roles other than [`WindowRole::Guarded`].
@@ -112,8 +92,8 @@ impl DeadManSwitch {
         Some(child.next_beat)
     }
 
-    /// Starts the child anew if the window's monitor is back after it was missing. Returns `true` if the window then has
-    /// to come to the front of the child's.
+    /// Starts the child anew if the window's monitor is back after it was missing. Returns `true` if the window then
+    /// has to come to the front of the child's.
     pub(crate) fn restart_if_back(&mut self, is_there: bool, options: &WindowOptions, sink: &PictureSink) -> bool {
         let was_gone = std::mem::replace(&mut self.is_monitor_gone, !is_there);
         if matches!(self.state, SwitchState::Off) || !is_there || !was_gone {
