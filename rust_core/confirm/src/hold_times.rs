@@ -270,6 +270,18 @@ mod tests {
     }
 
     #[test]
+    fn a_flip_10_s_after_light_came_on_holds_it_back_for_2_s_and_a_later_one_does_not() {
+        for (flip_ms, images) in [(10_400, 12), (10_500, 3)] {
+            let mut cell = Cell::new();
+            assert_eq!(cell.sees(&[0, 200, 400]), [false, false, true]);
+            assert!(!cell.sees(&(1..=20).map(|image| 400 + 490 * image).collect::<Vec<_>>()).contains(&false));
+            assert!(!cell.is_lit(Disagreement::SOME, Some(flip_ms)));
+            let after: Vec<u64> = (0..images).map(|image| flip_ms + 100 + 200 * image).collect();
+            assert_eq!(cell.sees(&after), [vec![false; after.len() - 1], vec![true]].concat(), "{flip_ms}");
+        }
+    }
+
+    #[test]
     fn a_cell_whose_surface_was_unknown_needs_three_more_depth_images() {
         let mut cell = Cell::lit();
         assert_eq!(cell.sees(&[100]), [true]);
