@@ -19,7 +19,7 @@ struct Guarded {
     screen: Option<Screen>,
 }
 
-const ARGUMENTS: [&str; 4] = ["--guarded", "yes", "--limit", "0"];
+const ARGUMENTS: [&str; 2] = ["--guarded", "yes"];
 
 impl Guarded {
     fn on_x11(with_manager: bool) -> Self {
