@@ -19,7 +19,7 @@ const BY_ONE_IMAGE: f64 = 0.01;
 /// Largest share of right and observed light that may be dark, with the light that is held back after a flip.
 const WITH_HOLD_TIMES: f64 = 0.01;
 /// Depth images before something happens.
-const STILL: u32 = 12;
+const STILL: u32 = 13;
 /// Time between two depth images.
 const FRAME: Duration = Duration::from_micros(33_333);
 

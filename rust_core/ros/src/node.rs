@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{sync_channel, RecvTimeoutError};
 use std::sync::{Arc, Mutex, Weak};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Queue size of `/tf`. Robots send some hundred messages a second.
 const TF_QUEUE_SIZE: usize = 1000;
@@ -324,6 +324,11 @@ impl RosNode {
     /// Other nodes' publications, which are read every two seconds; `None` before the first time.
     pub fn publications(&self) -> Option<Arc<Publications>> {
         self.network().registrar().publications()
+    }
+
+    /// Other nodes' publications, if they were read after `since`.
+    pub fn publications_since(&self, since: Instant) -> Option<Arc<Publications>> {
+        self.network().registrar().publications_since(since)
     }
 
     /// Restarts of the master that were noticed: its parameters are lost then.

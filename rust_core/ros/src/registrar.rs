@@ -41,7 +41,8 @@ pub(crate) struct Registrar {
     changed: Condvar,
     /// Held while a list of publishers is applied, so that none overtakes another.
     updating: Mutex<()>,
-    publications: Mutex<Option<Arc<Publications>>>,
+    /// The master's last list, and when it was asked for.
+    publications: Mutex<Option<(Instant, Arc<Publications>)>>,
     contacts: Contacts,
     on_publisher_left: OnPublisherLeft,
     /// Restarts of the master so far.
@@ -210,7 +211,12 @@ impl Registrar {
 
     /// Other nodes' publications on the master's last list.
     pub(crate) fn publications(&self) -> Option<Arc<Publications>> {
-        lock(&self.publications).clone()
+        lock(&self.publications).as_ref().map(|(_, publications)| Arc::clone(publications))
+    }
+
+    /// Other nodes' publications on the master's last list, if that was asked for after `since`.
+    pub(crate) fn publications_since(&self, since: Instant) -> Option<Arc<Publications>> {
+        lock(&self.publications).as_ref().filter(|(asked, _)| *asked > since).map(|(_, list)| Arc::clone(list))
     }
 
     /// Reads other nodes' publications from the master.
@@ -219,9 +225,10 @@ impl Registrar {
     }
 
     fn query(&self) -> Option<SystemState> {
+        let asked = Instant::now();
         match self.master.system_state() {
             Ok(mut state) => {
-                *lock(&self.publications) = Some(Arc::new(std::mem::take(&mut state.publications)));
+                *lock(&self.publications) = Some((asked, Arc::new(std::mem::take(&mut state.publications))));
                 Some(state)
             }
             Err(error) => {

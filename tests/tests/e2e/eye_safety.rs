@@ -39,7 +39,7 @@ fn fixture(args: &[&str]) -> RosFixture {
 fn without_a_current_mask_all_is_black_and_with_one_only_what_it_allows_is_lit() {
     let fixture = fixture(&["_mask_topic:=/mask", "_stale_note:=true", "_stale_timeout:=0.5"]);
     fixture.wait_for(format!("{ALL_BLACK} and len(viewer.images) > 5"));
-    fixture.wait_for_log("the picture is black: no mask on /mask yet").unwrap();
+    fixture.wait_for_log("the picture is black: no mask on /mask").unwrap();
     let node = PythonNode::start(&fixture.master, &["__name:=masks"]).unwrap();
     node.run(MASK).unwrap();
     node.run("PublishRepeatedly(20, lambda i: mask(40), '/mask')").unwrap();
@@ -54,7 +54,7 @@ fn without_a_current_mask_all_is_black_and_with_one_only_what_it_allows_is_lit()
     let node = PythonNode::start(&fixture.master, &["__name:=masks"]).unwrap();
     node.run(MASK).unwrap();
     node.run("PublishRepeatedly(20, lambda i: mask(5), '/mask')").unwrap();
-    fixture.wait_for("only_right_of(20)");
+    fixture.wait_for("only_right_of(5)");
 }
 
 #[test]

@@ -378,7 +378,7 @@ impl SceneThread {
         let lit: Vec<_> = lit.collect();
         let subscriptions = &self.scene.subscriptions;
         let (ros, light_topics) = (&self.shared.ros, &self.light_topics);
-        self.safety.retain_publishers(|topic, node| light_topics.is_publishing(ros, topic, node));
+        self.safety.retain_publishers(|topic, node, last| light_topics.is_publishing(ros, topic, node, last));
         let lights = self.safety.assess(state, &lit, |name, kind| subscriptions.source(name, kind), now);
         for (view, light) in views.iter().zip(&lights) {
             if let Some(info) = state.camera_info(view) {

@@ -105,10 +105,11 @@ impl EyeSafety {
         masks.insert(Arc::clone(publisher), ReceivedMask { mask, measured });
     }
 
-    /// Forgets the masks of nodes that do not publish their topics any more.
-    pub(super) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str) -> bool) {
+    /// Forgets the masks of nodes that do not publish their topics any more. `is_publishing` is given the topic, the
+    /// node and the arrival of its last mask.
+    pub(super) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str, Instant) -> bool) {
         for (topic, masks) in &mut self.masks {
-            masks.retain(|publisher, _| is_publishing(topic, publisher));
+            masks.retain(|publisher, last| is_publishing(topic, publisher, last.measured.received));
         }
     }
 
@@ -122,7 +123,7 @@ impl EyeSafety {
     pub(super) fn mask_condition(&self, topic: &str, now: Now) -> Condition {
         let masks = self.masks.get(topic).filter(|masks| !masks.is_empty());
         let Some(masks) = masks else {
-            let none = Condition::Dark(format!("no mask on {topic} yet"));
+            let none = Condition::Dark(format!("no mask on {topic}"));
             return if self.is_required { none } else { Condition::Always };
         };
         let limit = self.limits.of_measurement(topic, self.limits.for_all_topics().unwrap_or(EYE_SAFETY_LIMIT));

@@ -132,7 +132,7 @@ impl Safety {
     }
 
     /// Forgets the masks of nodes that do not publish their topics any more.
-    pub(crate) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str) -> bool) {
+    pub(crate) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str, Instant) -> bool) {
         self.eyes.retain_publishers(is_publishing);
     }
 

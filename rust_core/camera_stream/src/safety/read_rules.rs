@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use rcs_files::blend_file::BlendFile;
@@ -24,13 +25,13 @@ pub(crate) struct LightTopics {
 }
 
 impl LightTopics {
-    /// `true` if a node publishes a mask's topic: it is connected, or the master lists it.
-    pub(crate) fn is_publishing(&self, ros: &RosNode, topic: &str, node: &str) -> bool {
+    /// `true` if a node whose last mask came at a time publishes the topic: it is connected, or the master lists it.
+    pub(crate) fn is_publishing(&self, ros: &RosNode, topic: &str, node: &str, received: Instant) -> bool {
         let of_topic = |mask: &&TopicSubscription| &**mask.topic() == topic;
         let is_connected = self.masks.iter().find(of_topic).is_some_and(|mask| mask.is_connected_with(node));
-        // Without the master's list, it may be.
+        // Without a list that was read since, it may be.
         is_connected
-            || ros.publications().is_none_or(|all| {
+            || ros.publications_since(received).is_none_or(|all| {
                 all.get(topic).is_some_and(|publication| publication.nodes.iter().any(|listed| listed == node))
             })
     }

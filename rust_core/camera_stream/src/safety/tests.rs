@@ -159,7 +159,7 @@ fn of_several_trackers_each_darkens_and_one_that_dies_makes_all_dark_until_it_is
     assert_eq!(masks.iter().map(|mask| mask.levels()[0]).min(), Some(0), "the darkest counts: {masks:?}");
     safety.take_image("/mask", &mask(255), &trackers[0], start + Duration::from_secs(2));
     assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None]);
-    safety.retain_publishers(|_, node| node == "/a");
+    safety.retain_publishers(|_, node, _| node == "/a");
     assert_eq!(causes(&mut safety, start, 2.1), [None, None]);
     safety.reset();
     assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None], "the time jumped");

@@ -176,7 +176,7 @@ impl Walk {
             }
             Event::TrackerLeaves(tracker) => {
                 let gone = format!("/tracker{tracker}");
-                self.safety.retain_publishers(|_, node| node != gone);
+                self.safety.retain_publishers(|_, node, _| node != gone);
                 self.oracle.masks[tracker] = None;
             }
             Event::Head { age } => self.move_head(age),
@@ -196,7 +196,7 @@ impl Walk {
                 // What the last process has shown ended with it.
                 self.granted.clear();
             }
-            Event::MasterGone => self.safety.retain_publishers(|_, _| true),
+            Event::MasterGone => self.safety.retain_publishers(|_, _, _| true),
         }
     }
 
