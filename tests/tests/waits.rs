@@ -6,8 +6,7 @@
 use rcs_tests::sources::sources;
 
 /// Queues that compare no length, and what bounds them.
-const BOUND_OTHERWISE: [(&str, &str); 4] = [
-    ("rust_core/camera_stream/src/runtime/auto_renderer.rs", "has the images that its caller has in flight"),
+const BOUND_OTHERWISE: [(&str, &str); 3] = [
     ("rust_core/render/src/gpu/mod.rs", "has the images that its caller has in flight"),
     ("rust_core/ros/src/param_writer.rs", "has one entry for each name of a setting"),
     ("rust_core/transforms/src/history.rs", "is as long as a period"),

@@ -2,12 +2,13 @@
 
 use std::str::FromStr;
 
+use crate::auto::AutoRenderer;
 use crate::{CpuRenderer, GpuRenderer, RenderError, Renderer};
 
 /// The renderer that a user asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum RendererChoice {
-    /// A hardware GPU where there is one, else the CPU. The node measures both.
+    /// The faster of the CPU and a hardware GPU.
     #[default]
     Auto,
     /// The CPU.
@@ -46,12 +47,6 @@ pub fn create(choice: RendererChoice) -> Result<Box<dyn Renderer>, RenderError> 
     match choice {
         RendererChoice::Cpu => Ok(Box::new(CpuRenderer::new())),
         RendererChoice::Gpu => Ok(Box::new(GpuRenderer::new(false)?)),
-        RendererChoice::Auto => Ok(match GpuRenderer::new(true) {
-            Ok(gpu) => Box::new(gpu),
-            Err(error) => {
-                log::debug!("drawing on the CPU: {error}");
-                Box::new(CpuRenderer::new())
-            }
-        }),
+        RendererChoice::Auto => Ok(Box::new(AutoRenderer::start())),
     }
 }

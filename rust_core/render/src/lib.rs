@@ -48,6 +48,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod auto;
 mod cache;
 mod choice;
 mod cpu;

@@ -189,12 +189,6 @@ impl PackedPoints {
         self.bounds
     }
 
-    /// The position of the point with this index, which need not be finite; zeros past the end.
-    pub fn position(&self, index: usize) -> [f32; 3] {
-        let point = index.checked_mul(self.stride).and_then(|begin| self.bytes().get(begin..));
-        self.positions.in_point(point.unwrap_or_default())
-    }
-
     /// The points with a finite position, decoded on all cores by the first call and kept.
     pub fn points(&self) -> &Points {
         self.decoded.get_or_init(|| {
@@ -292,7 +286,7 @@ mod tests {
             PointLook { style: PointStyle::FlatSquares { side_m: 0.1 }, alpha: 1.0, blended: false, auto_size: true };
         let layout = PositionLayout::new([0, 4, 8], false);
         let packed = PackedPoints::new(Arc::new(bytes), 16, layout, PackedColors::Rgb { offset: 12 }, look).unwrap();
-        assert_eq!((packed.count(), packed.finite_count(), packed.position(3)), (4, 2, positions[3]));
+        assert_eq!((packed.count(), packed.finite_count()), (4, 2));
         assert_eq!(packed.bounds(), Some(Aabb::new([1.0, 2.0, -6.0].into(), [4.0, 5.0, 3.0].into())));
         let points = packed.points();
         assert_eq!((points.look(), &points.buffer.positions[..]), (look, &[positions[0], positions[3]][..]));

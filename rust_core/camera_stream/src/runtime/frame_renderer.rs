@@ -6,10 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use rcs_displays::DisplaySet;
-use rcs_render::{CpuRenderer, Depths, RenderError, Renderer, RendererChoice};
+use rcs_render::{Depths, RenderError, Renderer, RendererChoice};
 use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
 
-use super::auto_renderer::AutoRenderer;
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
 use crate::scene::status_tree::path_text;
 
@@ -21,7 +20,6 @@ const NAMED_SHARE: f64 = 0.1;
 /// Draws the frames of all cameras.
 pub(super) struct FrameRenderer {
     renderer: Box<dyn Renderer>,
-    choice: RendererChoice,
     buffers: SharedBuffers,
     /// The times of the frame at hand.
     pub(super) costs: Costs,
@@ -33,11 +31,8 @@ impl FrameRenderer {
     /// # Errors
     /// It is a GPU, and none works.
     pub(super) fn new(choice: RendererChoice) -> Result<Self> {
-        let renderer = match choice {
-            RendererChoice::Auto => Box::new(AutoRenderer::start()),
-            RendererChoice::Cpu | RendererChoice::Gpu => rcs_render::create(choice)?,
-        };
-        Ok(Self { renderer, choice, buffers: SharedBuffers::default(), costs: Costs::default() })
+        let renderer = rcs_render::create(choice)?;
+        Ok(Self { renderer, buffers: SharedBuffers::default(), costs: Costs::default() })
     }
 
     /// The renderer's name, for the log.
@@ -88,21 +83,10 @@ impl FrameRenderer {
     pub(super) fn forget_depths(&mut self) {
         self.buffers.depths = Depths::default();
     }
-
-    /// Replaces a GPU that fails, and that `auto` chose, by the CPU. Returns `true` if the GPU failed: then no frame is
-    /// in flight any more.
-    pub(super) fn handle_failure(&mut self, error: &Error) -> bool {
-        let has_failed = has_gpu_failed(error);
-        if has_failed && self.choice == RendererChoice::Auto {
-            self.renderer = Box::new(CpuRenderer::new());
-            log::warn!("drawing with {} from now on", self.describe());
-        }
-        has_failed
-    }
 }
 
-/// `true` if a frame is missing because the GPU is lost, hangs or is out of memory.
-fn has_gpu_failed(error: &Error) -> bool {
+/// `true` if a frame is missing because the GPU is lost, hangs or is out of memory: then no frame is in flight any more.
+pub(super) fn has_gpu_failed(error: &Error) -> bool {
     matches!(error.downcast_ref(), Some(RenderError::Gpu { .. }))
 }
 
@@ -160,22 +144,13 @@ impl Costs {
 
 #[cfg(test)]
 mod tests {
-    use rcs_render::{DepthRequest, Finished, View};
-
     use super::*;
 
     #[test]
-    fn a_gpu_that_fails_is_replaced_by_the_cpu_where_auto_had_chosen_it() {
-        let lost = || RenderError::Gpu { adapter: "a GPU".into(), reason: "the device was lost".into() }.into();
-        let too_large =
-            RenderError::TooLarge { width_px: 9, height_px: 9, limit_px: 8, renderer: "gpu (a GPU)".into() }.into();
-        let mut renderer = FrameRenderer::new(RendererChoice::Cpu).unwrap();
-        assert!(!renderer.handle_failure(&too_large) && renderer.handle_failure(&lost()));
-        renderer.renderer = Box::new(OtherRenderer);
-        assert!(renderer.handle_failure(&lost()) && renderer.describe() == "other", "cpu and gpu are kept");
-        renderer.choice = RendererChoice::Auto;
-        assert!(!renderer.handle_failure(&too_large) && renderer.describe() == "other");
-        assert!(renderer.handle_failure(&lost()) && renderer.describe().starts_with("cpu"));
+    fn a_gpu_that_fails_takes_all_frames_with_it_and_a_picture_that_is_too_large_none() {
+        let lost = RenderError::Gpu { adapter: "a GPU".into(), reason: "the device was lost".into() };
+        let too_large = RenderError::TooLarge { width_px: 9, height_px: 9, limit_px: 8, renderer: "gpu".into() };
+        assert!(has_gpu_failed(&lost.into()) && !has_gpu_failed(&too_large.into()));
     }
 
     #[test]
@@ -192,21 +167,5 @@ mod tests {
         assert_eq!(costs.describe(secs(9.0), Vec::new(), name), "a picture took 9.0 s", "most is unaccounted for");
         costs.clear();
         assert_eq!(costs.describe(secs(2.0), Vec::new(), name), "a picture took 2.0 s");
-    }
-
-    struct OtherRenderer;
-
-    impl Renderer for OtherRenderer {
-        fn describe(&self) -> String {
-            "other".to_owned()
-        }
-
-        fn submit_with_depths(&mut self, _: &View<'_>, _: &DepthRequest<'_>) -> Result<(), RenderError> {
-            Ok(())
-        }
-
-        fn finish_with_depths(&mut self, _: &mut Picture, _: &mut Depths) -> Result<Finished, RenderError> {
-            Ok(Finished::NoneInFlight)
-        }
     }
 }

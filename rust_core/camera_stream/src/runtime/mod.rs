@@ -13,7 +13,6 @@
 //! image is published with a new stamp. The control thread answers calls that must not wait for a frame.
 
 mod activity;
-mod auto_renderer;
 mod config_reader;
 mod control_thread;
 mod diagnostics;

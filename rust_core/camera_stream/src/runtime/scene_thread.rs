@@ -16,7 +16,7 @@ use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
 use super::activity::SceneStep;
-use super::frame_renderer::FrameRenderer;
+use super::frame_renderer::{has_gpu_failed, FrameRenderer};
 use super::shared::{NodeState, Reload};
 use super::windows::Windows;
 use crate::camera::frame::FrameInFlight;
@@ -425,7 +425,7 @@ impl SceneThread {
         if let Some(camera) = self.shared.cameras().get_mut(index) {
             camera.record_error(error);
         }
-        if self.renderer.handle_failure(error) {
+        if has_gpu_failed(error) {
             in_flight.clear();
         }
     }

@@ -158,12 +158,7 @@ impl Renderer for CpuRenderer {
 impl CpuRenderer {
     /// Draws a picture with the depths that are wanted. A panic is an error: what the renderer kept for the next
     /// pictures is dropped, and those go on.
-    pub(crate) fn draw(
-        &mut self,
-        view: &View<'_>,
-        request: &DepthRequest<'_>,
-        drawn: &mut Drawn,
-    ) -> Result<(), RenderError> {
+    fn draw(&mut self, view: &View<'_>, request: &DepthRequest<'_>, drawn: &mut Drawn) -> Result<(), RenderError> {
         let result = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, request, drawn)));
         result.unwrap_or_else(|panic| {
             let (simd_level, culling, uses_all) = (self.simd_level, self.culling, self.uses_all);

@@ -26,8 +26,6 @@ pub(super) struct Device {
     pub(super) limits: wgpu::Limits,
     /// The adapter's name and the backend.
     pub(super) name: String,
-    /// The kind of its hardware.
-    pub(super) kind: DeviceType,
     /// The first error.
     fault: Arc<OnceLock<String>>,
     stats: Mutex<GpuStats>,
@@ -92,7 +90,7 @@ impl Device {
             }
         });
         let (stats, patience, is_hung) = (Mutex::default(), PATIENCE, AtomicBool::new(false));
-        Ok(Self { wgpu, queue, limits, name, kind: kind(adapter), fault, stats, patience, is_hung })
+        Ok(Self { wgpu, queue, limits, name, fault, stats, patience, is_hung })
     }
 
     /// Waits until a submission is done.

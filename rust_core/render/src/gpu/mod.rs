@@ -10,7 +10,6 @@
 //! cells      ┘
 //! draw       the draws of all kinds, recorded into the passes
 //! pipeline   what all pipelines have in common, and the fixed state and output in which they differ
-//! load       which pictures the CPU draws, because there is too much in them
 //! geometry   what the buffers of geometries have in common
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
@@ -35,7 +34,6 @@ mod draw;
 mod geometry;
 mod hardware;
 mod lines;
-mod load;
 mod mesh;
 mod pipeline;
 mod points;
@@ -51,7 +49,7 @@ use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use nalgebra::Matrix4;
 use rcs_scene::{
@@ -62,7 +60,6 @@ use self::cells::CellPipelines;
 use self::device::Device;
 use self::draw::{record, Draw};
 use self::lines::LinePipelines;
-use self::load::LoadRule;
 use self::pipeline::{ByPass, Output, Pass};
 use self::points::PointPipelines;
 use self::readback::Arrival;
@@ -74,7 +71,7 @@ use self::uniforms::Uniforms;
 use crate::depths::{Drawn, ToMetres};
 use crate::renderer::panic_text;
 use crate::shading::to_light;
-use crate::{CpuRenderer, DepthRequest, Depths, Finished, RenderError, Renderer, View};
+use crate::{DepthRequest, Depths, Finished, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -82,10 +79,6 @@ pub struct GpuRenderer {
     hardware_only: bool,
     name: String,
     gpu: Option<Gpu>,
-    /// Draws pictures of a high [`load`]. Made when it is needed.
-    cpu: Option<Box<CpuRenderer>>,
-    /// True if the picture that was finished last was one of those.
-    last_by_cpu: bool,
 }
 
 /// All that lives on one device.
@@ -95,14 +88,11 @@ struct Gpu {
     uniforms: Uniforms,
     pipelines: Pipelines,
     order: DrawOrder,
-    load: LoadRule,
     targets: Targets,
     /// The oldest first.
-    in_flight: VecDeque<InFlight>,
+    in_flight: VecDeque<Submitted>,
     /// A picture with its depths before a lens bends it.
     before_lens: Drawn,
-    /// Memory for the next picture that the CPU draws.
-    unused: Drawn,
 }
 
 /// The pipelines of all kinds of primitives.
@@ -116,15 +106,6 @@ struct Pipelines {
 }
 
 /// A picture that was submitted and not yet returned.
-#[derive(Debug)]
-enum InFlight {
-    /// The GPU draws it.
-    Submitted(Box<Submitted>),
-    /// The CPU has drawn it.
-    Drawn(Drawn),
-}
-
-/// A picture that the GPU draws.
 #[derive(Debug)]
 struct Submitted {
     target: Target,
@@ -171,7 +152,7 @@ impl GpuRenderer {
     /// [`RenderError::NoAdapter`], or [`RenderError::Gpu`] when the only adapter does not work.
     pub fn new(hardware_only: bool) -> Result<Self, RenderError> {
         let gpu = Gpu::open(hardware_only)?;
-        Ok(Self { hardware_only, name: gpu.device.name.clone(), gpu: Some(gpu), cpu: None, last_by_cpu: false })
+        Ok(Self { hardware_only, name: gpu.device.name.clone(), gpu: Some(gpu) })
     }
 
     /// Counts and times since the device was opened; zeros while it is lost and not open again.
@@ -212,7 +193,7 @@ impl Renderer for GpuRenderer {
     }
 
     fn can_upload(&self) -> bool {
-        self.gpu.as_ref().is_some_and(|gpu| matches!(gpu.in_flight.back(), Some(InFlight::Submitted(_))))
+        self.gpu.as_ref().is_some_and(|gpu| !gpu.in_flight.is_empty())
     }
 
     fn upload(&mut self, scene: &Scene, visible: &DisplayMask) {
@@ -227,40 +208,17 @@ impl Renderer for GpuRenderer {
         }
     }
 
-    fn costs(&self) -> Vec<(DisplayId, Duration)> {
-        self.cpu.as_ref().filter(|_| self.last_by_cpu).map(|cpu| cpu.costs()).unwrap_or_default()
-    }
-
     fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
         let gpu = match self.gpu.take() {
             Some(gpu) => gpu,
             None => Gpu::open(self.hardware_only)?,
         };
         gpu.device.name.clone_into(&mut self.name);
-        let mut is_heavy = false;
-        self.on(gpu, |gpu| {
-            is_heavy = gpu.load.is_cpus(view);
-            if is_heavy {
-                Ok(())
-            } else {
-                gpu.submit(view, request)
-            }
-        })?;
-        if is_heavy {
-            let mut drawn = self.gpu.as_mut().map(|gpu| std::mem::take(&mut gpu.unused)).unwrap_or_default();
-            let cpu = self.cpu.get_or_insert_with(|| Box::new(CpuRenderer::new()));
-            cpu.draw(view, request, &mut drawn)?;
-            if let Some(gpu) = &mut self.gpu {
-                gpu.in_flight.push_back(InFlight::Drawn(drawn));
-                gpu.device.count(|stats| stats.pictures_by_cpu += 1);
-            }
-        }
-        Ok(())
+        self.on(gpu, |gpu| gpu.submit(view, request))
     }
 
     fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
         let Some(gpu) = self.gpu.take() else { return Ok(Finished::NoneInFlight) };
-        self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
         self.on(gpu, |gpu| gpu.finish(picture, depths))
     }
 
@@ -285,17 +243,15 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let (order, load, before_lens) = (DrawOrder::default(), LoadRule::new(device.kind), Drawn::default());
+        let (order, before_lens) = (DrawOrder::default(), Drawn::default());
         Ok(Self {
             device,
             uniforms,
             pipelines: Pipelines { points, lines, triangles, texts, cells },
             order,
-            load,
             targets,
             in_flight,
             before_lens,
-            unused: Drawn::default(),
         })
     }
 
@@ -326,8 +282,7 @@ impl Gpu {
         self.device.check()?;
         let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
         let (flip, to_metres) = (view.camera.flip(), ToMetres::new(view.camera));
-        let submitted = Submitted { target, arrivals, encoding: view.encoding, lens, flip, to_metres };
-        self.in_flight.push_back(InFlight::Submitted(Box::new(submitted)));
+        self.in_flight.push_back(Submitted { target, arrivals, encoding: view.encoding, lens, flip, to_metres });
         self.device.count(|stats| {
             stats.pictures += 1;
             stats.draws += draws.len() as u64;
@@ -338,15 +293,7 @@ impl Gpu {
     }
 
     fn finish(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
-        let mut submitted = match self.in_flight.pop_front() {
-            Some(InFlight::Submitted(submitted)) => submitted,
-            Some(InFlight::Drawn(mut drawn)) => {
-                drawn.swap(picture, depths);
-                self.unused = drawn;
-                return Ok(Finished::Drawn);
-            }
-            None => return Ok(Finished::NoneInFlight),
-        };
+        let Some(mut submitted) = self.in_flight.pop_front() else { return Ok(Finished::NoneInFlight) };
         let mut drawn = Drawn::in_memory_of(picture, depths);
         if let Some(LensView { map, background }) = submitted.lens.take() {
             submitted.read(&self.device, Encoding::Rgba8, &mut self.before_lens)?;

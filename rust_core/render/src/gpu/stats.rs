@@ -7,8 +7,6 @@ use std::time::Duration;
 pub struct GpuStats {
     /// Pictures that were begun on the GPU.
     pub pictures: u64,
-    /// Pictures that the CPU has drawn, because their faces lie over each other too many times.
-    pub pictures_by_cpu: u64,
     /// Uploads of buffers, and of levels or tiles of images.
     pub uploads: u64,
     /// Bytes uploaded.
