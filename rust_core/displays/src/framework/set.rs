@@ -18,7 +18,7 @@ use crate::framework::display::Display;
 use crate::framework::entry::DisplayEntry;
 use crate::framework::guarded::GuardedDisplay;
 use crate::framework::in_view::InView;
-use crate::framework::message_cache::{CachedMessage, MessageCache};
+use crate::framework::message_cache::MessageCache;
 use crate::framework::report::{DisplayAge, DisplayReport, ListedDisplay};
 use crate::{TopicRequest, World};
 
@@ -198,13 +198,11 @@ impl DisplaySet {
 
     /// Like [`take`](Self::take), with the time of reception, which [`newly_shown`](Self::newly_shown) returns.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
-        let number = self.message_cache.next_number();
-        let kept = CachedMessage { number, topic, message: message.clone() };
         let mut wanted = false;
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
-                entry.take(&kept, received, world);
+                entry.take(topic, message, received, world);
                 wanted = true;
             }
         }
@@ -274,7 +272,7 @@ impl DisplaySet {
         self.light = light;
         self.newly_shown.clear();
         for entry in &mut self.entries {
-            let (has_changed, shown) = entry.update(&self.message_cache, world);
+            let (has_changed, shown) = entry.update(world);
             self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
             if has_changed {
                 self.version += 1;
