@@ -70,11 +70,6 @@ impl DisplayEntry {
         self.with_display(|display| display.publisher_left(topic));
     }
 
-    pub(super) fn forget_shown(&mut self) {
-        self.display.forget_shown();
-        self.arrivals.clear();
-    }
-
     /// Removes all messages but those that it goes on to show.
     pub(super) fn reset(&mut self) {
         self.received = 0;

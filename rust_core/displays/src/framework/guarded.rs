@@ -114,10 +114,6 @@ impl Display for GuardedDisplay {
         self.display.is_replaced_by_newest()
     }
 
-    fn forget_shown(&mut self) {
-        self.guard(|display| display.forget_shown());
-    }
-
     fn parameters(&self) -> Vec<String> {
         self.display.parameters()
     }

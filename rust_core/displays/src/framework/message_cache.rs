@@ -108,10 +108,6 @@ impl MessageCache {
         kept.into_iter().filter_map(alive).collect()
     }
 
-    pub(crate) fn forget(&mut self, topic: &str, kind: MessageKind) {
-        self.topics.remove(&(topic.to_owned(), kind));
-    }
-
     /// Stores the text of a parameter; `None` while it is unset.
     pub(crate) fn keep_parameter(&mut self, name: &str, text: Option<&Arc<str>>) {
         self.parameters.insert(name.to_owned(), text.cloned());

@@ -251,17 +251,6 @@ impl DisplaySet {
         self.entries.iter().filter(move |entry| entry.display.topics().iter().any(wants))
     }
 
-    /// Removes the drawables of such a topic's displays until its next message: they are stale.
-    pub fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
-        let of_topic: Vec<DisplayId> = self.entries_of(topic, kind).map(|entry| entry.id).collect();
-        self.message_cache.forget(topic, kind);
-        self.version += 1;
-        for entry in self.entries.iter_mut().filter(|entry| of_topic.contains(&entry.id)) {
-            entry.forget_shown();
-            entry.changed_at = self.version;
-        }
-    }
-
     /// Updates all displays. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
         let light = self.lit_by.as_ref().map(|view| light(view, world));
