@@ -3,16 +3,15 @@
 //! A page that watches counts as a subscriber. Images are encoded on a thread of their own ([`encode_all`]), only while
 //! a page waits for one, and once for all pages.
 
-use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use anyhow::Result;
 use rcs_light::Grant;
 use rcs_messages::{stamp_nanos, Time};
-use rcs_scene::{lock, Encoding};
+use rcs_scene::Encoding;
 use rcs_web::{ImageFile, Images};
 
-use super::page_image::{mask_file, Costs};
+use super::page_image::{image_file, mask_file};
 use super::{FrameImage, Output, OutputFrame};
 use crate::runtime::watchdog::Task;
 use crate::safety::black_image::black_picture;
@@ -21,7 +20,6 @@ use crate::safety::black_image::black_picture;
 pub(crate) struct PageOutput {
     images: Images,
     camera: String,
-    costs: Arc<Mutex<Costs>>,
     /// The grant and size of the mask that the pages have; the grant is `None` for all dark.
     mask: Option<(Option<Grant>, [u32; 2])>,
 }
@@ -29,7 +27,7 @@ pub(crate) struct PageOutput {
 impl PageOutput {
     /// The pages' view of a camera.
     pub(crate) fn new(images: &Images, camera: &str) -> Self {
-        Self { images: images.clone(), camera: camera.to_owned(), costs: Arc::default(), mask: None }
+        Self { images: images.clone(), camera: camera.to_owned(), mask: None }
     }
 
     /// Offers the mask if it has changed.
@@ -59,9 +57,9 @@ impl Output for PageOutput {
             self.mask = None;
             return Ok(());
         }
-        let (image, costs, stamp_secs) = (frame.image.clone(), Arc::clone(&self.costs), secs(frame.stamp));
+        let (image, stamp_secs) = (frame.image.clone(), secs(frame.stamp));
         self.offer_mask(&image, stamp_secs);
-        self.images.offer(&self.camera, move || encode(&image.picture(Instant::now()), &costs, stamp_secs));
+        self.images.offer(&self.camera, move || encode(&image.picture(Instant::now()), stamp_secs));
         Ok(())
     }
 
@@ -79,11 +77,9 @@ impl Output for PageOutput {
     }
 }
 
-fn encode(picture: &rcs_scene::Picture, costs: &Mutex<Costs>, stamp_secs: f64) -> Option<ImageFile> {
-    lock(costs)
-        .encode(picture, stamp_secs)
-        .map_err(|error| log::error!("the page: cannot encode an image: {error}"))
-        .ok()
+fn encode(picture: &rcs_scene::Picture, stamp_secs: f64) -> Option<ImageFile> {
+    let file = image_file(picture, stamp_secs);
+    file.map_err(|error| log::error!("the page: cannot encode an image: {error}")).ok()
 }
 
 fn secs(stamp: Time) -> f64 {

@@ -1,74 +1,27 @@
-//! Encoding of images for the operator's page: PNG, or JPEG of half the size, whichever costs less.
-//!
-//! An image costs the time that its encoding takes and the time that its bytes take on the way, at [`BYTES_PER_SEC`].
-//! Each image is encoded in the format whose last image cost less; the other format is tried again with each
-//! [`TRY_EVERY`]th, because the content decides: lines on black are small as PNG, a photograph is not.
-
-use std::time::Instant;
+//! Encoding of images for the operator's page: JPEG of half the size, or PNG of a small image.
 
 use rcs_files::picture_file::{encode, Coding};
 use rcs_scene::{Encoding, Picture};
 use rcs_web::{ImageFile, ImageFormat};
 
-/// Images after which the other format is tried.
-const TRY_EVERY: u32 = 50;
-/// Rate of a wireless network, in bytes.
-const BYTES_PER_SEC: f64 = 5e6;
+/// Most pixels of a small image.
+const SMALL_PX: u64 = 640 * 480;
 /// Quality of JPEG images, at which text is readable.
 const JPEG_QUALITY: u8 = 80;
 
-/// Costs of both formats.
-#[derive(Debug, Default)]
-pub(super) struct Costs {
-    /// Seconds that the last PNG and the last JPEG image cost.
-    last_secs: [Option<f64>; 2],
-    images: u32,
-}
-
-impl Costs {
-    /// Encodes an image in the cheaper format.
-    ///
-    /// # Errors
-    /// The encoder's.
-    pub(super) fn encode(&mut self, picture: &Picture, stamp_secs: f64) -> Result<ImageFile, String> {
-        let format = self.choose();
-        let begun = Instant::now();
-        let file = file(picture, format, stamp_secs)?;
-        let secs = begun.elapsed().as_secs_f64() + file.bytes.len() as f64 / BYTES_PER_SEC;
-        self.last_secs[index(format)] = Some(secs);
-        Ok(file)
-    }
-
-    fn choose(&mut self) -> ImageFormat {
-        self.images = self.images.wrapping_add(1);
-        let cheaper = match self.last_secs {
-            [Some(png), Some(jpeg)] if jpeg < png => ImageFormat::Jpeg,
-            [Some(_), None] => ImageFormat::Jpeg,
-            _ => ImageFormat::Png,
-        };
-        match (self.images % TRY_EVERY, cheaper) {
-            (0, ImageFormat::Png) => ImageFormat::Jpeg,
-            (0, ImageFormat::Jpeg) => ImageFormat::Png,
-            _ => cheaper,
-        }
-    }
-}
-
-fn index(format: ImageFormat) -> usize {
-    match format {
-        ImageFormat::Png => 0,
-        ImageFormat::Jpeg => 1,
-    }
-}
-
-fn file(picture: &Picture, format: ImageFormat, stamp_secs: f64) -> Result<ImageFile, String> {
+/// Encodes an image.
+///
+/// # Errors
+/// The encoder's.
+pub(super) fn image_file(picture: &Picture, stamp_secs: f64) -> Result<ImageFile, String> {
     let full_size_px = [picture.width_px, picture.height_px];
-    let (encoded, size_px) = match format {
-        ImageFormat::Png => (encode(picture, Coding::Png { level: 1 }), full_size_px),
-        ImageFormat::Jpeg => {
-            let half = half(picture);
-            (encode(&half, Coding::Jpeg { quality: JPEG_QUALITY }), [half.width_px, half.height_px])
-        }
+    let is_small = u64::from(picture.width_px) * u64::from(picture.height_px) <= SMALL_PX;
+    let (format, encoded, size_px) = if is_small {
+        (ImageFormat::Png, encode(picture, Coding::Png { level: 1 }), full_size_px)
+    } else {
+        let half = half(picture);
+        let encoded = encode(&half, Coding::Jpeg { quality: JPEG_QUALITY });
+        (ImageFormat::Jpeg, encoded, [half.width_px, half.height_px])
     };
     let bytes = encoded.map_err(|error| error.to_string())?;
     Ok(ImageFile { format, size_px, full_size_px, stamp_secs, bytes })
@@ -135,24 +88,12 @@ mod tests {
     }
 
     #[test]
-    fn the_cheaper_format_is_used_and_the_other_tried_again() {
-        let mut costs = Costs::default();
-        assert_eq!(costs.choose(), ImageFormat::Png);
-        costs.last_secs[0] = Some(0.1);
-        assert_eq!(costs.choose(), ImageFormat::Jpeg, "not known yet");
-        costs.last_secs[1] = Some(0.2);
-        let chosen: Vec<_> = (0..100).map(|_| costs.choose()).collect();
-        assert_eq!(chosen.iter().filter(|format| **format == ImageFormat::Jpeg).count(), 2);
-        costs.last_secs[1] = Some(0.05);
-        assert_eq!(costs.choose(), ImageFormat::Jpeg);
-    }
-
-    #[test]
-    fn both_formats_tell_the_whole_size() {
-        let image = picture(Encoding::Bgr8, 8, 4, &[100; 96]);
-        for (format, size_px) in [(ImageFormat::Png, [8, 4]), (ImageFormat::Jpeg, [4, 2])] {
-            let file = file(&image, format, 2.5).unwrap();
-            assert_eq!((file.format, file.size_px, file.full_size_px, file.stamp_secs), (format, size_px, [8, 4], 2.5));
+    fn a_small_image_is_a_png_and_a_larger_one_a_jpeg_of_half_the_size() {
+        for (width_px, format, size_px) in [(640, ImageFormat::Png, [640, 480]), (642, ImageFormat::Jpeg, [321, 240])] {
+            let image = picture(Encoding::Mono8, width_px, 480, &vec![100; width_px as usize * 480]);
+            let file = image_file(&image, 2.5).unwrap();
+            let described = (file.format, file.size_px, file.full_size_px, file.stamp_secs);
+            assert_eq!(described, (format, size_px, [width_px, 480], 2.5));
         }
         let mask = |level| mask_file(&picture(Encoding::Mono8, 4, 4, &[level; 16]), 1.0).unwrap().size_px;
         assert_eq!((mask(255), mask(254)), ([1, 1], [2, 2]));

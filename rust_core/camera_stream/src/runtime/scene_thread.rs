@@ -110,7 +110,7 @@ impl SceneThread {
                 self.handle(event);
             }
             has_news |= self.apply_changes();
-            has_news |= self.pause_streams();
+            self.pause_streams();
             let now = self.now();
             let lookup_to_publish = shared.cameras().iter().filter_map(CameraOutput::lookup_to_publish).max();
             has_news |= self.scene.predict(now, lookup_to_publish);
@@ -123,15 +123,14 @@ impl SceneThread {
         }
     }
 
-    /// Pauses streams that nobody watches, and resumes them. Returns `true` if the scene changed.
-    fn pause_streams(&mut self) -> bool {
+    /// Pauses streams that nobody watches, and resumes them.
+    fn pause_streams(&mut self) {
         let is_watched = !self.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
         self.light_topics.surfaces.update(&self.shared.ros, is_watched);
-        let has_changed = self.scene.pause_streams(is_watched);
-        if has_changed {
+        if self.scene.subscriptions.pause_streams(is_watched, &self.scene.state) {
+            // It will be old when somebody watches again.
             self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
         }
-        has_changed
     }
 
     /// Applies what the control thread has taken: another config, a user's settings. Returns `true` if the scene may

@@ -1,13 +1,13 @@
-//! Lazy streams: topics that are not received while nobody watches, and how long frames wait for them afterwards.
+//! Lazy streams: topics that are not received while nobody watches.
 //!
 //! A cloud thirty times a second costs a sixth of a core just to be received, also while no image is drawn of it. So
-//! while no camera is watched, a stream is paused if it is periodic, no publisher latches it, and each message replaces
-//! all that earlier ones made. With the first subscriber of an image all are resumed, and that image waits a little for
-//! a fresh message of each.
+//! while no camera is watched, a topic is paused if it comes at least once a second, no publisher latches it, and each
+//! message replaces all that earlier ones made; its displays keep the last message. With the first subscriber of an
+//! image all are resumed, and that image waits a little for a fresh message of each.
 //!
 //! Only names and times are tracked here; connections and displays are up to `Subscriptions`.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,33 +16,39 @@ use rcs_messages::MessageKind;
 /// A topic by its whole name and type.
 pub(crate) type StreamKey = (Arc<str>, MessageKind);
 
-/// Time without a viewer before streams are paused, so that one that is started again finds everything running.
+/// Time without a viewer before streams are paused, so that one that is started again finds everything running. Also
+/// the time for which a topic has to come before: a change that is sent once must not be missed.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Messages before a topic counts as periodic.
-const MESSAGES: usize = 12;
-/// Longest interval of a periodic topic: waiting for the next message of a rarer one would take long.
-const LONGEST_INTERVAL: Duration = Duration::from_secs(1);
-/// Upper bound of the longest interval, in medians.
-const MOST_UNEVEN: u32 = 4;
-/// Time for the connection, which a frame waits beside the stream's longest interval.
-const CONNECTION_TIME: Duration = Duration::from_millis(500);
+/// Longest time between two messages of a stream.
+const LONGEST_GAP: Duration = Duration::from_secs(1);
+/// Longest time that an image waits for fresh messages.
+const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
 /// The streams of all topics.
 #[derive(Debug, Default)]
 pub(crate) struct LazyStreams {
     streams: HashMap<StreamKey, Stream>,
     unwatched_since: Option<Instant>,
-    /// Resumed streams without a message since.
-    awaited: HashSet<StreamKey>,
     awaited_until: Option<Instant>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Stream {
-    /// Arrivals of the last messages, the newest last.
-    arrivals: VecDeque<Instant>,
-    /// The longest interval when it was paused; `None` while it is received.
-    paused: Option<Duration>,
+    /// Arrivals of the first and last message since the last gap.
+    begun: Instant,
+    last: Instant,
+    state: StreamState,
+}
+
+/// Whether a topic is received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StreamState {
+    /// It is received.
+    Received,
+    /// It is not received, because nobody watches.
+    Paused,
+    /// It is received again, but no message has come since.
+    Resumed,
 }
 
 /// Streams to be paused and resumed.
@@ -53,34 +59,23 @@ pub(crate) struct StreamChanges {
 }
 
 impl Stream {
-    /// The longest interval between the last messages, if the topic is periodic and still published.
-    fn period(&self, now: Instant) -> Option<Duration> {
-        if self.arrivals.len() < MESSAGES {
-            return None;
-        }
-        let next = self.arrivals.iter().skip(1);
-        let mut intervals: Vec<Duration> =
-            self.arrivals.iter().zip(next).map(|(a, b)| b.saturating_duration_since(*a)).collect();
-        intervals.sort_unstable();
-        let (median, longest) = (*intervals.get(intervals.len() / 2)?, *intervals.last()?);
-        let is_coming = now.saturating_duration_since(*self.arrivals.back()?) <= LONGEST_INTERVAL;
-        let is_even = longest <= median.saturating_mul(MOST_UNEVEN).max(Duration::from_millis(100));
-        (is_coming && is_even && longest <= LONGEST_INTERVAL).then_some(longest)
+    fn is_running(&self, now: Instant) -> bool {
+        self.last.saturating_duration_since(self.begun) >= PATIENCE
+            && now.saturating_duration_since(self.last) <= LONGEST_GAP
     }
 }
 
 impl LazyStreams {
     /// Records a message.
     pub(crate) fn note_message(&mut self, key: &StreamKey, received: Instant) {
-        self.awaited.remove(key);
-        if !self.streams.contains_key(key) {
-            self.streams.insert(key.clone(), Stream::default());
+        let new = || Stream { begun: received, last: received, state: StreamState::Received };
+        let stream = self.streams.entry(key.clone()).or_insert_with(new);
+        if received.saturating_duration_since(stream.last) > LONGEST_GAP {
+            stream.begun = received;
         }
-        if let Some(stream) = self.streams.get_mut(key) {
-            if stream.arrivals.len() >= MESSAGES {
-                stream.arrivals.pop_front();
-            }
-            stream.arrivals.push_back(received);
+        stream.last = received;
+        if stream.state == StreamState::Resumed {
+            stream.state = StreamState::Received;
         }
     }
 
@@ -91,54 +86,42 @@ impl LazyStreams {
         now: Instant,
         may_pause: impl Fn(&StreamKey) -> bool,
     ) -> StreamChanges {
-        let mut orders = StreamChanges::default();
-        let unwatched_since = match is_watched {
-            true => None,
-            false => Some(self.unwatched_since.unwrap_or(now)),
-        };
-        self.unwatched_since = unwatched_since;
-        let is_time = unwatched_since.is_some_and(|since| now.saturating_duration_since(since) >= PATIENCE);
+        let mut changes = StreamChanges::default();
+        let unwatched_since = self.unwatched_since.unwrap_or(now);
+        self.unwatched_since = (!is_watched).then_some(unwatched_since);
+        let is_time = !is_watched && now.saturating_duration_since(unwatched_since) >= PATIENCE;
         for (key, stream) in &mut self.streams {
-            match stream.paused {
-                Some(interval) if is_watched || !may_pause(key) => {
-                    stream.paused = None;
-                    self.awaited.insert(key.clone());
-                    let until = now + CONNECTION_TIME + interval;
-                    self.awaited_until = self.awaited_until.max(Some(until));
-                    orders.resume.push(key.clone());
+            match stream.state {
+                StreamState::Paused if is_watched || !may_pause(key) => {
+                    stream.state = StreamState::Resumed;
+                    self.awaited_until = Some(now + LONGEST_WAIT);
+                    changes.resume.push(key.clone());
                 }
-                None if is_time => {
-                    let Some(interval) = stream.period(now).filter(|_| may_pause(key)) else { continue };
-                    stream.paused = Some(interval);
-                    stream.arrivals.clear();
-                    orders.pause.push(key.clone());
+                StreamState::Received if is_time && stream.is_running(now) && may_pause(key) => {
+                    stream.state = StreamState::Paused;
+                    changes.pause.push(key.clone());
                 }
                 _ => {}
             }
         }
-        orders
+        changes
     }
 
     /// Forgets topics that are not subscribed to any more.
     pub(crate) fn retain(&mut self, is_subscribed: impl Fn(&StreamKey) -> bool) {
         self.streams.retain(|key, _| is_subscribed(key));
-        self.awaited.retain(is_subscribed);
     }
 
-    /// `true` if a topic is paused, by its whole name.
-    pub(crate) fn is_paused(&self, topic: &str) -> bool {
-        self.streams.iter().any(|((name, _), stream)| &**name == topic && stream.paused.is_some())
+    /// Whether a topic is received.
+    pub(crate) fn state(&self, key: &StreamKey) -> StreamState {
+        self.streams.get(key).map_or(StreamState::Received, |stream| stream.state)
     }
 
     /// Longest time that frames wait for messages of resumed streams; `None` if they need not wait.
-    pub(crate) fn awaited_for(&mut self, now: Instant) -> Option<Duration> {
-        let left = self.awaited_until.map(|until| until.saturating_duration_since(now)).filter(|left| !left.is_zero());
-        if self.awaited.is_empty() || left.is_none() {
-            self.awaited.clear();
-            self.awaited_until = None;
-            return None;
-        }
-        left
+    pub(crate) fn awaited_for(&self, now: Instant) -> Option<Duration> {
+        let left = self.awaited_until?.saturating_duration_since(now);
+        let is_awaited = self.streams.values().any(|stream| stream.state == StreamState::Resumed);
+        (is_awaited && !left.is_zero()).then_some(left)
     }
 }
 
@@ -166,8 +149,8 @@ mod tests {
         }
 
         /// Messages at these times.
-        fn send(&mut self, name: &str, times: impl Iterator<Item = u64>) {
-            times.for_each(|millis| self.streams.note_message(&key(name), self.at(millis)));
+        fn send(&mut self, name: &str, times: impl IntoIterator<Item = u64>) {
+            times.into_iter().for_each(|millis| self.streams.note_message(&key(name), self.at(millis)));
         }
 
         fn update(&mut self, is_watched: bool, millis: u64) -> StreamChanges {
@@ -186,50 +169,54 @@ mod tests {
     #[test]
     fn a_stream_is_paused_a_while_after_the_last_viewer_left_and_resumed_with_the_next() {
         let mut bench = Bench::new();
-        bench.send("/cloud", (0..60).map(|i| i * 33));
-        assert_eq!(bench.update(true, 1950), StreamChanges::default());
-        assert_eq!(bench.update(false, 2000), StreamChanges::default());
-        bench.send("/cloud", (60..120).map(|i| i * 33));
-        assert_eq!(bench.update(false, 3900), StreamChanges::default());
-        assert_eq!(bench.update(true, 3950), StreamChanges::default(), "somebody watches again");
-        assert_eq!(bench.update(false, 3960), StreamChanges::default());
-        bench.send("/cloud", (120..200).map(|i| i * 33));
-        assert_eq!(bench.update(false, 6500), pause("/cloud"));
-        assert!(bench.streams.is_paused("/cloud") && !bench.streams.is_paused("/other"));
-        assert_eq!(bench.update(false, 7000), StreamChanges::default());
+        bench.send("/cloud", (0..70).map(|i| i * 33));
+        for (is_watched, millis) in [(true, 2300), (false, 2310), (true, 2320), (false, 2330)] {
+            assert_eq!(bench.update(is_watched, millis), StreamChanges::default());
+        }
+        bench.send("/cloud", (70..131).map(|i| i * 33));
+        assert_eq!(bench.update(false, 4320), StreamChanges::default(), "somebody watched meanwhile");
+        assert_eq!(bench.update(false, 4330), pause("/cloud"));
+        let states = ["/cloud", "/other"].map(|name| bench.streams.state(&key(name)));
+        assert_eq!(states, [StreamState::Paused, StreamState::Received]);
+        bench.send("/cloud", [4340]);
+        assert_eq!(bench.update(false, 7000), StreamChanges::default(), "paused, also after a straggler");
+        assert_eq!(bench.streams.awaited_for(bench.at(7000)), None);
         assert_eq!(bench.update(true, 9000), resume("/cloud"));
-        let left = bench.streams.awaited_for(bench.at(9010));
-        assert_eq!(left, Some(CONNECTION_TIME + Duration::from_millis(33 - 10)));
-        bench.send("/cloud", std::iter::once(9040));
+        assert_eq!(bench.streams.state(&key("/cloud")), StreamState::Resumed);
+        assert_eq!(bench.streams.awaited_for(bench.at(9010)), Some(Duration::from_millis(490)));
+        bench.send("/cloud", [9040]);
+        assert_eq!(bench.streams.state(&key("/cloud")), StreamState::Received);
         assert_eq!(bench.streams.awaited_for(bench.at(9041)), None);
     }
 
     #[test]
-    fn a_picture_does_not_wait_for_ever() {
+    fn an_image_waits_for_all_streams_and_not_for_ever() {
         let mut bench = Bench::new();
         bench.update(false, 0);
-        bench.send("/cloud", (0..100).map(|i| i * 33));
-        assert_eq!(bench.update(false, 3300), pause("/cloud"));
-        assert_eq!(bench.update(true, 4000), resume("/cloud"));
-        assert!(bench.streams.awaited_for(bench.at(4500)).is_some());
-        assert_eq!(bench.streams.awaited_for(bench.at(4600)), None);
+        ["/a", "/b"].into_iter().for_each(|name| bench.send(name, (0..100).map(|i| i * 33)));
+        assert_eq!(bench.update(false, 3300).pause.len(), 2);
+        assert_eq!(bench.update(true, 4000).resume.len(), 2);
+        bench.send("/a", [4010]);
+        assert!(bench.streams.awaited_for(bench.at(4499)).is_some());
+        assert_eq!(bench.streams.awaited_for(bench.at(4500)), None);
+        assert_eq!(bench.streams.state(&key("/b")), StreamState::Resumed, "what it shows is old");
     }
 
     #[test]
-    fn what_is_rare_or_uneven_or_has_ended_or_must_not_be_lost_is_received() {
-        let paused = |name: &str, times: Vec<u64>, at: u64| {
+    fn what_is_rare_or_new_or_has_ended_or_must_not_be_lost_is_received() {
+        let is_paused = |name: &str, times: Vec<u64>, at: u64| {
             let mut bench = Bench::new();
             bench.update(false, 0);
-            bench.send(name, times.into_iter());
+            bench.send(name, times);
             !bench.update(false, at).pause.is_empty()
         };
-        assert!(paused("/stream", (0..40).map(|i| i * 100).collect(), 3950));
-        assert!(paused("/slow stream", (0..20).map(|i| i * 1000).collect(), 19_500));
-        assert!(!paused("/rare", (0..20).map(|i| i * 1100).collect(), 20_950));
-        assert!(!paused("/bursts", (0..40).map(|i| i * 5 + i / 8 * 800).collect(), 3500));
-        assert!(!paused("/ended", (0..40).map(|i| i * 100).collect(), 5000));
-        assert!(!paused("/few", (0..11).map(|i| 3000 + i * 50).collect(), 3600));
-        assert!(!paused("/precious", (0..40).map(|i| i * 100).collect(), 3950));
+        assert!(is_paused("/stream", (0..40).map(|i| i * 100).collect(), 3950));
+        assert!(is_paused("/slow stream", (0..20).map(|i| i * 1000).collect(), 19_500));
+        assert!(!is_paused("/rare", (0..20).map(|i| i * 1100).collect(), 20_950));
+        assert!(!is_paused("/once", vec![3000], 3001));
+        assert!(!is_paused("/burst", (0..40).map(|i| 3000 + i * 50).collect(), 4960));
+        assert!(!is_paused("/ended", (0..40).map(|i| i * 100).collect(), 5000));
+        assert!(!is_paused("/precious", (0..40).map(|i| i * 100).collect(), 3950));
     }
 
     #[test]
@@ -238,8 +225,8 @@ mod tests {
         bench.update(false, 0);
         bench.send("/cloud", (0..100).map(|i| i * 33));
         assert_eq!(bench.update(false, 3300), pause("/cloud"));
-        let orders = bench.streams.update(false, bench.at(3400), |_| false);
-        assert_eq!(orders, resume("/cloud"));
+        let changes = bench.streams.update(false, bench.at(3400), |_| false);
+        assert_eq!(changes, resume("/cloud"));
         bench.streams.retain(|_| false);
         assert_eq!(bench.streams.awaited_for(bench.at(3410)), None);
     }

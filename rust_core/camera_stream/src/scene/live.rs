@@ -66,15 +66,6 @@ impl LiveScene {
         self.subscriptions.apply(event, &mut self.state, now);
     }
 
-    /// Pauses streams while no camera is watched, and resumes them. Returns `true` if that changed the scene.
-    pub(crate) fn pause_streams(&mut self, is_watched: bool) -> bool {
-        let has_changed = self.subscriptions.pause_streams(is_watched, &mut self.state);
-        if has_changed {
-            self.snapshot = None;
-        }
-        has_changed
-    }
-
     /// Predicts frames from now on, if that is set. `lookup_to_publish` is the time that the slowest camera needs from
     /// looking up frames to publishing. Returns `true` if frames move without news.
     pub(crate) fn predict(&mut self, now: Time, lookup_to_publish: Option<Duration>) -> bool {

@@ -207,11 +207,6 @@ impl SceneState {
         self.displays.is_replaced_by_newest(topic, kind)
     }
 
-    /// Clears what came on a topic, until its next message.
-    pub(crate) fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
-        self.displays.forget_topic(topic, kind);
-    }
-
     /// The names of the ROS parameters that the displays read, as the config has them.
     pub fn parameters(&self) -> Vec<String> {
         self.displays.parameters()

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use rcs_displays::TopicRequest;
 use rcs_messages::MessageKind;
-use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
+use rcs_ros::{NodeEvent, Publishing, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
 use crate::safety::ages::TopicSource;
-use crate::scene::lazy_streams::{LazyStreams, StreamKey};
+use crate::scene::lazy_streams::{LazyStreams, StreamKey, StreamState};
 use crate::scene::SceneState;
 
 /// The subscribed topics, and their names in the config.
@@ -59,8 +59,8 @@ impl Subscriptions {
     }
 
     /// Pauses streams that nobody watches, and resumes them as soon as somebody does; see [`LazyStreams`]. Returns
-    /// `true` if the scene changed: data from before a pause are dropped.
-    pub(crate) fn pause_streams(&mut self, is_watched: bool, scene: &mut SceneState) -> bool {
+    /// `true` if any is paused from now on.
+    pub(crate) fn pause_streams(&mut self, is_watched: bool, scene: &SceneState) -> bool {
         let Self { subscribed, names, lazy } = self;
         let may_pause = |key: &StreamKey| {
             let is_replaced = |name: &String| scene.is_replaced_by_newest(name, key.1);
@@ -78,23 +78,18 @@ impl Subscriptions {
                 subscription.set_paused(is_paused);
             }
         }
-        for (key, name) in
-            changes.pause.iter().flat_map(|key| names.get(key).into_iter().flatten().map(move |n| (key, n)))
-        {
-            scene.forget_topic(name, key.1);
-        }
         !changes.pause.is_empty()
     }
 
     /// Longest time that frames wait for resumed streams; `None` if they need not wait.
-    pub(crate) fn awaited(&mut self, now: Instant) -> Option<Duration> {
+    pub(crate) fn awaited(&self, now: Instant) -> Option<Duration> {
         self.lazy.awaited_for(now)
     }
 
     /// `true` if a topic, by its name in the config, is paused because nobody watches.
     pub(crate) fn is_paused(&self, topic: &str) -> bool {
         let is_it = |(_, names): &(&StreamKey, &Vec<String>)| names.iter().any(|name| name == topic);
-        self.names.iter().filter(is_it).any(|((whole, _), _)| self.lazy.is_paused(whole))
+        self.names.iter().filter(is_it).any(|(key, _)| self.lazy.state(key) == StreamState::Paused)
     }
 
     /// The config's names of a topic.
@@ -106,8 +101,11 @@ impl Subscriptions {
     pub(crate) fn source(&self, name: &str, kind: MessageKind) -> Option<TopicSource> {
         let has_name = |key: &&StreamKey| key.1 == kind && self.names(&key.0, kind).iter().any(|known| known == name);
         let key = self.names.keys().find(has_name)?;
-        let publishing = self.subscribed.get(key)?.publishing();
-        Some(TopicSource { topic: key.0.to_string(), publishing })
+        let (subscription, state) = (self.subscribed.get(key)?, self.lazy.state(key));
+        // No publisher holds the data from before a pause: they may have been replaced meanwhile.
+        let is_current = state == StreamState::Received;
+        let publishing = if is_current { subscription.publishing() } else { Publishing::default() };
+        Some(TopicSource { topic: key.0.to_string(), publishing, is_paused: state == StreamState::Paused })
     }
 
     /// Applies an event to the scene. `now` is ROS time.

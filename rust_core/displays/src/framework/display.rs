@@ -65,9 +65,6 @@ pub(crate) trait Display: Send {
         false
     }
 
-    /// Removes the drawables until the next message: they are stale.
-    fn forget_shown(&mut self) {}
-
     /// ROS parameters that it reads, by their names in the config.
     fn parameters(&self) -> Vec<String> {
         Vec::new()

@@ -1,8 +1,8 @@
 //! A display whose panics end neither the other displays nor the program.
 //!
-//! The state of a display after a panic is unreliable. So it is replaced by a new one;
-//! [`DisplayEntry`](super::entry::DisplayEntry) then restores its input. Until it shows something, its status is an
-//! error.
+//! The state of a display after a panic is unreliable. So it is replaced by a new, empty one, whose status is an error
+//! until it shows something. After a second panic within a minute it is off: it takes nothing until the config makes it
+//! anew.
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Arc;
@@ -15,6 +15,10 @@ use crate::framework::display::Display;
 use crate::{Level, Statuses, TopicRequest, World};
 
 const FAILED: &str = "This display panicked, see the log. It shows nothing until its next message.";
+const OFF: &str = "This display panicked twice within a minute, see the log. It is off until the config is reloaded.";
+
+/// ROS time after a panic in which another one switches the display off.
+const PROBATION_SECS: f64 = 60.0;
 
 /// Makes a display with its settings; always or never.
 type Make = Box<dyn Fn() -> Option<Box<dyn Display>> + Send>;
@@ -23,6 +27,11 @@ pub(crate) struct GuardedDisplay {
     make: Make,
     display: Box<dyn Display>,
     panics: u64,
+    /// ROS time of the last message or update, and of the last panic.
+    now: Time,
+    panicked_at: Option<Time>,
+    /// `true` after a panic within [`PROBATION_SECS`] of another one.
+    is_off: bool,
     /// Statuses since a panic, until it shows something.
     failed: Option<Statuses>,
     /// The drawables are gone, which the next update reports.
@@ -31,7 +40,8 @@ pub(crate) struct GuardedDisplay {
 
 impl GuardedDisplay {
     pub(crate) fn new(make: Make) -> Option<Self> {
-        Some(Self { display: make()?, make, panics: 0, failed: None, is_emptied: false })
+        let (display, now) = (make()?, Time::ZERO);
+        Some(Self { display, make, panics: 0, now, panicked_at: None, is_off: false, failed: None, is_emptied: false })
     }
 
     /// `true` if it panicked and has shown nothing since then.
@@ -44,27 +54,38 @@ impl GuardedDisplay {
         self.panics
     }
 
-    pub(crate) fn begin_anew(&mut self) {
-        if let Some(new) = (self.make)() {
-            let old = std::mem::replace(&mut self.display, new);
-            // Dropping a broken display may panic, too.
-            let _ = catch_unwind(AssertUnwindSafe(|| drop(old)));
-        }
-        self.is_emptied = false;
-    }
-
-    /// Runs `work` on the display; `None` if it panics.
+    /// Runs `work` on the display; `None` if it panics or is off.
     fn guard<T>(&mut self, work: impl FnOnce(&mut dyn Display) -> T) -> Option<T> {
+        if self.is_off {
+            return None;
+        }
         let display = self.display.as_mut();
         if let Ok(result) = catch_unwind(AssertUnwindSafe(|| work(display))) {
             return Some(result);
         }
         self.begin_anew();
-        let mut statuses = Statuses::default();
-        statuses.set(Level::Error, Statuses::FAULT, FAILED);
-        (self.failed, self.is_emptied) = (Some(statuses), true);
         self.panics += 1;
+        let now = self.now;
+        let last = self.panicked_at.replace(now);
+        self.is_off = last.is_some_and(|last| (0.0..PROBATION_SECS).contains(&now.secs_since(last)));
+        let mut statuses = Statuses::default();
+        statuses.set(Level::Error, Statuses::FAULT, if self.is_off { OFF } else { FAILED });
+        (self.failed, self.is_emptied) = (Some(statuses), true);
         None
+    }
+
+    fn begin_anew(&mut self) {
+        if let Some(new) = (self.make)() {
+            let old = std::mem::replace(&mut self.display, new);
+            // Dropping a broken display may panic, too.
+            let _ = catch_unwind(AssertUnwindSafe(|| drop(old)));
+        }
+    }
+
+    /// Like [`guard`](Self::guard), at the time of a world.
+    fn guard_at<T>(&mut self, world: &World<'_>, work: impl FnOnce(&mut dyn Display) -> T) -> Option<T> {
+        self.now = world.now;
+        self.guard(work)
     }
 }
 
@@ -74,11 +95,11 @@ impl Display for GuardedDisplay {
     }
 
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
-        self.guard(|display| display.take(message, world));
+        self.guard_at(world, |display| display.take(message, world));
     }
 
     fn take_from(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
-        self.guard(|display| display.take_from(topic, message, world));
+        self.guard_at(world, |display| display.take_from(topic, message, world));
     }
 
     fn is_waiting(&self, stamp: Time) -> bool {
@@ -93,20 +114,16 @@ impl Display for GuardedDisplay {
         self.display.is_replaced_by_newest()
     }
 
-    fn forget_shown(&mut self) {
-        self.guard(|display| display.forget_shown());
-    }
-
     fn parameters(&self) -> Vec<String> {
         self.display.parameters()
     }
 
     fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
-        self.guard(|display| display.take_parameter(name, text, world));
+        self.guard_at(world, |display| display.take_parameter(name, text, world));
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
-        let updated = self.guard(|display| display.update(world));
+        let updated = self.guard_at(world, |display| display.update(world));
         if updated.is_some() && !self.display.drawables().is_empty() {
             self.failed = None;
         }
@@ -142,8 +159,8 @@ mod tests {
 
     const TOPIC: &str = "/path";
 
-    /// Shows something since it took a Path. It panics when it takes one with poses, in an update once the time is
-    /// later than two seconds, and when it is dropped with something that it took later than after one.
+    /// Shows something since it took a Path. It panics when it takes one with poses, in an update at three seconds, and
+    /// when it is dropped with something that it took at two.
     #[derive(Default)]
     struct Fragile {
         drawables: Vec<Drawable>,
@@ -170,7 +187,7 @@ mod tests {
         }
 
         fn update(&mut self, world: &World<'_>) -> bool {
-            assert!(world.now <= secs(2), "a test's panic");
+            assert!(world.now != secs(3), "a test's panic");
             false
         }
 
@@ -185,7 +202,7 @@ mod tests {
 
     impl Drop for Fragile {
         fn drop(&mut self) {
-            assert!(self.drawables.is_empty() || self.now <= secs(1), "a test's panic");
+            assert!(self.drawables.is_empty() || self.now != secs(2), "a test's panic");
         }
     }
 
@@ -232,8 +249,25 @@ mod tests {
         let mut display = fragile();
         display.take_from(TOPIC, &path(0), &world.get());
         world.now = secs(3);
-        for _ in 0..3 {
-            assert!(display.update(&world.get()) && display.has_failed() && display.drawables().is_empty());
+        assert!(display.update(&world.get()) && display.has_failed() && display.drawables().is_empty());
+    }
+
+    #[test]
+    fn after_a_second_panic_within_a_minute_it_takes_nothing() {
+        // At nine seconds, the time has jumped back.
+        for (again_secs, is_off) in [(69, true), (70, false), (9, false)] {
+            let mut world = TestWorld::at(secs(10));
+            let mut display = fragile();
+            display.take_from(TOPIC, &path(1), &world.get());
+            world.now = secs(again_secs);
+            display.take_from(TOPIC, &path(1), &world.get());
+            let fault = display.statuses().get(Statuses::FAULT).map(|status| status.text.clone());
+            assert_eq!(fault.as_deref(), Some(if is_off { OFF } else { FAILED }), "{again_secs}");
+            assert_eq!(display.topics().len(), 1);
+            display.take_from(TOPIC, &path(0), &world.get());
+            display.update(&world.get());
+            display.reset();
+            assert_eq!((display.drawables().is_empty(), display.has_failed()), (is_off, is_off), "{again_secs}");
         }
     }
 }

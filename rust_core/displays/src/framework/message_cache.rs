@@ -1,7 +1,7 @@
 //! Cache of the last messages of each topic, for displays that are recreated.
 //!
-//! A display is recreated when its settings change and when it panics, while its topics stay subscribed, so that no
-//! publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map updates
+//! A display is recreated when its settings change, while its topics stay subscribed, so that no publisher sends it its
+//! latched message again. So the last message of each topic is kept, and of markers, map updates
 //! and interactive markers all those that later ones do not replace, within limits. The messages share their memory
 //! with the displays that draw them.
 
@@ -20,14 +20,6 @@ pub(crate) struct MessageCache {
     topics: HashMap<(String, MessageKind), VecDeque<CacheEntry>>,
     parameters: HashMap<String, Option<Arc<str>>>,
     next: u64,
-}
-
-#[derive(Debug)]
-pub(crate) struct CachedMessage<'a> {
-    /// The number that [`MessageCache::next_number`] returned when it was taken.
-    pub(crate) number: u64,
-    pub(crate) topic: &'a str,
-    pub(crate) message: AnyMessage,
 }
 
 #[derive(Clone, Debug)]
@@ -50,11 +42,6 @@ fn most_kept(kind: MessageKind) -> usize {
 }
 
 impl MessageCache {
-    /// Number of the next message; earlier ones have smaller numbers.
-    pub(crate) fn next_number(&self) -> u64 {
-        self.next
-    }
-
     /// Adds a message of a topic, by its name in the config.
     pub(crate) fn keep(&mut self, topic: &str, message: &AnyMessage, received: Time) {
         self.forget_replaced(topic, message);
@@ -107,8 +94,8 @@ impl MessageCache {
         }
     }
 
-    /// Messages of these topics in the order of arrival, without expired markers.
-    pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<CachedMessage<'a>> {
+    /// Messages of these topics, each with its topic, in the order of arrival and without expired markers.
+    pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<(&'a str, AnyMessage)> {
         let of = |request: &'a TopicRequest| {
             let kept = self.topics.get(&(request.topic.clone(), request.kind));
             kept.into_iter().flatten().map(|kept| (request.topic.as_str(), kept))
@@ -116,14 +103,9 @@ impl MessageCache {
         let mut kept: Vec<(&str, &CacheEntry)> = requests.iter().flat_map(of).collect();
         kept.sort_by_key(|(_, kept)| kept.number);
         let alive = |(topic, kept): (&'a str, &CacheEntry)| {
-            let message = still_alive(&kept.message, now.secs_since(kept.received))?;
-            Some(CachedMessage { number: kept.number, topic, message })
+            Some((topic, still_alive(&kept.message, now.secs_since(kept.received))?))
         };
         kept.into_iter().filter_map(alive).collect()
-    }
-
-    pub(crate) fn forget(&mut self, topic: &str, kind: MessageKind) {
-        self.topics.remove(&(topic.to_owned(), kind));
     }
 
     /// Stores the text of a parameter; `None` while it is unset.
@@ -219,9 +201,7 @@ mod tests {
         }
         let requests = [request("/p", MessageKind::Path)];
         let messages = cache.messages(&requests, at(2.0));
-        let [CachedMessage { number: 2, topic: "/p", message: AnyMessage::Path(path) }] = &messages[..] else {
-            panic!("{messages:?}")
-        };
+        let [("/p", AnyMessage::Path(path))] = &messages[..] else { panic!("{messages:?}") };
         assert_eq!(path.header.seq, 2);
         cache.limit_to(&[request("/other", MessageKind::Path)], &[]);
         assert_eq!(count(&cache, "/p", MessageKind::Path, at(2.0)), 0);
@@ -269,8 +249,8 @@ mod tests {
         cache.keep("/map_updates", &update(), at(4.0));
         let requests =
             [request("/map_updates", MessageKind::OccupancyGridUpdate), request("/map", MessageKind::OccupancyGrid)];
-        let kinds: Vec<MessageKind> =
-            cache.messages(&requests, at(5.0)).iter().map(|kept| kept.message.kind()).collect();
+        let messages = cache.messages(&requests, at(5.0));
+        let kinds: Vec<MessageKind> = messages.iter().map(|(_, message)| message.kind()).collect();
         let updated = MessageKind::OccupancyGridUpdate;
         assert_eq!(kinds, [MessageKind::OccupancyGrid, updated, updated]);
     }

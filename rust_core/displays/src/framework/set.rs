@@ -18,7 +18,7 @@ use crate::framework::display::Display;
 use crate::framework::entry::DisplayEntry;
 use crate::framework::guarded::GuardedDisplay;
 use crate::framework::in_view::InView;
-use crate::framework::message_cache::{CachedMessage, MessageCache};
+use crate::framework::message_cache::MessageCache;
 use crate::framework::report::{DisplayAge, DisplayReport, ListedDisplay};
 use crate::{TopicRequest, World};
 
@@ -198,13 +198,11 @@ impl DisplaySet {
 
     /// Like [`take`](Self::take), with the time of reception, which [`newly_shown`](Self::newly_shown) returns.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
-        let number = self.message_cache.next_number();
-        let kept = CachedMessage { number, topic, message: message.clone() };
         let mut wanted = false;
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
-                entry.take(&kept, received, world);
+                entry.take(topic, message, received, world);
                 wanted = true;
             }
         }
@@ -253,17 +251,6 @@ impl DisplaySet {
         self.entries.iter().filter(move |entry| entry.display.topics().iter().any(wants))
     }
 
-    /// Removes the drawables of such a topic's displays until its next message: they are stale.
-    pub fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
-        let of_topic: Vec<DisplayId> = self.entries_of(topic, kind).map(|entry| entry.id).collect();
-        self.message_cache.forget(topic, kind);
-        self.version += 1;
-        for entry in self.entries.iter_mut().filter(|entry| of_topic.contains(&entry.id)) {
-            entry.forget_shown();
-            entry.changed_at = self.version;
-        }
-    }
-
     /// Updates all displays. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
         let light = self.lit_by.as_ref().map(|view| light(view, world));
@@ -274,7 +261,7 @@ impl DisplaySet {
         self.light = light;
         self.newly_shown.clear();
         for entry in &mut self.entries {
-            let (has_changed, shown) = entry.update(&self.message_cache, world);
+            let (has_changed, shown) = entry.update(world);
             self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
             if has_changed {
                 self.version += 1;

@@ -74,11 +74,6 @@ impl<M> WaitingMessages<M> {
         statuses.set(Level::Ok, "Dropped", text);
     }
 
-    /// Removes the waiting messages; the count goes on.
-    pub(crate) fn drop_waiting(&mut self) {
-        self.queue.clear();
-    }
-
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
         self.received = 0;

@@ -252,7 +252,7 @@ impl Walk {
         let lit = LitView { view: &view, camera: None, unknown_lens: None, is_watched: true };
         let source = |topic: &str, _: MessageKind| {
             let publishing = Publishing { is_connected: true, is_latched: false };
-            Some(TopicSource { topic: topic.to_owned(), publishing })
+            Some(TopicSource { topic: topic.to_owned(), publishing, is_paused: false })
         };
         let mut light = self.safety.assess(&self.scene, &[lit], source, now).remove(0);
         let no_camera = || Condition::Dark("no pose".to_owned());

@@ -209,13 +209,6 @@ impl Display for DepthCloudDisplay {
         self.clouds.keeps_one() && !self.settings.occlusion_compensation
     }
 
-    fn forget_shown(&mut self) {
-        self.waiting.clear();
-        self.pairs.clear();
-        self.ready.clear();
-        self.clouds.clear();
-    }
-
     fn update(&mut self, world: &World<'_>) -> bool {
         self.take_placeable(world);
         let mut ready = std::mem::take(&mut self.ready);

@@ -242,8 +242,9 @@ fn a_display_that_panics_harms_no_other_and_is_made_again_with_the_config() {
         let make = || -> Option<Box<dyn Display>> { Some(Box::<Panicking>::default()) };
         set.entries[0].display = GuardedDisplay::new(Box::new(make)).unwrap();
         let ids = [set.entries[0].id, set.entries[1].id];
-        set.take("/p", &path(), &world);
-        assert!(set.update(&world));
+        // The second one switches it off.
+        (0..2).for_each(|_| set.take("/p", &path(), &world));
+        assert!(set.update(&world) && !set.update(&world));
         assert_eq!(shown(&set, &DisplayMask::all()), [ids[1]]);
         let status = |set: &DisplaySet| set.reports().next().unwrap().statuses.get(Statuses::FAULT).cloned();
         assert_eq!(status(&set).map(|status| status.level), Some(Level::Error));

@@ -72,11 +72,6 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
         self.clouds.keeps_one()
     }
 
-    fn forget_shown(&mut self) {
-        self.incoming.drop_waiting();
-        self.clouds.clear();
-    }
-
     fn update(&mut self, world: &World<'_>) -> bool {
         self.clouds.packs_points = world.packs_points;
         let mut ready = self.incoming.take_ready(world, &mut self.statuses);
