@@ -13,7 +13,7 @@ mod common;
 use std::sync::Arc;
 
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
-use rcs_messages::{AnyMessage, PointCloud2, RosMsg};
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_tests::scenes::clouds::{message, DEPTH_CAMERA_POINTS};
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
 
@@ -28,9 +28,9 @@ fn decode(c: &mut Criterion) {
     for count in [10_000, 100_000, DEPTH_CAMERA_POINTS, 1_000_000, 3_000_000] {
         group.throughput(Throughput::Elements(count as u64));
         let cloud = message("map", count, 0);
-        let bytes = cloud.encode_vec().unwrap();
+        let bytes = rcs_messages::encode(&cloud);
         group.bench_function(BenchmarkId::new("message", count), |b| {
-            b.iter(|| PointCloud2::decode_slice(&bytes).unwrap());
+            b.iter(|| MessageKind::PointCloud2.decode(&bytes).unwrap());
         });
         let cloud = AnyMessage::PointCloud2(Arc::new(cloud));
         let mut pipeline = DisplayPipeline::new(&config("RGB8"));
@@ -39,8 +39,8 @@ fn decode(c: &mut Criterion) {
         });
         group.bench_function(BenchmarkId::new("both", count), |b| {
             b.iter(|| {
-                let cloud = PointCloud2::decode_slice(&bytes).unwrap();
-                pipeline.receive("/c", &AnyMessage::PointCloud2(Arc::new(cloud))).drawables.len()
+                let cloud = MessageKind::PointCloud2.decode(&bytes).unwrap();
+                pipeline.receive("/c", &cloud).drawables.len()
             });
         });
     }

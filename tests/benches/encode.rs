@@ -11,7 +11,7 @@ use std::sync::Arc;
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
 use rcs_files::picture_file::Coding;
 use rcs_messages::std_msgs::Header;
-use rcs_messages::{Image, RosMsg};
+use rcs_messages::Image;
 use rcs_scene::{Encoding, Picture};
 
 const SIZES_PX: [[u32; 2]; 4] = [[640, 480], [1280, 800], [1920, 1080], [3840, 2160]];
@@ -51,7 +51,7 @@ fn encode(c: &mut Criterion) {
         group.throughput(Throughput::Bytes(picture.data.len() as u64));
         let (encoding, step) = (picture.encoding.name(), picture.step() as u32);
         let image = Image::new(Header::default(), [width_px, height_px], encoding, step, Arc::new(picture.data));
-        group.bench_function(BenchmarkId::new("message", &size), |b| b.iter(|| image.encode_vec().unwrap()));
+        group.bench_function(BenchmarkId::new("message", &size), |b| b.iter(|| image.parts()));
     }
     group.finish();
 }

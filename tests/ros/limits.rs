@@ -45,7 +45,7 @@ fn thousands_of_made_up_publishers_are_a_few_hundred_threads_and_forgotten() {
     }
     let warnings = || probe.errors().iter().filter(|line| line.contains("6000 publishers are named")).count();
     assert!(wait_until(PATIENCE, || warnings() == 1), "{:?}", probe.errors());
-    // The master's list is asked for, and those that are not on it are forgotten.
+    // They do not answer, so the master is asked again, and those that it does not name are forgotten.
     let (begin, is_forgotten) = (Instant::now(), || threads(&probe) <= before + 2);
     assert!(wait_until(PATIENCE, is_forgotten), "{before} {}", threads(&probe));
     println!("{before} threads, then {most}, then {} after {:.1?}", threads(&probe), begin.elapsed());

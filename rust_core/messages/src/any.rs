@@ -1,18 +1,25 @@
 //! A message of any type that a display draws. The list at the end of the code names the types: one line adds one.
 
 use crate::bytes::{copy_of, give_back};
-use crate::layout::MessageLayout;
+use crate::fields::{self, WireField};
 use crate::std_msgs::Header;
 use crate::{Image, OccupancyGrid, PointCloud2};
 use rosrust::{Message, RosMsg};
 use std::io;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Decodes a small message, which keeps none of the bytes.
 fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
     let message = crate::decode(&bytes);
     give_back(bytes);
     message
+}
+
+/// Decodes a small message with arrays of numbers.
+fn with_numbers<T: WireField>(bytes: Vec<u8>) -> io::Result<T> {
+    let message = fields::decode(&bytes);
+    give_back(bytes);
+    Ok(message?)
 }
 
 fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
@@ -124,11 +131,15 @@ macro_rules! any_message {
             /// The bytes are not a message of this kind.
             pub fn decode_owned(self, bytes: Vec<u8>) -> io::Result<AnyMessage> {
                 match self {
-                    $(Self::$variant => {
-                        static LAYOUT: OnceLock<MessageLayout> = OnceLock::new();
-                        LAYOUT.get_or_init(|| MessageLayout::of(&<$type as Message>::msg_definition())).check(&bytes)?;
-                        $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m)))
-                    })*
+                    $(Self::$variant => $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m))),)*
+                }
+            }
+
+            /// Name of the function that decodes it.
+            #[cfg(test)]
+            fn decoder(self) -> &'static str {
+                match self {
+                    $(Self::$variant => stringify!($decode),)*
                 }
             }
         }
@@ -185,7 +196,7 @@ impl MessageKind {
 any_message! {
     PointCloud2(crate::PointCloud2) "sensor_msgs/PointCloud2" cloud, |m| Some(&m.header);
     Image(crate::Image) "sensor_msgs/Image" image, |m| Some(&m.header);
-    CameraInfo(crate::sensor_msgs::CameraInfo) "sensor_msgs/CameraInfo" small, |m| Some(&m.header);
+    CameraInfo(crate::sensor_msgs::CameraInfo) "sensor_msgs/CameraInfo" with_numbers, |m| Some(&m.header);
     Marker(crate::visualization_msgs::Marker) "visualization_msgs/Marker" small, |m| Some(&m.header);
     MarkerArray(crate::visualization_msgs::MarkerArray) "visualization_msgs/MarkerArray" small, |m| m.markers.first().map(|m| &m.header);
     Path(crate::nav_msgs::Path) "nav_msgs/Path" small, |m| Some(&m.header);
@@ -200,16 +211,16 @@ any_message! {
     Odometry(crate::nav_msgs::Odometry) "nav_msgs/Odometry" small, |m| Some(&m.header);
     GridCells(crate::nav_msgs::GridCells) "nav_msgs/GridCells" small, |m| Some(&m.header);
     OccupancyGrid(crate::OccupancyGrid) "nav_msgs/OccupancyGrid" occupancy_grid, |m| Some(&m.header);
-    OccupancyGridUpdate(crate::map_msgs::OccupancyGridUpdate) "map_msgs/OccupancyGridUpdate" small, |m| Some(&m.header);
-    PointCloud(crate::sensor_msgs::PointCloud) "sensor_msgs/PointCloud" small, |m| Some(&m.header);
-    LaserScan(crate::sensor_msgs::LaserScan) "sensor_msgs/LaserScan" small, |m| Some(&m.header);
+    OccupancyGridUpdate(crate::map_msgs::OccupancyGridUpdate) "map_msgs/OccupancyGridUpdate" with_numbers, |m| Some(&m.header);
+    PointCloud(crate::sensor_msgs::PointCloud) "sensor_msgs/PointCloud" with_numbers, |m| Some(&m.header);
+    LaserScan(crate::sensor_msgs::LaserScan) "sensor_msgs/LaserScan" with_numbers, |m| Some(&m.header);
     Range(crate::sensor_msgs::Range) "sensor_msgs/Range" small, |m| Some(&m.header);
     FluidPressure(crate::sensor_msgs::FluidPressure) "sensor_msgs/FluidPressure" small, |m| Some(&m.header);
     Illuminance(crate::sensor_msgs::Illuminance) "sensor_msgs/Illuminance" small, |m| Some(&m.header);
     RelativeHumidity(crate::sensor_msgs::RelativeHumidity) "sensor_msgs/RelativeHumidity" small, |m| Some(&m.header);
     Temperature(crate::sensor_msgs::Temperature) "sensor_msgs/Temperature" small, |m| Some(&m.header);
-    JointState(crate::sensor_msgs::JointState) "sensor_msgs/JointState" small, |m| Some(&m.header);
-    CompressedImage(crate::sensor_msgs::CompressedImage) "sensor_msgs/CompressedImage" small, |m| Some(&m.header);
+    JointState(crate::sensor_msgs::JointState) "sensor_msgs/JointState" with_numbers, |m| Some(&m.header);
+    CompressedImage(crate::sensor_msgs::CompressedImage) "sensor_msgs/CompressedImage" with_numbers, |m| Some(&m.header);
     InteractiveMarkerInit(crate::visualization_msgs::InteractiveMarkerInit) "visualization_msgs/InteractiveMarkerInit" small, |m| m.markers.first().map(|m| &m.header);
     InteractiveMarkerUpdate(crate::visualization_msgs::InteractiveMarkerUpdate) "visualization_msgs/InteractiveMarkerUpdate" small, |m| m.markers.first().map(|m| &m.header);
     TFMessage(crate::tf2_msgs::TFMessage) "tf2_msgs/TFMessage" small, |m| m.transforms.first().map(|t| &t.header);
@@ -247,6 +258,50 @@ mod tests {
         bytes[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
         let error = MessageKind::CameraInfo.decode(&bytes).unwrap_err();
         assert!(error.to_string().contains("bytes of array elements"), "{error}");
+    }
+
+    /// The decoding of the generated types allocates whatever length such an array announces.
+    #[test]
+    fn types_with_arrays_of_numbers_are_decoded_by_their_fields() {
+        let is_array_of_numbers = |line: &str| {
+            let kind = line.split_whitespace().next().unwrap_or_default();
+            let numbers = ["bool", "byte", "char", "int", "uint", "float"];
+            kind.strip_suffix("[]").is_some_and(|element| numbers.contains(&element.trim_end_matches(char::is_numeric)))
+        };
+        for kind in MessageKind::ALL {
+            let has_any = kind.definition().lines().any(is_array_of_numbers);
+            let is_big = ["cloud", "image", "occupancy_grid"].contains(&kind.decoder());
+            assert_eq!(kind.decoder() == "with_numbers", has_any && !is_big, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_decoded_as_by_the_generated_types() {
+        use crate::sensor_msgs::{CameraInfo, ChannelFloat32, JointState, LaserScan, PointCloud};
+        fn check<T: WireField + RosMsg + PartialEq + std::fmt::Debug>(message: &T) {
+            let bytes = crate::encode(message);
+            assert_eq!(with_numbers::<T>(bytes.clone()).unwrap(), *message);
+            for len in 0..bytes.len() {
+                assert!(with_numbers::<T>(bytes[..len].to_vec()).is_err(), "{len} bytes");
+            }
+            assert!(with_numbers::<T>([bytes, vec![0]].concat()).is_err());
+        }
+        let header = Header { seq: 1, stamp: crate::Time { sec: 2, nsec: 3 }, frame_id: "map".to_owned() };
+        let (numbers, doubles) = (vec![1.5_f32, -2.0, f32::MAX], vec![1.5_f64, -2.0]);
+        let mut info = CameraInfo { header: header.clone(), height: 4, width: 5, ..CameraInfo::default() };
+        (info.distortion_model, info.D, info.K[1], info.P[11]) = ("x".to_owned(), doubles.clone(), 6.0, 7.0);
+        (info.binning_x, info.binning_y, info.roi.width, info.roi.do_rectify) = (8, 9, 10, true);
+        check(&info);
+        let scan = LaserScan { header: header.clone(), angle_min: 1.0, angle_max: 2.0, ..LaserScan::default() };
+        check(&LaserScan { range_max: 3.0, ranges: numbers.clone(), intensities: numbers.clone(), ..scan });
+        let channels = vec![ChannelFloat32 { name: "intensity".to_owned(), values: numbers }; 2];
+        check(&PointCloud { header: header.clone(), points: vec![Default::default(); 2], channels });
+        let (name, velocity) = (vec!["a".to_owned(), "b".to_owned()], doubles.clone());
+        check(&JointState { header: header.clone(), name, position: doubles, velocity, effort: Vec::new() });
+        let data = vec![1, 2, 255];
+        check(&crate::sensor_msgs::CompressedImage { header: header.clone(), format: "png".to_owned(), data });
+        let data = vec![1, -1, 100];
+        check(&crate::map_msgs::OccupancyGridUpdate { header, x: -1, y: 2, width: 3, height: 1, data });
     }
 
     proptest! {

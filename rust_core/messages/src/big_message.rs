@@ -17,15 +17,6 @@ macro_rules! big_message {
                 r.read_to_end(&mut bytes)?;
                 Ok(Self::from_bytes(std::sync::Arc::new(bytes))?)
             }
-
-            fn encode_vec(&self) -> std::io::Result<Vec<u8>> {
-                $crate::wire::framed(self.len_hint(), |out| self.write(out))
-            }
-
-            fn decode_slice(bytes: &[u8]) -> std::io::Result<Self> {
-                let message = bytes.get($crate::wire::LENGTH_PREFIX..).ok_or(std::io::ErrorKind::UnexpectedEof)?;
-                Ok(Self::from_bytes(std::sync::Arc::new($crate::bytes::copy_of(message)))?)
-            }
         }
 
         impl rosrust::Message for $type {

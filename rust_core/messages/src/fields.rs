@@ -1,27 +1,47 @@
-//! Hand-written messages, for packages that need not be installed where the programs are built.
+//! Messages by their fields: hand-written ones, for packages that need not be installed where the programs are built,
+//! and generated ones with arrays of numbers.
 //!
-//! They are decoded from a stream of unknown length: a string or an array grows with the bytes received, never by the
-//! announced count, and a message longer than [`MAX_BYTES`] is an error.
+//! The decoding of the generated types allocates whatever length an array of numbers announces, so a damaged message
+//! would end the process; the types with such arrays are listed here and decoded by [`WireReader`]. Other arrays grow
+//! with the bytes.
 
-use crate::geometry_msgs::{Point, Pose, Quaternion};
+use crate::geometry_msgs::{Point, Point32, Pose, Quaternion};
+use crate::map_msgs::OccupancyGridUpdate;
+use crate::sensor_msgs::{
+    CameraInfo, ChannelFloat32, CompressedImage, JointState, LaserScan, PointCloud, RegionOfInterest,
+};
 use crate::std_msgs::Header;
-use crate::wire::{write_count, write_string};
+use crate::wire::{write_count, write_string, DecodeError, WireReader};
 use rosrust::{Duration, Time};
 use std::io::{self, Read};
 
-/// Longest message; settings and loggers take a small part of this.
-pub(crate) const MAX_BYTES: u64 = 4 << 20;
+/// Longest hand-written message; settings and loggers take a small part of this.
+const MAX_BYTES: u64 = 4 << 20;
 
-/// A field of a hand-written message.
+/// A field of a message.
 pub(crate) trait WireField: Sized {
     fn put(&self, out: &mut Vec<u8>);
-    fn get(from: &mut dyn Read) -> io::Result<Self>;
+    fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError>;
+
+    /// Elements of an array, whose count is not checked for their length.
+    fn get_all(count: usize, from: &mut WireReader<'_>) -> Result<Vec<Self>, DecodeError> {
+        (0..count).map(|_| Self::get(from)).collect()
+    }
 }
 
-fn bytes<const N: usize>(from: &mut dyn Read) -> io::Result<[u8; N]> {
-    let mut bytes = [0; N];
-    from.read_exact(&mut bytes)?;
-    Ok(bytes)
+/// Decodes a whole message by its fields.
+pub(crate) fn decode<T: WireField>(bytes: &[u8]) -> Result<T, DecodeError> {
+    let mut reader = WireReader::new(bytes);
+    let message = T::get(&mut reader)?;
+    reader.finish()?;
+    Ok(message)
+}
+
+/// Decodes a whole message from a stream.
+pub(crate) fn decode_from<T: WireField>(from: impl Read) -> io::Result<T> {
+    let mut bytes = Vec::new();
+    from.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    Ok(decode(&bytes)?)
 }
 
 impl WireField for bool {
@@ -29,8 +49,8 @@ impl WireField for bool {
         out.push(u8::from(*self));
     }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        Ok(bytes::<1>(from)? != [0])
+    fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
+        Ok(from.u8("bool")? != 0)
     }
 }
 
@@ -41,28 +61,27 @@ macro_rules! number_fields {
                 out.extend_from_slice(&self.to_le_bytes());
             }
 
-            fn get(from: &mut dyn Read) -> io::Result<Self> {
-                bytes(from).map(Self::from_le_bytes)
+            fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
+                from.array(stringify!($type)).map(Self::from_le_bytes)
+            }
+
+            fn get_all(count: usize, from: &mut WireReader<'_>) -> Result<Vec<Self>, DecodeError> {
+                let bytes = from.take(count.saturating_mul(size_of::<Self>()), "array elements")?;
+                Ok(bytes.as_chunks().0.iter().copied().map(Self::from_le_bytes).collect())
             }
         })*
     };
 }
 
-number_fields! { u8 i8 i32 u32 f64 }
+number_fields! { u8 i8 i32 u32 f32 f64 }
 
 impl WireField for String {
     fn put(&self, out: &mut Vec<u8>) {
         write_string(self, out);
     }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        let len = u64::from(u32::get(from)?);
-        let mut text = Vec::new();
-        from.take(len).read_to_end(&mut text)?;
-        if text.len() as u64 != len {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        Ok(Self::from_utf8_lossy(&text).into_owned())
+    fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
+        from.string("string")
     }
 }
 
@@ -71,7 +90,7 @@ impl<T: WireField + Copy + Default, const N: usize> WireField for [T; N] {
         self.iter().for_each(|element| element.put(out));
     }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
+    fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
         let mut elements = [T::default(); N];
         for element in &mut elements {
             *element = T::get(from)?;
@@ -86,12 +105,9 @@ impl<T: WireField> WireField for Vec<T> {
         self.iter().for_each(|element| element.put(out));
     }
 
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        let mut elements = Self::new();
-        for _ in 0..u32::get(from)? {
-            elements.push(T::get(from)?);
-        }
-        Ok(elements)
+    fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
+        let count = from.count(1, "array elements")?;
+        T::get_all(count, from)
     }
 }
 
@@ -103,7 +119,7 @@ macro_rules! field_of_fields {
                 $(self.$field.put(out);)*
             }
 
-            fn get(from: &mut dyn Read) -> io::Result<Self> {
+            fn get(from: &mut WireReader<'_>) -> Result<Self, DecodeError> {
                 Ok(Self { $($field: WireField::get(from)?,)* })
             }
         })*
@@ -117,6 +133,18 @@ field_of_fields! {
     Point { x, y, z }
     Quaternion { x, y, z, w }
     Pose { position, orientation }
+    Point32 { x, y, z }
+    RegionOfInterest { x_offset, y_offset, height, width, do_rectify }
+    CameraInfo { header, height, width, distortion_model, D, K, R, P, binning_x, binning_y, roi }
+    ChannelFloat32 { name, values }
+    CompressedImage { header, format, data }
+    JointState { header, name, position, velocity, effort }
+    LaserScan {
+        header, angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max, ranges,
+        intensities
+    }
+    OccupancyGridUpdate { header, x, y, width, height, data }
+    PointCloud { header, points, channels }
 }
 
 /// A definition followed by those of its parts, in ROS's format.
@@ -143,7 +171,7 @@ macro_rules! fields_in_order {
                     $($crate::fields::WireField::put(&self.$field, out);)*
                 }
 
-                fn get(from: &mut dyn std::io::Read) -> std::io::Result<Self> {
+                fn get(from: &mut $crate::wire::WireReader<'_>) -> Result<Self, $crate::DecodeError> {
                     Ok(Self { $($field: $crate::fields::WireField::get(from)?,)* })
                 }
             }
@@ -155,8 +183,8 @@ macro_rules! fields_in_order {
                     w.write_all(&out)
                 }
 
-                fn decode<R: std::io::Read>(mut r: R) -> std::io::Result<Self> {
-                    $crate::fields::WireField::get(&mut std::io::Read::take(std::io::Read::by_ref(&mut r), $crate::fields::MAX_BYTES))
+                fn decode<R: std::io::Read>(r: R) -> std::io::Result<Self> {
+                    $crate::fields::decode_from(r)
                 }
             }
         )*

@@ -25,6 +25,9 @@ pub enum DecodeError {
     /// Bytes follow the last field.
     #[error("message too long: {0} bytes after its last field")]
     TrailingBytes(usize),
+    /// A generated type's decoding has reached the end.
+    #[error("message too short: it ends before its last field")]
+    EndsEarly,
 }
 
 impl From<DecodeError> for io::Error {
@@ -97,9 +100,6 @@ impl<'a> WireReader<'a> {
     }
 }
 
-/// Bytes of the length that TCPROS puts before a message.
-pub(crate) const LENGTH_PREFIX: usize = 4;
-
 impl WireReader<'_> {
     pub(crate) fn u8(&mut self, what: &'static str) -> Result<u8, DecodeError> {
         let [byte] = self.array::<1>(what)?;
@@ -131,7 +131,10 @@ impl WireReader<'_> {
 /// The message's, or [`DecodeError::TrailingBytes`].
 pub fn decode<T: RosMsg>(bytes: &[u8]) -> io::Result<T> {
     let mut rest = bytes;
-    let value = T::decode(&mut rest)?;
+    let value = T::decode(&mut rest).map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => DecodeError::EndsEarly.into(),
+        _ => error,
+    })?;
     match rest.len() {
         0 => Ok(value),
         left => Err(DecodeError::TrailingBytes(left).into()),
@@ -144,18 +147,6 @@ pub fn encode<T: RosMsg>(message: &T) -> Vec<u8> {
     // Writing to a vector cannot fail.
     let _ = message.encode(&mut out);
     out
-}
-
-/// Encodes a message of about `len` bytes with its length before it.
-pub(crate) fn framed(len: usize, write: impl FnOnce(&mut Vec<u8>)) -> io::Result<Vec<u8>> {
-    let mut out = Vec::with_capacity(LENGTH_PREFIX + len);
-    out.extend_from_slice(&[0; LENGTH_PREFIX]);
-    write(&mut out);
-    let len = u32::try_from(out.len() - LENGTH_PREFIX).map_err(|_| io::ErrorKind::InvalidInput)?;
-    if let Some(prefix) = out.first_chunk_mut() {
-        *prefix = len.to_le_bytes();
-    }
-    Ok(out)
 }
 
 pub(crate) fn write_u32(value: u32, out: &mut Vec<u8>) {
@@ -188,6 +179,14 @@ mod tests {
         let bytes = [0xff, 0xff, 0xff, 0xff, 1, 2, 3];
         let error = WireReader::new(&bytes).count(8, "D").unwrap_err();
         assert_eq!(error, DecodeError::TooShort { what: "D", at: 4, needed: u64::from(u32::MAX) * 8, left: 3 });
+    }
+
+    #[test]
+    fn a_generated_type_with_a_byte_less_or_more_is_an_error() {
+        for (len, text) in [(7, "message too short"), (9, "message too long: 1 bytes")] {
+            let error = decode::<crate::rosgraph_msgs::Clock>(&vec![0; len]).unwrap_err();
+            assert!(error.to_string().starts_with(text), "{error}");
+        }
     }
 
     #[test]

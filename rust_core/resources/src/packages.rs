@@ -96,11 +96,6 @@ impl PackageIndex {
         self.roots.iter().find_map(|root| root.find(name))
     }
 
-    /// Earliest time at which a package that was not found is searched for again.
-    pub(crate) fn next_search(&self) -> Option<Instant> {
-        self.roots.iter().filter_map(|root| lock(&root.known).next_crawl).min()
-    }
-
     /// Lets the next request for a package that was not found search again at once. Does not wait for a search.
     pub(crate) fn search_again(&self) {
         self.roots.iter().for_each(|root| root.is_outdated.store(true, Ordering::Release));

@@ -1,28 +1,30 @@
 //! Meshes and textures by address, each loaded once.
 //!
-//! Like rviz, the store keeps loaded meshes, except for large ones that are loaded in the background and unused for a
-//! while. A failure is kept too, so a marker that is published ten times a second does not read a broken file at each
-//! message: the file is read again when it is requested and has changed.
+//! Like rviz, the store keeps loaded meshes, except that in the background large ones that nothing uses any more are
+//! dropped when something new is loaded. A failure is kept too, so a marker that is published ten times a second does not
+//! read a broken file at each message: the file is read again when a message names it and it has changed, and after a
+//! reload of the config.
 //!
 //! A store loads either on the calling thread, for images of bags, which must not depend on the speed of reading; or in
 //! the background: a request then returns `Pending`, and the store's waker is called when the resource is loaded. The
-//! loader threads start when there is something to load, run at a low priority, and end when idle; the last one stays
-//! while a large resource is kept.
+//! loader threads run at a low priority.
 
 use std::{
     collections::HashMap,
-    fmt,
+    fmt, mem,
     sync::{
         atomic::{AtomicU64, Ordering},
-        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        Arc, Condvar, Mutex, MutexGuard,
     },
     task::Poll,
     thread,
-    time::{Duration, Instant},
 };
 
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-use rcs_scene::{lock, wait_timeout, Texture};
+use rayon::{
+    iter::{IntoParallelRefIterator, ParallelIterator},
+    ThreadPool, ThreadPoolBuilder,
+};
+use rcs_scene::{lock, wait_while, Texture};
 
 use crate::{
     files::FileStamp,
@@ -30,17 +32,12 @@ use crate::{
     LoadedMesh, PackageIndex, ResourceError, ResourceOptions,
 };
 
-/// Most resources that are kept. At the limit, the least recently requested quarter of the unused ones is dropped.
+/// Most resources that are kept. At the limit, all that nothing uses are dropped.
 const MAX_RESOURCES: usize = 4096;
 /// Most loader threads.
 const MAX_THREADS: usize = 4;
-/// Time without work after which a loader thread ends.
-const IDLE_TIME: Duration = Duration::from_secs(10);
-/// Size of a large resource, which is dropped after [`UNUSED_TIME`], at the next [`IDLE_TIME`].
+/// Size of a large resource, which is dropped when nothing uses it any more and something new is loaded.
 const LARGE_BYTES: usize = 4 << 20;
-const UNUSED_TIME: Duration = Duration::from_secs(30);
-/// Shortest time between two checks of a file that failed.
-const CHECK_INTERVAL: Duration = Duration::from_millis(500);
 /// Niceness of the loader threads.
 const NICENESS: i32 = 10;
 
@@ -72,15 +69,14 @@ pub enum Retry {
 /// ```
 pub struct MeshStore {
     core: Arc<StoreCore>,
-    is_background: bool,
+    /// Loader threads; `None` if the store loads on the calling thread.
+    loaders: Option<ThreadPool>,
 }
 
 /// The part of a store that its threads share.
 struct StoreCore {
     loader: Loader,
     state: Mutex<StoreState>,
-    /// Notified when there is something to load, and when the store is dropped.
-    work: Condvar,
     /// Notified when something was loaded.
     done: Condvar,
     /// Incremented when the result of a request changes.
@@ -91,12 +87,6 @@ struct StoreCore {
 #[derive(Default)]
 struct StoreState {
     slots: HashMap<ResourceKey, CachedResource>,
-    /// Resources to load in the background, each at most once, with the earliest time.
-    queue: Vec<(Instant, ResourceKey)>,
-    threads: usize,
-    waiting_threads: usize,
-    /// Number of requests.
-    requests: u64,
     has_ended: bool,
 }
 
@@ -106,21 +96,21 @@ struct CachedResource {
     outcome: Option<Outcome>,
     /// The file's stamp at the failure.
     failed: Option<FileStamp>,
-    /// Earliest time of the next check.
-    next_check: Option<Instant>,
-    /// `true` in the queue and while a thread is loading it.
+    /// `true` while it waits for a loader thread or is being loaded.
     is_busy: bool,
-    /// Number of the last request.
-    last_request: u64,
-    /// Time at which a large resource was first found unused.
-    unused_since: Option<Instant>,
+    /// `true` once a request has returned it.
+    is_taken: bool,
 }
 
 impl CachedResource {
-    /// The resource, if it takes much memory.
-    fn large(&self) -> Option<&Resource> {
-        let loaded = self.outcome.as_ref().and_then(|outcome| outcome.as_ref().ok());
-        loaded.filter(|resource| resource.bytes() >= LARGE_BYTES)
+    /// `true` if nothing uses it.
+    fn is_unused(&self) -> bool {
+        !self.is_busy && !matches!(&self.outcome, Some(Ok(resource)) if !resource.is_unused())
+    }
+
+    /// `true` if it takes much memory and was used.
+    fn is_large(&self) -> bool {
+        self.is_taken && matches!(&self.outcome, Some(Ok(resource)) if resource.bytes() >= LARGE_BYTES)
     }
 }
 
@@ -132,7 +122,7 @@ impl MeshStore {
 
     /// As [`MeshStore::new`], with other limits for files.
     pub fn with_options(packages: PackageIndex, options: ResourceOptions) -> Self {
-        Self::create(packages, options, Box::new(|| {}), false)
+        Self::create(packages, options, Box::new(|| {}), None)
     }
 
     /// An empty store that loads in the background and then calls `waker` on the loader thread.
@@ -141,24 +131,34 @@ impl MeshStore {
         options: ResourceOptions,
         waker: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        Self::create(packages, options, Box::new(waker), true)
+        let threads = thread::available_parallelism().map_or(1, usize::from).clamp(2, MAX_THREADS);
+        let loaders = ThreadPoolBuilder::new()
+            .thread_name(|_| "mesh-loader".to_owned())
+            .num_threads(threads)
+            .start_handler(|_| yield_to_others())
+            // The panic hook logs it. Without a handler it would end the process.
+            .panic_handler(|_| {})
+            .build();
+        if let Err(error) = &loaders {
+            log::warn!("cannot start the mesh loader threads, images wait for meshes: {error}");
+        }
+        Self::create(packages, options, Box::new(waker), loaders.ok())
     }
 
     fn create(
         packages: PackageIndex,
         options: ResourceOptions,
         waker: Box<dyn Fn() + Send + Sync>,
-        is_background: bool,
+        loaders: Option<ThreadPool>,
     ) -> Self {
         let core = StoreCore {
             loader: Loader::new(packages, options),
             state: Mutex::default(),
-            work: Condvar::new(),
             done: Condvar::new(),
             version: AtomicU64::new(0),
             waker,
         };
-        Self { core: Arc::new(core), is_background }
+        Self { core: Arc::new(core), loaders }
     }
 
     /// The index that resolves addresses.
@@ -195,10 +195,12 @@ impl MeshStore {
         let mut urls: Vec<&str> = urls.into_iter().collect();
         urls.sort_unstable();
         urls.dedup();
-        if self.is_background {
-            urls.iter().for_each(|url| drop(self.mesh(url, retry)));
+        let load =
+            |url: &&str| drop(self.request(&ResourceKey { kind: ResourceKind::Mesh, url: (*url).to_owned() }, retry));
+        if self.loaders.is_some() {
+            urls.iter().for_each(load);
         } else {
-            urls.par_iter().for_each(|url| drop(self.mesh(url, retry)));
+            urls.par_iter().for_each(load);
         }
     }
 
@@ -207,187 +209,93 @@ impl MeshStore {
         self.core.version.load(Ordering::Acquire)
     }
 
-    /// Checks all files and packages that failed again.
+    /// Forgets all failures, so that those that displays still need are loaded again.
     pub fn retry_failures(&self) {
         self.core.loader.packages.search_again();
-        let mut state = lock(&self.core.state);
-        let failed = |slot: &CachedResource| matches!(slot.outcome, Some(Err(_)));
-        let keys: Vec<ResourceKey> =
-            state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();
-        let now = Instant::now();
-        state.queue.iter_mut().for_each(|(due, _)| *due = now);
-        for key in keys {
-            let Some(slot) = state.slots.get_mut(&key) else { continue };
-            slot.next_check = None;
-            if self.is_background {
-                StoreCore::enqueue(&self.core, &mut state, key);
-            }
-        }
-        self.core.work.notify_all();
+        lock(&self.core.state).slots.retain(|_, slot| slot.is_busy || !matches!(slot.outcome, Some(Err(_))));
+        self.core.version.fetch_add(1, Ordering::Release);
     }
 
     fn get(&self, kind: ResourceKind, url: &str, retry: Retry) -> Poll<Outcome> {
         let key = ResourceKey { kind, url: url.to_owned() };
+        let mut state = match self.request(&key, retry) {
+            Ok(state) => state,
+            Err(error) => return Poll::Ready(Err(error)),
+        };
+        let Some(slot) = state.slots.get_mut(&key) else { return Poll::Pending };
+        slot.is_taken = slot.outcome.is_some();
+        slot.outcome.clone().map_or(Poll::Pending, Poll::Ready)
+    }
+
+    /// Loads a resource unless it is known, or queues it for loading in the background.
+    ///
+    /// # Errors
+    /// [`ResourceError::TooMany`].
+    fn request(&self, key: &ResourceKey, retry: Retry) -> Result<MutexGuard<'_, StoreState>, ResourceError> {
         let mut state = lock(&self.core.state);
-        if !state.slots.contains_key(&key) && !state.make_room() {
-            return Poll::Ready(Err(ResourceError::TooMany { url: url.to_owned(), limit: MAX_RESOURCES }));
+        let mut unused = Vec::new();
+        if !state.slots.contains_key(key) {
+            unused = state.take_unused(self.loaders.is_some());
+            if state.slots.len() >= MAX_RESOURCES {
+                return Err(ResourceError::TooMany { url: key.url.clone(), limit: MAX_RESOURCES });
+            }
         }
-        state.requests += 1;
-        let request = state.requests;
         let slot = state.slots.entry(key.clone()).or_default();
-        slot.last_request = request;
-        slot.unused_since = None;
         let is_wanted = match &slot.outcome {
             None => true,
             Some(Ok(_)) => false,
             Some(Err(_)) => retry == Retry::Yes,
         };
-        if is_wanted && self.is_background {
-            StoreCore::enqueue(&self.core, &mut state, key.clone());
-        } else if is_wanted {
-            state = self.core.load_now(state, &key);
+        match &self.loaders {
+            _ if !is_wanted || (self.loaders.is_some() && slot.is_busy) => {}
+            Some(loaders) => {
+                slot.is_busy = true;
+                let (core, key) = (Arc::clone(&self.core), key.clone());
+                loaders.spawn(move || core.load_in_background(&key, unused));
+            }
+            None => state = self.core.load_now(state, key),
         }
-        match state.slots.get(&key).and_then(|slot| slot.outcome.clone()) {
-            Some(outcome) => Poll::Ready(outcome),
-            None => Poll::Pending,
-        }
+        Ok(state)
     }
 }
 
 impl StoreState {
-    /// Makes room for a number of resources if the store is full; `false` if all are in use.
-    fn make_room(&mut self) -> bool {
-        if self.slots.len() < MAX_RESOURCES {
-            return true;
-        }
-        let is_unused = |slot: &CachedResource| match &slot.outcome {
-            _ if slot.is_busy => false,
-            Some(Ok(resource)) => resource.is_unused(),
-            Some(Err(_)) | None => true,
-        };
-        let unused = self.slots.iter().filter(|(_, slot)| is_unused(slot));
-        let mut requests: Vec<u64> = unused.map(|(_, slot)| slot.last_request).collect();
-        requests.sort_unstable();
-        let Some(&last) = requests.get(requests.len() / 4) else { return false };
-        self.slots.retain(|_, slot| slot.last_request > last || !is_unused(slot));
-        true
-    }
-
-    /// Removes large resources that are unused for a while; dropping them frees their memory.
-    fn take_unused(&mut self, now: Instant) -> Vec<CachedResource> {
-        for slot in self.slots.values_mut() {
-            let is_unused = !slot.is_busy && slot.large().is_some_and(Resource::is_unused);
-            slot.unused_since = is_unused.then(|| slot.unused_since.unwrap_or(now));
-        }
-        let is_over =
-            |slot: &CachedResource| slot.unused_since.is_some_and(|since| now.duration_since(since) >= UNUSED_TIME);
-        self.slots.extract_if(|_, slot| is_over(slot)).map(|(_, slot)| slot).collect()
-    }
-
-    /// Takes the next due resource out of the queue, or returns its time.
-    fn next(&mut self, now: Instant) -> Result<ResourceKey, Option<Instant>> {
-        let first = self.queue.iter().enumerate().min_by_key(|(_, (due, _))| *due).map(|(i, (due, _))| (i, *due));
-        match first {
-            Some((i, due)) if due <= now => Ok(self.queue.remove(i).1),
-            first => Err(first.map(|(_, due)| due)),
-        }
+    /// Removes what nothing uses: large resources if `with_large`, and all if the store is full.
+    fn take_unused(&mut self, with_large: bool) -> Vec<CachedResource> {
+        let is_full = self.slots.len() >= MAX_RESOURCES;
+        let unused = self.slots.extract_if(|_, slot| slot.is_unused() && (is_full || with_large && slot.is_large()));
+        unused.map(|(_, slot)| slot).collect()
     }
 }
 
 impl StoreCore {
-    /// Queues a resource for loading in the background, unless it is queued already.
-    fn enqueue(core: &Arc<Self>, state: &mut StoreState, key: ResourceKey) {
-        let now = Instant::now();
-        let Some(slot) = state.slots.get_mut(&key).filter(|slot| !slot.is_busy) else { return };
-        slot.is_busy = true;
-        let due = slot.next_check.map_or(now, |next| next.max(now));
-        state.queue.push((due, key));
-        let threads = thread::available_parallelism().map_or(1, usize::from).clamp(2, MAX_THREADS);
-        if state.queue.len() > state.waiting_threads && state.threads < threads {
-            let own = Arc::clone(core);
-            match thread::Builder::new().name("mesh-loader".to_owned()).spawn(move || own.run()) {
-                Ok(_) => state.threads += 1,
-                Err(error) => log::warn!("cannot start the mesh loader thread: {error}"),
-            }
+    /// Loads a resource, on a loader thread. Drops `unused` before, because freeing memory takes a while.
+    fn load_in_background(&self, key: &ResourceKey, unused: Vec<CachedResource>) {
+        drop(unused);
+        if !lock(&self.state).has_ended && self.load(key) {
+            (self.waker)();
         }
-        core.work.notify_one();
-    }
-
-    /// Loads queued resources until the queue is empty for [`IDLE_TIME`].
-    fn run(&self) {
-        yield_to_others();
-        let mut state = lock(&self.state);
-        while !state.has_ended {
-            let now = Instant::now();
-            match state.next(now) {
-                Ok(key) => {
-                    if self.load(state, &key) {
-                        (self.waker)();
-                    }
-                    state = lock(&self.state);
-                }
-                Err(due) => {
-                    let timeout = due.map_or(IDLE_TIME, |due| due.saturating_duration_since(now));
-                    state.waiting_threads += 1;
-                    let (woken, result) =
-                        self.work.wait_timeout(state, timeout).unwrap_or_else(PoisonError::into_inner);
-                    state = woken;
-                    state.waiting_threads -= 1;
-                    if due.is_some() || !result.timed_out() || !state.queue.is_empty() {
-                        continue;
-                    }
-                    let unused = state.take_unused(Instant::now());
-                    let ends = state.threads > 1 || state.slots.values().all(|slot| slot.large().is_none());
-                    state.threads -= usize::from(ends);
-                    // Freeing memory takes a while, so not under the lock.
-                    drop(state);
-                    drop(unused);
-                    if ends {
-                        return;
-                    }
-                    state = lock(&self.state);
-                }
-            }
-        }
-        state.threads -= 1;
-    }
-
-    /// Loads a resource, without the lock. Returns `true` if its result changed.
-    fn load(&self, state: MutexGuard<'_, StoreState>, key: &ResourceKey) -> bool {
-        let failed = state.slots.get(key).and_then(|slot| slot.failed);
-        drop(state);
-        let loaded = self.loader.load(key, failed);
-        self.keep(key, loaded)
     }
 
     /// Loads a resource on this thread, or waits for the thread that is loading it.
     fn load_now<'a>(&'a self, mut state: MutexGuard<'a, StoreState>, key: &ResourceKey) -> MutexGuard<'a, StoreState> {
-        loop {
-            let Some(slot) = state.slots.get_mut(key) else { return state };
-            if !slot.is_busy {
-                slot.is_busy = true;
-                self.load(state, key);
-                return lock(&self.state);
-            }
-            state = wait_timeout(&self.done, state, IDLE_TIME);
-            if state.slots.get(key).is_none_or(|slot| !slot.is_busy && slot.outcome.is_some()) {
-                return state;
-            }
+        let Some(slot) = state.slots.get_mut(key) else { return state };
+        if mem::replace(&mut slot.is_busy, true) {
+            let is_busy = |state: &mut StoreState| state.slots.get(key).is_some_and(|slot| slot.is_busy);
+            return wait_while(&self.done, state, is_busy);
         }
+        drop(state);
+        self.load(key);
+        lock(&self.state)
     }
 
-    /// Stores the result of loading. Returns `true` if it differs from the last one.
-    fn keep(&self, key: &ResourceKey, loaded: Option<(Outcome, Option<FileStamp>)>) -> bool {
-        let now = Instant::now();
-        // May wait for a search of packages, so not under the lock.
-        let next_search = match &loaded {
-            Some((Err(ResourceError::NoSuchPackage { .. }), _)) => self.loader.packages.next_search(),
-            _ => None,
-        };
+    /// Loads a resource and stores the result. Returns `true` if it differs from the last one.
+    fn load(&self, key: &ResourceKey) -> bool {
+        let failed = lock(&self.state).slots.get(key).and_then(|slot| slot.failed);
+        let loaded = self.loader.load(key, failed);
         let mut state = lock(&self.state);
         let Some(slot) = state.slots.get_mut(key) else { return false };
         slot.is_busy = false;
-        slot.next_check = Some(next_search.unwrap_or(now + CHECK_INTERVAL));
         let mut has_changed = false;
         if let Some((outcome, stamp)) = loaded {
             let text = |outcome: &Outcome| outcome.as_ref().err().map(ToString::to_string);
@@ -415,7 +323,6 @@ impl Drop for MeshStore {
     /// Ends the loader threads after their current files, without waiting.
     fn drop(&mut self) {
         lock(&self.core.state).has_ended = true;
-        self.core.work.notify_all();
     }
 }
 
@@ -423,7 +330,7 @@ impl fmt::Debug for MeshStore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("MeshStore")
             .field("loader", &self.core.loader)
-            .field("is_background", &self.is_background)
+            .field("is_background", &self.loaders.is_some())
             .field("resources", &lock(&self.core.state).slots.len())
             .finish_non_exhaustive()
     }
@@ -441,37 +348,52 @@ mod tests {
         let mesh = Mesh { vertices: vec![Vertex::new([0.0; 3], [0.0; 3]); vertices], indices: Vec::new() };
         let part = MeshPart { mesh: Arc::new(mesh), material: MeshMaterial::none() };
         let mesh = LoadedMesh { parts: vec![part], warnings: Vec::new() };
-        CachedResource { outcome: Some(Ok(Resource::Mesh(Arc::new(mesh)))), ..CachedResource::default() }
+        CachedResource {
+            outcome: Some(Ok(Resource::Mesh(Arc::new(mesh)))),
+            is_taken: true,
+            ..CachedResource::default()
+        }
+    }
+
+    fn key(url: &str) -> ResourceKey {
+        ResourceKey { kind: ResourceKind::Mesh, url: url.to_owned() }
+    }
+
+    fn mesh(state: &StoreState, url: &str) -> Arc<LoadedMesh> {
+        match &state.slots[&key(url)].outcome {
+            Some(Ok(Resource::Mesh(mesh))) => Arc::clone(mesh),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn left(state: &StoreState) -> Vec<&str> {
+        let mut left: Vec<&str> = state.slots.keys().map(|key| key.url.as_str()).collect();
+        left.sort_unstable();
+        left
     }
 
     #[test]
-    fn a_large_resource_that_is_unused_for_a_while_is_dropped() {
+    fn large_resources_that_nothing_uses_are_dropped_and_small_ones_when_the_store_is_full() {
         let large = LARGE_BYTES / size_of::<Vertex>() + 1;
-        let key = |url: &str| ResourceKey { kind: ResourceKind::Mesh, url: url.to_owned() };
         let mut state = StoreState::default();
-        let all = [("small", 8), ("unused", large), ("used", large), ("part", large), ("busy", large)];
-        state.slots.extend(all.map(|(url, vertices)| (key(url), slot(vertices))));
+        for url in ["unused", "used", "part", "new"] {
+            state.slots.insert(key(url), slot(large));
+        }
+        for url in ["small", "small in use", "busy"] {
+            state.slots.insert(key(url), slot(8));
+        }
         state.slots.get_mut(&key("busy")).unwrap().is_busy = true;
-        let mesh = |state: &StoreState, url| match &state.slots[&key(url)].outcome {
-            Some(Ok(Resource::Mesh(mesh))) => Arc::clone(mesh),
-            other => panic!("{other:?}"),
-        };
-        let (used, part) = (mesh(&state, "used"), Arc::clone(&mesh(&state, "part").parts[0].mesh));
-        let begin = Instant::now();
-        let dropped = |state: &mut StoreState, secs| {
-            let count = state.slots.len();
-            drop(state.take_unused(begin + Duration::from_secs(secs)));
-            count - state.slots.len()
-        };
-        assert_eq!([0, 29].map(|secs| dropped(&mut state, secs)), [0, 0]);
-        // It was requested meanwhile.
-        state.slots.get_mut(&key("unused")).unwrap().unused_since = None;
-        assert_eq!([30, 59, 60].map(|secs| dropped(&mut state, secs)), [0, 0, 1]);
-        assert!(!state.slots.contains_key(&key("unused")));
+        state.slots.get_mut(&key("new")).unwrap().is_taken = false;
+        let used = (mesh(&state, "used"), mesh(&state, "small in use"));
+        let part = Arc::clone(&mesh(&state, "part").parts[0].mesh);
+        assert!(state.take_unused(false).is_empty());
+        assert_eq!(state.take_unused(true).len(), 1);
+        assert_eq!(left(&state), ["busy", "new", "part", "small", "small in use", "used"]);
+        state.slots.extend((state.slots.len()..MAX_RESOURCES).map(|i| (key(&i.to_string()), slot(8))));
+        assert_eq!(state.take_unused(false).len(), MAX_RESOURCES - 4);
+        assert_eq!(left(&state), ["busy", "part", "small in use", "used"]);
         drop((used, part));
-        assert_eq!([100, 129, 130].map(|secs| dropped(&mut state, secs)), [0, 0, 2]);
-        let mut left: Vec<&str> = state.slots.keys().map(|key| key.url.as_str()).collect();
-        left.sort_unstable();
-        assert_eq!(left, ["busy", "small"]);
+        assert_eq!(state.take_unused(true).len(), 2);
+        assert_eq!(left(&state), ["busy", "small in use"]);
     }
 }

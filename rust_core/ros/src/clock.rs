@@ -2,10 +2,7 @@
 
 use rcs_messages::Time;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
-
-/// Polling period of sleepers.
-const POLL_PERIOD: Duration = Duration::from_millis(10);
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A clock that is read from any thread.
 #[derive(Debug)]
@@ -48,16 +45,11 @@ impl rosrust::Clock for RosClock {
         Self::now(self)
     }
 
-    fn sleep(&self, duration: rosrust::Duration) {
-        let until = Self::now(self).nanos().saturating_add(duration.nanos());
-        self.wait_until(Time::from_nanos(until));
-    }
+    /// Never called: messages do not wait.
+    fn sleep(&self, _: rosrust::Duration) {}
 
-    fn wait_until(&self, until: Time) {
-        while Self::now(self).nanos() < until.nanos() {
-            std::thread::sleep(POLL_PERIOD);
-        }
-    }
+    /// Never called either.
+    fn wait_until(&self, _: Time) {}
 }
 
 fn real_nanos() -> i64 {

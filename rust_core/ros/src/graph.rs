@@ -1,6 +1,6 @@
 //! The ROS master's API.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::time::Duration;
 
 use crate::xmlrpc::{call, client, value, CallError, Value};
@@ -38,17 +38,6 @@ impl Publication {
     pub fn has_type(&self, ros_type: &str) -> bool {
         self.ros_type == ros_type || self.ros_type == "*"
     }
-}
-
-/// The master's list.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct SystemState {
-    /// Publications of other nodes.
-    pub(crate) publications: Publications,
-    /// Whole names of this node's publications, subscriptions and services.
-    pub(crate) own_publications: BTreeSet<String>,
-    pub(crate) own_subscriptions: BTreeSet<String>,
-    pub(crate) own_services: BTreeSet<String>,
 }
 
 impl Master {
@@ -98,25 +87,15 @@ impl Master {
         }
     }
 
-    /// The master's list.
+    /// Publications of other nodes.
     ///
     /// # Errors
     /// [`CallError`].
-    pub(crate) fn system_state(&self) -> Result<SystemState, CallError> {
+    pub(crate) fn publications(&self) -> Result<Publications, CallError> {
         let state = self.call("getSystemState", &[])?;
         let types = self.call("getTopicTypes", &[])?;
-        let lists: Vec<&[Value]> =
-            state.as_array().unwrap_or_default().iter().filter_map(|list| list.as_array()).collect();
-        let [publishers, subscribers, services] = lists.as_slice() else {
+        let Some([Value::Array(publishers), _subscribers, _services]) = state.as_array() else {
             return Err(CallError::Refused("its state is not three lists".to_owned()));
-        };
-        let is_own = |nodes: &[Value]| nodes.iter().any(|node| node.as_str() == Some(&self.node_name));
-        let own = |list: &[Value]| -> BTreeSet<String> {
-            let name = |entry: &Value| match entry.as_array() {
-                Some([Value::String(name), Value::Array(nodes)]) => is_own(nodes).then(|| name.clone()),
-                _ => None,
-            };
-            list.iter().filter_map(name).collect()
         };
         let entry = |entry: &Value| match entry.as_array() {
             Some([Value::String(topic), Value::String(ros_type)]) => Some((topic.clone(), ros_type.clone())),
@@ -130,12 +109,7 @@ impl Master {
             let ros_type = types.get(topic).cloned().unwrap_or_else(|| "*".to_owned());
             (!nodes.is_empty()).then(|| (topic.clone(), Publication { nodes, ros_type }))
         };
-        Ok(SystemState {
-            publications: publishers.iter().filter_map(publication).collect(),
-            own_publications: own(publishers),
-            own_subscriptions: own(subscribers),
-            own_services: own(services),
-        })
+        Ok(publishers.iter().filter_map(publication).collect())
     }
 }
 

@@ -3,11 +3,11 @@
 //! Publishing, subscribing and serving only note what is wanted, so that no caller waits for the master. One thread
 //! registers and unregisters, at once if the master answers, and again every second if it does not.
 //!
-//! Once a second the thread looks up this node's own address: a master that does not know it was restarted and is told
-//! everything again. Every other second it reads the whole list and registers again what is not on it.
+//! Before that, and once a second, the thread looks up this node's own address: a master that does not know it was
+//! restarted and is told everything again. A subscription is registered again, which returns its publishers, when one of
+//! them cannot be connected with, and when the master was silent: what it named meanwhile was lost.
 
 mod batches;
-mod comparison;
 mod entry;
 mod state;
 
@@ -21,14 +21,14 @@ use std::time::{Duration, Instant};
 
 use self::state::{RegistrarState, RegistrarStep, SubscribedTopic, MOST_PUBLISHERS};
 use crate::contacts::{list_of, Contacts, Unreachable};
-use crate::graph::{strings, Master, Publications, SystemState};
+use crate::graph::{strings, Master, Publications};
 use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
 use rcs_scene::{lock, wait_timeout};
 
 /// How often the node is looked up at the master, and how often a silent master is tried.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
-/// How often the master's list is read.
+/// How often other nodes' publications are read.
 const GRAPH_PERIOD: Duration = Duration::from_secs(2);
 
 /// Called with a subscribed topic that a publisher has left.
@@ -95,6 +95,7 @@ impl Registrar {
         let mut state = lock(&self.state);
         state.wanted.remove(entry);
         state.refused.remove(entry);
+        state.again.remove(entry);
         if let Entry::Subscriber { topic, number, .. } = entry {
             if state.topics.get(topic).is_some_and(|current| current.number == *number) {
                 state.topics.remove(topic);
@@ -117,16 +118,22 @@ impl Registrar {
         self.remove(&subscriber_entry(subscription));
     }
 
+    /// Registers a subscription again, soon: a publisher of the topic cannot be connected with, so the master may have
+    /// named others.
+    pub(crate) fn subscribe_again(&self, topic: &str) {
+        let mut state = lock(&self.state);
+        if let Some(subscription) = state.subscription(topic) {
+            log::debug!("registering again: {topic}");
+            state.again.insert(subscriber_entry(&subscription));
+        }
+        drop(state);
+        self.changed.notify_all();
+    }
+
     /// Takes the master's list of a topic's publishers, as addresses of their nodes.
     pub(crate) fn set_publishers(&self, topic: &str, uris: Vec<String>) {
         let _updating = lock(&self.updating);
-        let mut state = lock(&self.state);
-        state.updates += 1;
-        if let Some(topic) = state.topics.get_mut(topic) {
-            topic.compared = None;
-            topic.named_before_restart.clear();
-        }
-        drop(state);
+        lock(&self.state).updates += 1;
         self.apply_publishers(topic, uris);
     }
 
@@ -221,15 +228,12 @@ impl Registrar {
 
     /// Reads other nodes' publications from the master.
     pub(crate) fn query_publications(&self) -> Option<Arc<Publications>> {
-        self.query().map(|_| self.publications())?
-    }
-
-    fn query(&self) -> Option<SystemState> {
         let asked = Instant::now();
-        match self.master.system_state() {
-            Ok(mut state) => {
-                *lock(&self.publications) = Some((asked, Arc::new(std::mem::take(&mut state.publications))));
-                Some(state)
+        match self.master.publications() {
+            Ok(publications) => {
+                let publications = Arc::new(publications);
+                *lock(&self.publications) = Some((asked, Arc::clone(&publications)));
+                Some(publications)
             }
             Err(error) => {
                 log::debug!("cannot read the ROS master's list: {error}");
@@ -272,21 +276,20 @@ impl Registrar {
     }
 
     fn maintain(&self) {
-        let (mut next_check, mut next_graph) = (Instant::now() + CHECK_PERIOD, Instant::now());
+        let mut next_graph = Instant::now();
         let mut is_silent = false;
         loop {
-            let now = Instant::now();
-            let mut answers = true;
+            let subscriptions = self.subscriptions();
+            subscriptions.iter().for_each(|subscription| subscription.connect_missing());
             // First, because a master that was restarted is to be told everything, not only what is new.
-            if is_silent || now >= next_check {
-                self.subscriptions().iter().for_each(|subscription| subscription.connect_missing());
-                answers = self.check_known();
-                next_check = now + CHECK_PERIOD;
+            let is_heard = self.check_known();
+            if is_heard && is_silent {
+                subscriptions.iter().for_each(|subscription| self.subscribe_again(&subscription.wanted().topic));
             }
-            answers = answers && self.synchronise().is_ok();
-            if answers && now >= next_graph {
-                self.repair();
-                next_graph = now + GRAPH_PERIOD;
+            let answers = is_heard && self.synchronise().is_ok();
+            if answers && Instant::now() >= next_graph {
+                self.query_publications();
+                next_graph = Instant::now() + GRAPH_PERIOD;
             }
             if answers == is_silent {
                 is_silent = !answers;
@@ -296,8 +299,7 @@ impl Registrar {
                     log::info!("the ROS master at {} answers again", self.master.uri);
                 }
             }
-            let until = if is_silent { Instant::now() + CHECK_PERIOD } else { next_check.min(next_graph) };
-            if self.wait(until, is_silent) {
+            if self.wait(Instant::now() + CHECK_PERIOD, is_silent) {
                 break;
             }
         }
@@ -329,7 +331,7 @@ impl Registrar {
     fn synchronise(&self) -> Result<(), CallError> {
         loop {
             self.unregister_together()?;
-            let Some(step) = lock(&self.state).next_step() else { return Ok(()) };
+            let Some(step) = lock(&self.state).take_step() else { return Ok(()) };
             let result = match &step {
                 RegistrarStep::Unregister(entry) => self.unregister(entry),
                 RegistrarStep::Register(entry) => self.register(entry),
@@ -377,21 +379,9 @@ impl Registrar {
             // The master has named publishers since it answered, perhaps of this topic: asked again.
         };
         // A master that was restarted knows nobody yet; connections that stand or are being made are kept.
-        let state = lock(&self.state);
-        let before = state.topics.get(topic).map(|topic| topic.named_before_restart.clone()).unwrap_or_default();
-        drop(state);
-        let is_kept =
-            |link: &Arc<Link>| link.connected().is_some() || (link.is_promising() && before.contains(&link.uri));
-        let kept = self.links(topic).into_iter().filter(is_kept);
-        let mut publishers = named.clone();
-        publishers.extend(kept.map(|link| link.uri.clone()));
-        publishers.sort();
-        publishers.dedup();
+        let kept = self.links(topic).into_iter().filter(|link| link.connected().is_some() || link.is_promising());
+        let publishers = named.into_iter().chain(kept.map(|link| link.uri.clone())).collect();
         self.apply_publishers(topic, publishers);
-        let named = self.bounded(topic, named);
-        if let Some(topic) = lock(&self.state).topics.get_mut(topic) {
-            topic.registered_publishers = Some(named);
-        }
         Ok(())
     }
 
@@ -432,9 +422,6 @@ impl Registrar {
                 if !state.registered.is_empty() {
                     log::warn!("the ROS master was restarted, registering again");
                     self.restarts.fetch_add(1, Ordering::AcqRel);
-                    for topic in state.topics.values_mut() {
-                        topic.named_before_restart.clone_from(&topic.publishers);
-                    }
                     state.registered.clear();
                     state.refused.clear();
                 }

@@ -124,6 +124,10 @@ impl Handler for Receiver {
         self.registrar.contact_failed(&self.name, uri, reason);
     }
 
+    fn connection_failed(&self) {
+        self.registrar.subscribe_again(&self.name);
+    }
+
     fn contacted(&self, uri: &str) {
         self.registrar.contacted(uri);
     }

@@ -135,25 +135,6 @@ impl History {
         }
     }
 
-    /// Parents of all samples, with repetitions.
-    pub(crate) fn parents(&self) -> impl Iterator<Item = FrameId> + '_ {
-        let (one, many) = match self {
-            History::Static(known) => (Some(known.parent), None),
-            History::Moving(samples) => (None, Some(samples.iter().map(|sample| sample.parent))),
-        };
-        one.into_iter().chain(many.into_iter().flatten())
-    }
-
-    /// Renumbers the parents; samples whose parent has no new id are dropped. `None` if a static frame's parent is
-    /// gone.
-    pub(crate) fn with_parents(self, new_id: impl Fn(FrameId) -> Option<FrameId>) -> Option<Self> {
-        let renamed = |sample: PoseSample| Some(PoseSample { parent: new_id(sample.parent)?, ..sample });
-        match self {
-            History::Static(known) => renamed(known).map(History::Static),
-            History::Moving(samples) => Some(History::Moving(samples.into_iter().filter_map(renamed).collect())),
-        }
-    }
-
     /// Removes all samples of a moving frame; a static transform stays.
     pub(crate) fn clear(&mut self) {
         if let History::Moving(samples) = self {

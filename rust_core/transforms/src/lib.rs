@@ -40,7 +40,7 @@ mod transform;
 mod tree;
 mod waiting;
 
-pub use frames::{FRAMES_ALWAYS_KEPT, MOST_FRAMES};
+pub use frames::MOST_FRAMES;
 pub use lookup::{LookupError, LookupProblem};
 pub use prediction::Prediction;
 pub use sample::interpolate;

@@ -8,7 +8,7 @@
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use thiserror::Error;
 
-use crate::Time;
+use crate::{Time, MOST_FRAMES};
 
 /// Tolerance of the squared norm of a rotation; tf2's value.
 const NORM_TOLERANCE: f64 = 10e-3;
@@ -74,6 +74,9 @@ pub enum InsertProblem {
         /// The stamp of both.
         stamp: Time,
     },
+    /// The tree has no room for another name.
+    #[error("beyond the limit of {MOST_FRAMES} frames, whose names are kept until the program ends")]
+    TooManyFrames,
 }
 
 /// A frame name without the one leading `/` that tf (the first) used to write.

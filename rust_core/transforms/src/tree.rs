@@ -1,7 +1,8 @@
 //! The buffer of all frames, their names and histories. tf2 calls it `BufferCore`.
 //!
 //! A name is known from the first stored transform that mentions it, as child or as parent, and is kept, also through
-//! [`TransformTree::clear`], unless there are very many (see the module `frames`). Lookups are in the module `lookup`.
+//! [`TransformTree::clear`]; above [`MOST_FRAMES`](crate::MOST_FRAMES) new ones are refused. Lookups are in the module
+//! `lookup`.
 
 use std::time::Duration;
 
@@ -61,7 +62,8 @@ impl TransformTree {
     ///
     /// # Errors
     ///
-    /// [`InsertError`] for transforms that tf2 refuses; the tree is unchanged then.
+    /// [`InsertError`] for transforms that tf2 refuses, and for names above [`MOST_FRAMES`](crate::MOST_FRAMES); the tree
+    /// is unchanged then.
     pub fn insert(
         &mut self,
         transform: &RawTransform<'_>,
@@ -85,8 +87,13 @@ impl TransformTree {
             Admission::TooOld { latest } => return Err(refused(InsertProblem::TooOld { stamp, latest })),
         }
         // Only names of stored transforms are kept.
+        let parent_id = self.frames.id(parent);
+        if !self.frames.has_room_for([child_id, parent_id].iter().filter(|id| id.is_none()).count()) {
+            return Err(refused(InsertProblem::TooManyFrames));
+        }
         let child_id = child_id.unwrap_or_else(|| self.frames.intern(child));
-        let sample = PoseSample { stamp, parent: self.frames.intern(parent), parent_from_child };
+        let parent = parent_id.unwrap_or_else(|| self.frames.intern(parent));
+        let sample = PoseSample { stamp, parent, parent_from_child };
         let is_new = match self.frames.history_mut(child_id) {
             Some(Some(history)) => history.insert(sample, self.cache_length),
             Some(empty) => {
@@ -99,7 +106,6 @@ impl TransformTree {
             return Ok(Inserted::Repeated);
         }
         self.generation += 1;
-        self.frames.limit(stamp);
         Ok(Inserted::Stored)
     }
 
@@ -116,14 +122,9 @@ impl TransformTree {
         self.generation
     }
 
-    /// All frames that were ever mentioned and not forgotten, in the order of their first mention.
+    /// All frames that were ever mentioned, in the order of their first mention.
     pub fn frames(&self) -> impl Iterator<Item = &str> {
         self.frames.names()
-    }
-
-    /// Number of frames that were forgotten because there were too many, see [`MOST_FRAMES`](crate::MOST_FRAMES).
-    pub fn forgotten_frames(&self) -> u64 {
-        self.frames.forgotten
     }
 
     /// `true` if `frame` was ever mentioned, as child or as parent.

@@ -45,7 +45,7 @@ use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
-use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
+use rcs_transforms::{InsertProblem, Prediction, Time, TransformTree};
 
 use crate::scene::camera_pose::{self, CameraProblem};
 
@@ -91,8 +91,6 @@ pub struct SceneState {
     camera_infos: HashMap<String, (Arc<CameraInfo>, Option<Instant>)>,
     lenses: Lenses,
     warned: std::collections::HashSet<String>,
-    /// `true` after the warning of too many frames.
-    has_warned_of_frames: bool,
 }
 
 impl SceneState {
@@ -112,7 +110,6 @@ impl SceneState {
             camera_infos: HashMap::new(),
             lenses: Lenses::default(),
             warned: std::collections::HashSet::new(),
-            has_warned_of_frames: false,
         }
     }
 
@@ -169,22 +166,19 @@ impl SceneState {
         topics
     }
 
-    /// Takes transforms of a publisher. Refused ones are logged once for each child frame and reason.
+    /// Takes transforms of a publisher. Refused ones are logged once for each child frame and reason, those of too many
+    /// frames once.
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
         for transform in raw_transforms(message) {
             if let Err(error) = self.context.transforms.insert(&transform, is_static, publisher) {
-                let key = format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(&error.problem));
+                let key = match &error.problem {
+                    InsertProblem::TooManyFrames => String::new(),
+                    problem => format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(problem)),
+                };
                 if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }
             }
-        }
-        if self.context.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
-            self.has_warned_of_frames = true;
-            log::warn!(
-                "more than {FRAMES_ALWAYS_KEPT} frames: those without new transforms for longest are forgotten; the last were \
-                 sent by {publisher}"
-            );
         }
     }
 

@@ -2,8 +2,6 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::graph::SystemState;
-
 /// A registration. Two of one name and type differ by their number, so that one that replaces another is registered
 /// anew.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,15 +31,5 @@ impl Entry {
     /// `true` if the master has one entry for both, so that unregistering one unregisters the other.
     pub(super) fn shares_place(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other) && self.name() == other.name()
-    }
-
-    /// `true` if it is on the master's list.
-    pub(super) fn is_in(&self, state: &SystemState) -> bool {
-        let names = match self {
-            Self::Publisher { .. } => &state.own_publications,
-            Self::Subscriber { .. } => &state.own_subscriptions,
-            Self::Service { .. } => &state.own_services,
-        };
-        names.contains(self.name())
     }
 }

@@ -17,6 +17,8 @@ pub(super) struct RegistrarState {
     pub(super) registered: BTreeSet<Entry>,
     /// Refused by the master; not tried again.
     pub(super) refused: BTreeSet<Entry>,
+    /// Registered, but to be registered again.
+    pub(super) again: BTreeSet<Entry>,
     /// Subscribed topics by their whole names.
     pub(super) topics: BTreeMap<String, SubscribedTopic>,
     /// The master does not take several calls at once.
@@ -36,23 +38,8 @@ pub(super) struct SubscribedTopic {
     pub(super) number: u64,
     pub(super) subscription: Weak<Subscription>,
     pub(super) publishers: Vec<String>,
-    /// Publishers that the master named when the topic was registered.
-    pub(super) registered_publishers: Option<Vec<String>>,
-    /// Publishers that a master named which was then restarted, until the new one names others.
-    pub(super) named_before_restart: Vec<String>,
-    /// Publishers for which the topic was registered again.
-    pub(super) compared: Option<ComparedPublishers>,
     /// The master names more than [`MOST_PUBLISHERS`].
     pub(super) has_too_many: bool,
-}
-
-/// The publishers of a topic that was registered again because they may be others than the master's.
-pub(super) struct ComparedPublishers {
-    /// Names of the publishers' nodes on the master's list, in order.
-    pub(super) named: Vec<String>,
-    /// Addresses that this node was told.
-    pub(super) known: Vec<String>,
-    pub(super) when: Instant,
 }
 
 /// A call to the master.
@@ -63,15 +50,7 @@ pub(super) enum RegistrarStep {
 
 impl SubscribedTopic {
     pub(super) fn new(number: u64, subscription: &Arc<Subscription>) -> Self {
-        Self {
-            number,
-            subscription: Arc::downgrade(subscription),
-            publishers: Vec::new(),
-            registered_publishers: None,
-            named_before_restart: Vec::new(),
-            compared: None,
-            has_too_many: false,
-        }
+        Self { number, subscription: Arc::downgrade(subscription), publishers: Vec::new(), has_too_many: false }
     }
 }
 
@@ -82,8 +61,18 @@ impl RegistrarState {
         if let Some(surplus) = self.registered.difference(&self.wanted).next() {
             return Some(RegistrarStep::Unregister(surplus.clone()));
         }
-        let mut missing = self.wanted.difference(&self.registered).filter(|entry| !self.refused.contains(entry));
+        let is_due = |entry: &&Entry| !self.registered.contains(entry) || self.again.contains(entry);
+        let mut missing = self.wanted.iter().filter(is_due).filter(|entry| !self.refused.contains(entry));
         missing.next().map(|entry| RegistrarStep::Register(entry.clone()))
+    }
+
+    /// [`next_step`](Self::next_step), which is about to be made.
+    pub(super) fn take_step(&mut self) -> Option<RegistrarStep> {
+        let step = self.next_step();
+        if let Some(RegistrarStep::Register(entry)) = &step {
+            self.again.remove(entry);
+        }
+        step
     }
 
     /// The subscription of a topic.

@@ -4,48 +4,54 @@ use super::*;
 use crate::socket::TEST_PATIENCE;
 use crate::tcpros::{Handler, Source, Wanted};
 use crate::xmlrpc::{parse_call, Server, Value};
-use std::sync::mpsc::{channel, Receiver};
+use std::sync::mpsc::{channel, Receiver, RecvTimeoutError};
+use std::sync::Weak;
 
-/// A master that notes its calls, and may forget everything.
+/// A master that notes its calls, may forget everything and may be silent.
 struct TestMaster {
     _server: Server,
     calls: Receiver<String>,
     known: Arc<Mutex<bool>>,
+    is_silent: Arc<AtomicBool>,
+    /// Number of calls to which it was silent.
+    unanswered: Arc<AtomicU64>,
     /// The publishers of every topic.
     publishers: Arc<Mutex<Vec<String>>>,
     registrar: Arc<Registrar>,
 }
 
 fn start() -> TestMaster {
-    start_with(no_list, |_| {})
+    start_with(|_| {}, |_| {})
 }
 
-fn no_list() -> Value {
-    Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])
-}
-
-/// A master whose list `system_state` answers.
+/// A master that calls `on_call` with each call that it notes, before it answers.
 fn start_with(
-    system_state: impl Fn() -> Value + Send + Sync + 'static,
+    on_call: impl Fn(&str) + Send + Sync + 'static,
     on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
 ) -> TestMaster {
     let (sender, calls) = channel();
     let (sender, known) = (Mutex::new(sender), Arc::new(Mutex::new(false)));
     let is_known = Arc::clone(&known);
+    let (is_silent, unanswered): (Arc<AtomicBool>, Arc<AtomicU64>) = Default::default();
+    let (silent, count) = (Arc::clone(&is_silent), Arc::clone(&unanswered));
     let publishers: Arc<Mutex<Vec<String>>> = Arc::default();
     let named = Arc::clone(&publishers);
     let server = Server::start("master", "127.0.0.1:0".parse().unwrap(), move |text| {
         let (method, params) = parse_call(text).unwrap();
         let answer = |value| Value::Array(vec![Value::Int(1), "".into(), value]);
         match method.as_str() {
+            _ if silent.load(Ordering::Acquire) => {
+                count.fetch_add(1, Ordering::AcqRel);
+                Value::Other("no answer", String::new())
+            }
             "lookupNode" if !*lock(&is_known) => Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]),
             // This node's own address.
             "lookupNode" => answer("http://127.0.0.1:1/".into()),
-            "getSystemState" => system_state(),
-            "getTopicTypes" => answer(Value::Array(Vec::new())),
+            "getSystemState" | "getTopicTypes" => answer(Value::Array(Vec::new())),
             _ => {
                 *lock(&is_known) = true;
                 let line = format!("{method} {}", params[1].as_str().unwrap());
+                on_call(&line);
                 lock(&sender).send(line).unwrap();
                 answer(Value::Array(lock(&named).iter().map(|uri| uri.as_str().into()).collect()))
             }
@@ -60,12 +66,12 @@ fn start_with(
     let registrar = Registrar::new(master, Arc::default(), on_publisher_left);
     let running = Arc::clone(&registrar);
     std::thread::spawn(move || running.run());
-    TestMaster { _server: server, calls, known, publishers, registrar }
+    TestMaster { _server: server, calls, known, is_silent, unanswered, publishers, registrar }
 }
 
 /// Registers `/a`, with what the master names as its publishers.
 fn subscribed(master: &TestMaster) -> Arc<Subscription> {
-    let subscription = subscription();
+    let subscription = subscription(&master.registrar);
     master.registrar.subscribe(&subscription);
     let begin = Instant::now();
     while lock(&master.registrar.state).registered.is_empty() {
@@ -85,8 +91,8 @@ fn next(master: &TestMaster) -> String {
 
 #[test]
 fn after_a_panic_registering_goes_on() {
-    let master = start_with(no_list, |_| panic!("a test's panic"));
-    let subscription = subscription();
+    let master = start_with(|_| {}, |_| panic!("a test's panic"));
+    let subscription = subscription(&master.registrar);
     master.registrar.subscribe(&subscription);
     assert_eq!(next(&master), "registerSubscriber /a");
     // A master that was restarted names nobody, so that this publisher has left.
@@ -97,17 +103,8 @@ fn after_a_panic_registering_goes_on() {
     while next(&master) != "registerService /s" {}
 }
 
-/// The list of a master that knows `/talker` as the publisher of `/a` and `/node` as its subscriber.
-fn talker_and_node() -> Value {
-    let list = |nodes: &str| {
-        let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
-        Value::Array(vec![Value::Array(topic)])
-    };
-    Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())])
-}
-
 /// A subscription of `/a`.
-fn subscription() -> Arc<Subscription> {
+fn subscription(registrar: &Arc<Registrar>) -> Arc<Subscription> {
     let wanted = Wanted {
         topic: "/a".into(),
         ros_type: "a/B".to_owned(),
@@ -116,13 +113,17 @@ fn subscription() -> Arc<Subscription> {
         node_name: "/node".to_owned(),
         number: 0,
     };
-    Arc::new(Subscription::new(wanted, Arc::new(NoHandler)))
+    Arc::new(Subscription::new(wanted, Arc::new(SubscribeAgain(Arc::downgrade(registrar)))))
 }
 
-struct NoHandler;
+struct SubscribeAgain(Weak<Registrar>);
 
-impl Handler for NoHandler {
+impl Handler for SubscribeAgain {
     fn contact_failed(&self, _uri: &str, _reason: &str) {}
+
+    fn connection_failed(&self) {
+        self.0.upgrade().unwrap().subscribe_again("/a");
+    }
 
     fn contacted(&self, _uri: &str) {}
 
@@ -150,19 +151,16 @@ fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
 }
 
 #[test]
-fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
+fn what_is_removed_while_it_is_registered_is_unregistered() {
     let entry = Entry::Subscriber { topic: "/a".to_owned(), ros_type: "a/B".to_owned(), number: 1 };
-    let state = talker_and_node();
     let registrar: Arc<Mutex<Option<Arc<Registrar>>>> = Arc::default();
     let (shared, removed) = (Arc::clone(&registrar), entry.clone());
-    let system_state = move || {
-        let registrar = lock(&shared).clone();
-        if let Some(registrar) = registrar.filter(|one| lock(&one.state).registered.contains(&removed)) {
+    let on_call = move |_: &str| {
+        if let Some(registrar) = &*lock(&shared) {
             registrar.remove(&removed);
         }
-        Value::Array(vec![Value::Int(1), "".into(), state.clone()])
     };
-    let master = start_with(system_state, |_| {});
+    let master = start_with(on_call, |_| {});
     *lock(&registrar) = Some(Arc::clone(&master.registrar));
     master.registrar.add(entry);
     assert_eq!(next(&master), "registerSubscriber /a");
@@ -171,18 +169,17 @@ fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
 }
 
 #[test]
-fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
-    let list = || Value::Array(vec![Value::Int(1), "".into(), talker_and_node()]);
-    let master = start_with(list, |_| {});
+fn a_subscription_is_registered_again_once_when_a_publisher_cannot_be_connected_with() {
+    let master = start();
     let talker = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let talker_uri = format!("http://{}/", talker.local_addr().unwrap());
     *lock(&master.publishers) = vec![talker_uri.clone()];
     let subscription = subscribed(&master);
-    // As many as the master names, but nobody answers there: what it told last was lost.
+    // What the master told last was lost: nobody answers there any more.
     let begin = Instant::now();
     master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
     assert_eq!(next(&master), "registerSubscriber /a");
-    while subscription.links().iter().all(|link| link.uri != talker_uri) {
+    while subscription.links().iter().any(|link| link.uri != talker_uri) {
         assert!(begin.elapsed() < TEST_PATIENCE);
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -190,7 +187,30 @@ fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
     *lock(&master.publishers) = vec![NOBODY.to_owned()];
     master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
     assert_eq!(next(&master), "registerSubscriber /a");
-    assert!(master.calls.recv_timeout(3 * GRAPH_PERIOD).is_err());
+    assert_eq!(master.calls.recv_timeout(3 * CHECK_PERIOD), Err(RecvTimeoutError::Timeout));
+}
+
+#[test]
+fn subscriptions_are_registered_again_with_a_master_that_was_silent() {
+    let master = start();
+    master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 1 });
+    assert_eq!(next(&master), "registerService /s");
+    let subscription = subscribed(&master);
+    master.is_silent.store(true, Ordering::Release);
+    let begin = Instant::now();
+    while master.unanswered.load(Ordering::Acquire) == 0 {
+        assert!(begin.elapsed() < TEST_PATIENCE);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // A publisher of which the node was not told.
+    *lock(&master.publishers) = vec![NOBODY.to_owned()];
+    master.is_silent.store(false, Ordering::Release);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    while subscription.links().is_empty() {
+        assert!(begin.elapsed() < TEST_PATIENCE);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(master.registrar.restarts(), 0);
 }
 
 #[test]

@@ -69,6 +69,9 @@ pub(crate) trait Handler: Send + Sync {
     /// Reports, once until it answers, that a publisher's node does not answer. May wait for the master.
     fn contact_failed(&self, uri: &str, reason: &str);
 
+    /// Reports, once until it is connected, that a publisher cannot be connected with.
+    fn connection_failed(&self);
+
     /// Reports that a publisher's node has answered.
     fn contacted(&self, uri: &str);
 
@@ -272,7 +275,7 @@ fn read_until_ended(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
 
 fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     let mut retry = FIRST_RETRY;
-    let mut is_logged = false;
+    let (mut is_logged, mut is_reported) = (false, false);
     while !link.is_ended() {
         let (result, stood_for) = match connect_to(link, wanted, handler) {
             Ok((stream, source)) => {
@@ -292,6 +295,11 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
         if stood_for >= SETTLED {
             retry = FIRST_RETRY;
         }
+        let was_connected = matches!(error, LinkError::Broken(_));
+        if !was_connected && !is_reported {
+            handler.connection_failed();
+        }
+        is_reported = !was_connected;
         let is_refusal = matches!(&error, LinkError::Refused(_) | LinkError::Ask { error: CallError::Refused(_), .. });
         match &error {
             // The publisher may be ending, which the master will report.

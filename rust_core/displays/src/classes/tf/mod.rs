@@ -3,7 +3,7 @@
 //! All frames that any transform ever named are shown, parents without a transform of their own included. A frame is
 //! as old as the last change of the time at which it can be placed in the fixed frame: what a moving frame carries ages
 //! with it, what is static does not age. Frames that grew too old stay in the list, and come back with new transforms;
-//! until then they cost next to nothing. Frames that the tree has forgotten, because there were too many, are dropped.
+//! until then they cost next to nothing.
 //!
 //! rviz updates the frames with each of its pictures, or after each "Update Interval". Here they are updated when
 //! transforms came and, while frames fade, as often as it can be seen.
@@ -61,7 +61,6 @@ impl Gone {
 struct LastUpdate {
     at: Time,
     generation: u64,
-    forgotten_frames: u64,
     /// The tree changed again when it was too early for another update.
     is_outdated: bool,
     next_fade: Option<Time>,
@@ -108,26 +107,6 @@ impl TfDisplay {
     }
 }
 
-impl TfDisplay {
-    /// Removes the frames that the tree has forgotten since the last update. Returns whether any was shown.
-    fn drop_forgotten(&mut self, world: &World<'_>) -> bool {
-        let known = self.last_update.map_or(0, |last| last.forgotten_frames);
-        if known == world.transforms.forgotten_frames() {
-            return false;
-        }
-        let mut was_shown = false;
-        self.frames.retain(|name, frame| {
-            let stays = world.transforms.frame_exists(name);
-            if !stays {
-                was_shown |= frame.symbol.hide();
-                self.statuses.remove(name);
-            }
-            stays
-        });
-        was_shown
-    }
-}
-
 /// Poses of a frame and of the arrow to its parent; `None` where it cannot be placed.
 fn place(name: &str, world: &World<'_>) -> Option<FramePlace> {
     let fixed_from_frame = world.fixed_from_each(name).ok()?;
@@ -146,7 +125,7 @@ impl Display for TfDisplay {
             return false;
         }
         let timeout = Duration::try_from_secs_f32(self.settings.frame_timeout_s).unwrap_or(Duration::MAX);
-        let mut changed = self.drop_forgotten(world);
+        let mut changed = false;
         let mut next_fade: Option<Time> = None;
         for name in world.transforms.frames() {
             if !self.frames.contains_key(name) {
@@ -190,9 +169,7 @@ impl Display for TfDisplay {
             }
         }
         let generation = world.transforms.generation();
-        let forgotten_frames = world.transforms.forgotten_frames();
-        self.last_update =
-            Some(LastUpdate { at: world.now, generation, forgotten_frames, is_outdated: false, next_fade });
+        self.last_update = Some(LastUpdate { at: world.now, generation, is_outdated: false, next_fade });
         if changed {
             self.drawables = self.frames.values().flat_map(|frame| frame.symbol.drawables()).cloned().collect();
         }

@@ -44,10 +44,15 @@ impl Publisher {
     }
 }
 
-struct Collect(Mutex<Sender<(Vec<u8>, Source)>>);
+/// Collects messages, and counts reports of failed connections.
+struct Collect(Mutex<Sender<(Vec<u8>, Source)>>, Arc<AtomicUsize>);
 
 impl Handler for Collect {
     fn contact_failed(&self, _uri: &str, _reason: &str) {}
+
+    fn connection_failed(&self) {
+        self.1.fetch_add(1, Ordering::AcqRel);
+    }
 
     fn contacted(&self, _uri: &str) {}
 
@@ -62,6 +67,11 @@ impl Handler for Collect {
 }
 
 fn subscribe() -> (Subscription, Receiver<(Vec<u8>, Source)>) {
+    subscribe_counting(&Arc::default())
+}
+
+/// As [`subscribe`], with a count of the reports of failed connections.
+fn subscribe_counting(failures: &Arc<AtomicUsize>) -> (Subscription, Receiver<(Vec<u8>, Source)>) {
     let (sender, messages) = channel();
     let wanted = Wanted {
         topic: "/a".into(),
@@ -71,7 +81,7 @@ fn subscribe() -> (Subscription, Receiver<(Vec<u8>, Source)>) {
         node_name: "/listener".to_owned(),
         number: 0,
     };
-    (Subscription::new(wanted, Arc::new(Collect(Mutex::new(sender)))), messages)
+    (Subscription::new(wanted, Arc::new(Collect(Mutex::new(sender), Arc::clone(failures)))), messages)
 }
 
 fn send(stream: &mut TcpStream, bytes: &[u8]) {
@@ -110,6 +120,24 @@ fn messages_come_with_their_publisher_and_again_after_each_break() {
     let pauses = [1, 2, 4, 8, 8, 8].map(|times| times * FIRST_RETRY);
     assert!(lasted.iter().zip(pauses).all(|(broken, pause)| *broken >= pause), "{lasted:?}");
     assert!(lasted[0] < LONGEST_RETRY && lasted[5] < 4 * LONGEST_RETRY, "{lasted:?}");
+}
+
+#[test]
+fn a_publisher_that_cannot_be_connected_with_is_reported_once_until_it_is_connected() {
+    let failures: Arc<AtomicUsize> = Arc::default();
+    let (publisher, (subscription, messages)) = (Publisher::start(), subscribe_counting(&failures));
+    let counted = || failures.load(Ordering::Acquire);
+    subscription.set_publishers(&[publisher.uri()]);
+    for breaks in 0..2 {
+        // Two attempts fail.
+        for _ in 0..2 {
+            drop(publisher.listener.accept().unwrap());
+        }
+        let mut stream = publisher.accept();
+        send(&mut stream, b"x");
+        assert_eq!(messages.recv_timeout(TEST_PATIENCE).unwrap().0, b"x");
+        assert_eq!(counted(), breaks + 1);
+    }
 }
 
 #[test]
