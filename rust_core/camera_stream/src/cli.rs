@@ -140,9 +140,9 @@ pub enum Command {
     Check(CheckArgs),
     /// Goes down the chain from the ROS master to the light and prints what is wrong and what to do about it
     ///
-    /// It takes a folder that `camera_stream setup` wrote, arguments of the package's launch files (NAME:=VALUE), or
-    /// all arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known. It runs without a graphical
-    /// session.
+    /// It takes a folder that `camera_stream setup` wrote or arguments of projection.launch (NAME:=VALUE), both of which
+    /// roslaunch reads, or with -d all arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known. It runs
+    /// without a graphical session.
     ///
     /// Exit status: 0 nothing is wrong, 1 something is, 2 invalid arguments, an unreadable file or no ROS master.
     Doctor(DoctorArgs),
@@ -260,7 +260,7 @@ pub struct CheckArgs {
 #[derive(Args, Clone, Debug)]
 pub struct DoctorArgs {
     /// The folder that `camera_stream setup` wrote
-    #[arg(value_name = "FOLDER")]
+    #[arg(value_name = "FOLDER", conflicts_with = "display_config")]
     pub folder: Option<PathBuf>,
     /// The arguments of the node that is examined.
     #[command(flatten)]

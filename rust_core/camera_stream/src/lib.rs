@@ -84,7 +84,7 @@ pub fn main() -> ExitCode {
 fn run(words: &[OsString], cli: &mut Cli) -> Result<ExitCode> {
     if let Some(Command::Doctor(args)) = &cli.command {
         let arguments = std::env::args_os().skip(1);
-        if let Some(arguments) = node_arguments(arguments, args.folder.as_deref())? {
+        if let Some(arguments) = node_arguments(arguments, args)? {
             return Err(restart(arguments).into());
         }
     }

@@ -1,6 +1,6 @@
 //! `camera_stream doctor`: each fault of the chain provoked, and a projection without any.
 
-use rcs_tests::programs::program;
+use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -20,6 +20,9 @@ impl Run {
     /// Runs the doctor on a display.
     fn new(master: &RosMaster, display: Option<&str>, args: &[&str]) -> Self {
         let mut command = master.environment(Command::new(program("camera_stream")));
+        // roslaunch looks for the package's programs in a workspace.
+        let space = tempfile::tempdir().unwrap();
+        package_in(space.path(), &mut command);
         for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "XAUTHORITY"] {
             command.env_remove(variable);
         }
@@ -41,6 +44,21 @@ impl Run {
     fn ended_with(&self, status: i32) {
         assert_eq!(self.status, Some(status), "{}\n{}", self.lines.join("\n"), self.errors);
     }
+}
+
+/// Makes a workspace with the package, and adds it to the paths of a program.
+fn package_in(space: &Path, command: &mut Command) {
+    let package = repository().join("ros_pkg");
+    std::fs::create_dir(space.join("lib")).unwrap();
+    let programs = program("camera_stream");
+    std::os::unix::fs::symlink(programs.parent().unwrap(), space.join("lib/rviz_camera_stream")).unwrap();
+    write(space, ".catkin", package.to_str().unwrap());
+    let before = |path: &Path, variable: &str, default: &str| {
+        let rest = std::env::var(variable).unwrap_or_else(|_| default.to_owned());
+        format!("{}:{rest}", path.display())
+    };
+    command.env("ROS_PACKAGE_PATH", before(&package, "ROS_PACKAGE_PATH", "/usr/share"));
+    command.env("CMAKE_PREFIX_PATH", before(space, "CMAKE_PREFIX_PATH", "/usr"));
 }
 
 fn write(folder: &Path, name: &str, text: &str) -> String {
@@ -110,6 +128,7 @@ fn a_projection_that_is_well_has_no_fault() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(file, folder.path().join("scene.rviz")).unwrap();
     let launch = r#"<launch><include file="$(find rviz_camera_stream)/launch/projection.launch">
+        <arg name="rviz_config" value="$(dirname)/scene.rviz"/>
         <arg name="viewer" value="window"/><arg name="monitor" value="HDMI-9"/><arg name="projector" value="none"/>
         <arg name="stale_timeouts" value="[{topic: /cloud, limit: held}]"/></include></launch>"#;
     write(folder.path(), "projection.launch", launch);
@@ -225,7 +244,9 @@ fn without_a_master_the_screen_is_checked_all_the_same() {
     run.has("✗ master: no ROS master at http://127.0.0.1:");
     run.has("? image: unknown without a master");
     run.has("✗ monitor: no monitor 'HDMI-7'; monitors: 0: screen 640x360+0+0");
-    for wrong in [&["/nowhere"][..], &["-d", "/nowhere/scene.rviz"], &[], &["--listen", "-1"]] {
+    let other = [&format!("rviz_config:={file}"), "viewer:=image_view", "monitor:=HDMI-8"];
+    Run::new(&master, Some(&screen.display), &other).has("✗ monitor: no monitor 'HDMI-8'; ");
+    for wrong in [&["/nowhere"][..], &["-d", "/nowhere/scene.rviz"], &[], &["viewer:=other"], &["--listen", "-1"]] {
         let refused = Run::new(&master, None, wrong);
         refused.ended_with(2);
         assert!(refused.lines.is_empty() && !refused.errors.is_empty(), "{wrong:?}");

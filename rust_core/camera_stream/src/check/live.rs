@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use anyhow::{Error, Result};
 use rcs_displays::{Level, Status};
-use rcs_ros::Parameters;
 use rcs_rviz_config::Config;
 
 use crate::check::session::Session;
@@ -40,7 +39,7 @@ fn check(
     listen: Duration,
     out: &mut dyn Write,
 ) -> Result<bool> {
-    let options = session.options(words, config, Parameters::new())?;
+    let options = session.options(words, config)?;
     let mut scene = session.scene(config, &options);
     // Kept because they know their publishers.
     let _subscriptions = session.listen(&mut scene, listen, &mut ())?;

@@ -8,7 +8,7 @@ use rcs_displays::time_from_stamp;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_node_support::node_options;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::{NodeEvent, Parameters, RosNode};
+use rcs_ros::{NodeEvent, RosNode};
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
@@ -55,13 +55,12 @@ impl Session {
         Ok(Self { ros, checked_name, end })
     }
 
-    /// Options of the examined node: the command line, the parameters that a launch file set for it, then `defaults`.
+    /// Options of the examined node: the command line, then the parameters that a launch file set for it.
     ///
     /// # Errors
     /// An invalid parameter.
-    pub(crate) fn options(&self, words: &[OsString], config: &Config, defaults: Parameters) -> Result<Options> {
-        let mut parameters = defaults;
-        parameters.extend(self.ros.parameters_of(&self.checked_name)?);
+    pub(crate) fn options(&self, words: &[OsString], config: &Config) -> Result<Options> {
+        let mut parameters = self.ros.parameters_of(&self.checked_name)?;
         parameters.extend(self.ros.parameters().clone());
         Ok(Options::of(&node_options::merge(words, &parameters)?, &config_names(config))?)
     }

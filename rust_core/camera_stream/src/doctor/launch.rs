@@ -1,115 +1,66 @@
-//! A launch file's arguments as arguments of the node, so that a launch line or a folder of `setup` can be examined.
+//! The node of a launch file as roslaunch starts it, so that a launch line or a folder of `setup` can be examined.
 //!
-//! `camera_stream doctor FOLDER` and `camera_stream doctor NAME:=VALUE…` start again with what the launch file would
-//! give the node: `-d`, `--viewer`, `--monitor`, remappings and private parameters (`_name:=value`).
+//! `camera_stream doctor FOLDER` and `camera_stream doctor NAME:=VALUE…` start again with the node's arguments and
+//! remappings (`roslaunch --args`), its parameters as `_name:=value` (`roslaunch --dump-params`), and the viewer.
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io;
 use std::os::unix::process::CommandExt as _;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use rcs_node_support::node_options::parameter_names;
-use rcs_ros::{ParameterValue, Parameters};
+use anyhow::{anyhow, bail, Result};
+use serde_json::Value;
 
-use crate::cli::Cli;
+use crate::cli::DoctorArgs;
 
-/// The launch file in a folder of `setup`, and its config.
+/// The launch file in a folder of `setup`, and the package's.
 const LAUNCH_FILE: &str = "projection.launch";
-const CONFIG_FILE: &str = "scene.rviz";
+const PACKAGE: &str = "rviz_camera_stream";
 
-const CONFIG: &str = "rviz_config";
-const VIEWER: &str = "viewer";
-const MONITOR: &str = "monitor";
-const DEFAULT_VIEWER: &str = "projector_window";
+const NODE: &str = "/camera_stream";
+/// The node that places the window of `image_view`.
+const PLACE_NODE: &str = "/image_view_place";
 
-/// Arguments of projection.launch and fetch.launch that remap a topic.
-const TOPICS: [(&str, &str); 7] = [
-    ("camera_info_topic", "/proj_view/camera_info"),
-    ("image_topic", "/proj_view/image"),
-    ("head_cloud_topic", "/head_camera/depth_registered/points"),
-    ("clusters_topic", "/widget/clusters"),
-    ("desired_object_topic", "/widget/desired_object"),
-    ("path_topic", "/move_base/NavfnROS/plan"),
-    ("markers_topic", "/visualization_marker_array"),
-];
-/// Their arguments that do not concern the node.
-const OTHERS: [&str; 19] = [
-    "projector",
-    "respawn",
-    "sample_scene",
-    "clouds_frame",
-    "clusters",
-    "desired_object",
-    "turret",
-    "path_arrows",
-    "line_of_sight",
-    "turret_command",
-    "pan_topic",
-    "tilt_topic",
-    "trajectory_topic",
-    "moveit_msgs",
-    "frame_id",
-    "target",
-    "turret_aim_parameters",
-    "nav_path_markers_parameters",
-    "line_of_sight_parameters",
-];
-/// Parameters that projection.launch sets to something else than the node's default.
-const DEFAULTS: [(&str, &str); 3] = [("projection", "exact"), ("undistort", "true"), ("stale_timeout", "1")];
-/// Topics that projection.launch shows as long as they have a publisher.
-const HELD: [&str; 2] = ["/move_base/NavfnROS/plan", "/visualization_marker_array"];
+const ROSLAUNCH: &str = "roslaunch";
+const ROSLAUNCH_TIMEOUT_SECS: &str = "60";
 
-/// Why a launch file cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum LaunchError {
-    /// The file cannot be read.
-    #[error("cannot read {file}: {error}; name a folder that camera_stream setup wrote", file = .file.display())]
-    Unreadable {
-        file: PathBuf,
-        #[source]
-        error: io::Error,
-    },
-    /// The file is not XML.
-    #[error("{file}: {error}", file = .file.display())]
-    Xml {
-        file: PathBuf,
-        #[source]
-        error: roxmltree::Error,
-    },
-}
+/// Parameters of all nodes of a launch file by their whole names.
+type Parameters = BTreeMap<String, Value>;
 
-type Arguments = BTreeMap<String, String>;
-
-/// The process's arguments, without the program's name, with those of a launch file translated; `None` where there are
-/// none. `folder` is one of the arguments.
+/// The process's arguments, without the program's name, with a launch file in them replaced by what it gives the node;
+/// `None` where there is none. With `-d`, all arguments are the node's.
 ///
 /// # Errors
-/// [`LaunchError`].
+/// What roslaunch refuses, or why it cannot be run.
 pub(crate) fn node_arguments(
     arguments: impl IntoIterator<Item = OsString>,
-    folder: Option<&Path>,
-) -> Result<Option<Vec<OsString>>, LaunchError> {
-    let parameters = parameter_names::<Cli>();
-    let (mut given, mut rest, mut folder_word) = (Arguments::new(), Vec::new(), folder);
-    for argument in arguments {
-        match argument.to_str().and_then(|text| text.split_once(":=")) {
-            Some((name, value)) if is_launch_argument(name, &parameters) => {
-                given.insert(name.to_owned(), value.to_owned());
-            }
-            _ if folder_word.is_some_and(|folder| folder.as_os_str() == argument) => folder_word = None,
-            _ => rest.push(argument),
+    args: &DoctorArgs,
+) -> Result<Option<Vec<OsString>>> {
+    let (given, mut words): (Vec<_>, Vec<_>) = arguments.into_iter().partition(is_launch_argument);
+    if args.node.display_config.is_some() || (args.folder.is_none() && given.is_empty()) {
+        return Ok(None);
+    }
+    let mut file: Vec<OsString> = vec![PACKAGE.into(), LAUNCH_FILE.into()];
+    if let Some(folder) = &args.folder {
+        file = vec![folder.join(LAUNCH_FILE).into()];
+        if let Some(place) = words.iter().rposition(|word| word.as_os_str() == folder.as_os_str()) {
+            words.remove(place);
         }
     }
-    let mut all = match folder {
-        Some(folder) => of_folder(folder, &given)?,
-        None if given.is_empty() => return Ok(None),
-        None => Arguments::new(),
+    file.extend(given);
+    let roslaunch = |asked: &[&str]| {
+        let asked = asked.iter().map(OsStr::new).chain(file.iter().map(OsString::as_os_str));
+        output(ROSLAUNCH, asked, ROSLAUNCH_TIMEOUT_SECS)
     };
-    all.extend(given);
-    rest.extend(translated(&all, &parameters));
-    Ok(Some(rest))
+    let mut node = words_of(&roslaunch(&["--args", NODE])?, NODE);
+    let dumped = roslaunch(&["--dump-params"])?;
+    let dumped: Parameters =
+        serde_yaml_ng::from_str(&dumped).map_err(|error| anyhow!("{ROSLAUNCH} --dump-params: {error}"))?;
+    node.extend(private_arguments(&dumped));
+    let place = if is_image_view(&dumped) { roslaunch(&["--args", PLACE_NODE])? } else { String::new() };
+    node.extend(viewer(&dumped, &words_of(&place, "/projector_window")));
+    Ok(Some(words.into_iter().chain(node.into_iter().map(OsString::from)).collect()))
 }
 
 /// Replaces the process by the same program with other arguments, because remappings and private parameters are read
@@ -125,198 +76,140 @@ pub(crate) fn restart(arguments: Vec<OsString>) -> io::Error {
     command.arg0(std::env::args_os().next().unwrap_or_default()).args(arguments).exec()
 }
 
-/// The parameters that a launch file gives the node by default.
-pub(super) fn default_parameters() -> Parameters {
-    let held = |topic: &&str| {
-        let fields = [("topic", *topic), ("limit", "held")];
-        ParameterValue::Struct(fields.map(|(name, value)| (name.to_owned(), value.into())).into())
-    };
-    let timeouts = ("stale_timeouts".to_owned(), ParameterValue::Array(HELD.iter().map(held).collect()));
-    let texts = DEFAULTS.iter().map(|(name, value)| ((*name).to_owned(), ParameterValue::from(*value)));
-    texts.chain([timeouts]).collect()
+/// Whether a word is `NAME:=VALUE` of a launch file, no private parameter and no remapping of an absolute name.
+fn is_launch_argument(word: &OsString) -> bool {
+    let text = word.to_string_lossy();
+    text.split_once(":=").is_some_and(|(name, _)| !name.starts_with(['_', '~', '/']))
 }
 
-fn is_launch_argument(name: &str, parameters: &[String]) -> bool {
-    let is_topic = TOPICS.iter().any(|(argument, _)| *argument == name);
-    let is_parameter = parameters.iter().any(|parameter| parameter == name);
-    is_topic || is_parameter || [CONFIG, VIEWER, MONITOR].contains(&name) || OTHERS.contains(&name)
-}
-
-/// A launch file's arguments as the node's.
-fn translated(arguments: &Arguments, parameters: &[String]) -> Vec<OsString> {
-    let viewer = arguments.get(VIEWER).map_or(DEFAULT_VIEWER, String::as_str);
-    let mut words = vec![format!("--{VIEWER}={viewer}")];
-    for (name, value) in arguments.iter().filter(|(_, value)| !value.is_empty()) {
-        if name == CONFIG {
-            words.extend(["-d".to_owned(), value.clone()]);
-        } else if name == MONITOR {
-            words.push(format!("--{MONITOR}={value}"));
-        } else if let Some((_, topic)) = TOPICS.iter().find(|(argument, _)| argument == name) {
-            words.push(format!("{topic}:={value}"));
-        } else if parameters.contains(name) {
-            words.push(format!("_{name}:={value}"));
+/// What a program prints on its standard output.
+fn output<'a>(program: &str, arguments: impl Iterator<Item = &'a OsStr>, timeout_secs: &str) -> Result<String> {
+    #[expect(clippy::disallowed_methods, reason = "roslaunch with a limit, without a shell")]
+    let mut command = Command::new("timeout");
+    command.args([timeout_secs, program]).args(arguments).stdin(Stdio::null());
+    // Nodes are named without it, whatever the namespace of this one.
+    command.env_remove("ROS_NAMESPACE");
+    let output = command.output().map_err(|error| anyhow!("cannot run {program}: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    match output.status.code() {
+        // A launch file that cannot be read has no other sign of it with --dump-params.
+        Some(0) if !text.trim().is_empty() => Ok(text),
+        Some(124) => bail!("{program} has not ended within {timeout_secs} s"),
+        Some(127) => {
+            bail!("cannot run {program}: not found; source ROS's setup.bash, or name the config with -d FILE.rviz")
         }
-    }
-    words.into_iter().map(OsString::from).collect()
-}
-
-/// Most bytes of a launch file.
-const MAX_LAUNCH_FILE_BYTES: u64 = 4 << 20;
-
-/// The arguments that the launch file of a folder gives the launch files that it includes.
-fn of_folder(folder: &Path, given: &Arguments) -> Result<Arguments, LaunchError> {
-    let file = folder.join(LAUNCH_FILE);
-    let text = match rcs_user_files::read_text(&file, MAX_LAUNCH_FILE_BYTES) {
-        Ok(text) => text,
-        Err(error) => return Err(LaunchError::Unreadable { file, error }),
-    };
-    match of_launch_file(&text, folder, given) {
-        Ok(arguments) => Ok(arguments),
-        Err(error) => Err(LaunchError::Xml { file, error }),
+        _ => bail!("{program} failed: {}", without_traceback(&output.stderr)),
     }
 }
 
-fn of_launch_file(text: &str, folder: &Path, given: &Arguments) -> Result<Arguments, roxmltree::Error> {
-    let document = roxmltree::Document::parse(text)?;
-    let elements = |node: roxmltree::Node<'_, '_>, tag: &str| -> Vec<_> {
-        node.children().filter(|child| child.has_tag_name(tag)).map(|child| child.id()).collect()
-    };
-    let read = |element: roxmltree::NodeId, outer: &Arguments| {
-        let element = document.get_node(element)?;
-        let value = element.attribute("value").or_else(|| element.attribute("default"))?;
-        Some((element.attribute("name")?.to_owned(), substituted(value, outer, folder)?))
-    };
-    let root = document.root_element();
-    let mut own = Arguments::new();
-    for argument in elements(root, "arg") {
-        own.extend(read(argument, &own));
-        own.extend(
-            given
-                .iter()
-                .filter(|(name, _)| own.contains_key(*name))
-                .map(|(n, v)| (n.clone(), v.clone()))
-                .collect::<Vec<_>>(),
-        );
-    }
-    let mut all = own.clone();
-    for include in elements(root, "include").into_iter().filter_map(|id| document.get_node(id)) {
-        all.extend(elements(include, "arg").into_iter().filter_map(|argument| read(argument, &own)));
-    }
-    let config = || folder.join(CONFIG_FILE).to_string_lossy().into_owned();
-    all.entry(CONFIG.to_owned()).or_insert_with(config);
-    Ok(all)
+/// What a Python program prints about an error, in one line without colours.
+fn without_traceback(printed: &[u8]) -> String {
+    let text = String::from_utf8_lossy(printed).replace("\x1b[31m", "").replace("\x1b[0m", "");
+    let is_trace = |line: &&str| line.starts_with("  ") || line.to_lowercase().contains("traceback");
+    rcs_logging::flat(&text.lines().filter(|line| !is_trace(line)).collect::<Vec<_>>().join("\n"))
 }
 
-/// A value with `$(arg NAME)` and `$(dirname)` replaced; `None` if it has other substitutions, which only roslaunch
-/// knows.
-fn substituted(value: &str, arguments: &Arguments, folder: &Path) -> Option<String> {
-    let mut parts = value.split("$(");
-    let mut text = parts.next()?.to_owned();
-    for part in parts {
-        let (inner, rest) = part.split_once(')')?;
-        match inner.split_whitespace().collect::<Vec<_>>()[..] {
-            ["arg", name] => text.push_str(arguments.get(name)?),
-            ["dirname"] => text.push_str(&folder.to_string_lossy()),
-            _ => return None,
-        }
-        text.push_str(rest);
+/// A node's arguments and remappings, which stand behind its program in the command line that roslaunch prints.
+fn words_of(command_line: &str, program: &str) -> Vec<String> {
+    let words = command_line.split_whitespace().skip_while(|word| !word.ends_with(program)).skip(1);
+    words.map(str::to_owned).collect()
+}
+
+/// The node's parameters as `_name:=value`. JSON is YAML in one line.
+fn private_arguments(parameters: &Parameters) -> impl Iterator<Item = String> + '_ {
+    let own = |(name, value): (&String, &Value)| {
+        let name = name.strip_prefix(NODE)?.strip_prefix('/')?;
+        Some(format!("_{name}:={value}"))
+    };
+    parameters.iter().filter_map(own)
+}
+
+fn is_image_view(parameters: &Parameters) -> bool {
+    parameters.contains_key("/image_view/window_name")
+}
+
+/// The viewer and its monitor as options. `place` are the arguments of the node that places the window of `image_view`.
+fn viewer(parameters: &Parameters, place: &[String]) -> Vec<String> {
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    if let Some(monitor) = parameters.get("/projector_window/monitor") {
+        return vec!["--viewer=projector_window".to_owned(), format!("--monitor={}", text(monitor))];
     }
-    Some(text)
+    if is_image_view(parameters) {
+        let monitor = place.iter().skip_while(|word| *word != "--monitor").take(2).cloned();
+        return std::iter::once("--viewer=image_view".to_owned()).chain(monitor).collect();
+    }
+    match parameters.get("/camera_stream/window").filter(|value| *value != "none") {
+        None => vec!["--viewer=none".to_owned()],
+        // `~window` has them all.
+        Some(Value::Array(_)) => Vec::new(),
+        Some(monitor) => vec![format!("--window={}", text(monitor))],
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn words(arguments: &[&str], folder: Option<&Path>) -> Vec<String> {
-        let arguments = arguments.iter().map(OsString::from);
-        let words = node_arguments(arguments, folder).unwrap().unwrap();
-        words.into_iter().map(|word| word.into_string().unwrap()).collect()
-    }
-
     #[test]
-    fn launch_arguments_become_those_of_the_node() {
-        let given = [
-            "doctor",
-            "rviz_config:=/a/scene.rviz",
-            "projector:=/a/p.yaml",
-            "monitor:=HDMI-1",
-            "stale_timeouts:=[{topic: /plan, limit: held}]",
-            "image_topic:=/wall/image",
-            "--listen",
-            "2",
-            "/other:=/topic",
-            "fixed_frame:=",
-        ];
-        let expected = [
-            "doctor",
-            "--listen",
-            "2",
-            "/other:=/topic",
-            "--viewer=projector_window",
-            "/proj_view/image:=/wall/image",
-            "--monitor=HDMI-1",
-            "-d",
-            "/a/scene.rviz",
-            "_stale_timeouts:=[{topic: /plan, limit: held}]",
-        ];
-        assert_eq!(words(&given, None), expected);
-        let plain = ["doctor", "-d", "x.rviz", "/a:=/b", "__name:=x"].map(OsString::from);
-        assert_eq!(node_arguments(plain, None).unwrap(), None, "nothing of a launch file");
-    }
-
-    #[test]
-    fn a_folder_gives_what_its_launch_file_passes_on() {
-        let folder = tempfile::tempdir().unwrap();
-        let launch = r#"<launch>
-          <arg name="monitor" default="HDMI-1"/>
-          <include file="$(find rviz_camera_stream)/launch/projection.launch">
-            <arg name="rviz_config" value="$(dirname)/scene.rviz"/>
-            <arg name="monitor" value="$(arg monitor)"/>
-            <arg name="stale_timeout" value="1"/>
-            <arg name="clusters" value="$(eval 1)"/>
-          </include>
-        </launch>"#;
-        std::fs::write(folder.path().join(LAUNCH_FILE), launch).unwrap();
-        let name = folder.path().to_str().unwrap();
-        let expected = |monitor: &str| {
-            let config = format!("{name}/scene.rviz");
-            let monitor = format!("--monitor={monitor}");
-            ["doctor", "--viewer=projector_window", &monitor, "-d", &config, "_stale_timeout:=1"].map(str::to_owned)
-        };
-        assert_eq!(words(&["doctor", name], Some(folder.path())), expected("HDMI-1"));
-        assert_eq!(words(&["doctor", name, "monitor:=DP-1"], Some(folder.path())), expected("DP-1"));
-        std::fs::write(folder.path().join(LAUNCH_FILE), "<launch>").unwrap();
-        assert!(node_arguments([], Some(folder.path())).unwrap_err().to_string().contains(LAUNCH_FILE));
-        let error = node_arguments([], Some(Path::new("/nowhere"))).unwrap_err().to_string();
-        assert!(
-            error.starts_with("cannot read /nowhere/projection.launch: ") && error.contains("; name a folder"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn every_argument_of_the_launch_files_is_known_with_its_default() {
-        let parameters = parameter_names::<Cli>();
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch");
-        for file in ["projection.launch", "fetch.launch"] {
-            let text = std::fs::read_to_string(folder.join(file)).unwrap();
-            let document = roxmltree::Document::parse(&text).unwrap();
-            let arguments: Vec<_> =
-                document.root_element().children().filter(|child| child.has_tag_name("arg")).collect();
-            let default = |name: &str| {
-                let found = arguments.iter().find(|argument| argument.attribute("name") == Some(name));
-                found.and_then(|argument| argument.attribute("default")).unwrap_or_default()
-            };
-            for argument in &arguments {
-                let name = argument.attribute("name").unwrap();
-                assert!(is_launch_argument(name, &parameters), "{file}: {name}");
-            }
-            for (name, value) in DEFAULTS.iter().chain(&[(VIEWER, DEFAULT_VIEWER)]) {
-                assert_eq!(default(name), *value, "{file}: {name}");
-            }
-            let held: Vec<String> = HELD.iter().map(|topic| format!("{{topic: {topic}, limit: held}}")).collect();
-            assert_eq!(default("stale_timeouts"), format!("[{}]", held.join(", ")), "{file}");
+    fn arguments_of_a_launch_file_are_told_from_remappings_and_private_parameters() {
+        let is_given = |word: &str| is_launch_argument(&word.into());
+        assert!(is_given("monitor:=HDMI-1") && is_given("rviz_config:=/a/scene.rviz"));
+        for word in ["doctor", "--listen", "-d", "/a:=/b", "~a:=b", "_web:=8080", "__name:=x"] {
+            assert!(!is_given(word), "{word}");
         }
+    }
+
+    #[test]
+    fn the_nodes_arguments_and_remappings_follow_its_program() {
+        let printed = "ROS_MASTER_URI=\"http://robot:11311/\" nice /opt/lib/rviz_camera_stream/camera_stream \
+                       -d /a/camera_stream /proj_view/image:=/wall/image __name:=camera_stream\n";
+        let expected = ["-d", "/a/camera_stream", "/proj_view/image:=/wall/image", "__name:=camera_stream"];
+        assert_eq!(words_of(printed, NODE), expected);
+    }
+
+    #[test]
+    fn parameters_keep_their_types() {
+        let dumped = "/camera_stream/blend_gamma: 2.2\n/camera_stream/lazy: true\n/camera_stream/stale_timeouts:\n\
+                      - limit: held\n  topic: /plan\n/camera_stream/web: '8080'\n/camera_streams/a: 1\n/projector/a: 1";
+        let parameters: Parameters = serde_yaml_ng::from_str(dumped).unwrap();
+        let expected = [
+            "_blend_gamma:=2.2",
+            "_lazy:=true",
+            r#"_stale_timeouts:=[{"limit":"held","topic":"/plan"}]"#,
+            r#"_web:="8080""#,
+        ];
+        assert_eq!(private_arguments(&parameters).collect::<Vec<_>>(), expected);
+        let (_, text) = expected[2].split_once(":=").unwrap();
+        let read: Value = serde_yaml_ng::from_str(text).unwrap();
+        assert_eq!(Some(&read), parameters.get("/camera_stream/stale_timeouts"), "arguments are read as YAML");
+    }
+
+    #[test]
+    fn the_viewer_is_the_one_that_the_launch_file_starts() {
+        let viewer_of = |dumped: &str| {
+            let place = words_of("/a/projector_window --place title --monitor DP-1 __name:=x", "/projector_window");
+            viewer(&serde_yaml_ng::from_str(dumped).unwrap(), &place).join(" ")
+        };
+        let none = "/camera_stream/window: none\n";
+        let with = |other: &str| viewer_of(&format!("{none}{other}"));
+        assert_eq!(with("/projector_window/monitor: 1"), "--viewer=projector_window --monitor=1");
+        assert_eq!(with("/image_view/window_name: title"), "--viewer=image_view --monitor DP-1");
+        assert_eq!(with(""), "--viewer=none");
+        assert_eq!(viewer_of("/camera_stream/window: HDMI-1"), "--window=HDMI-1");
+        assert_eq!(viewer_of("/camera_stream/window: [{camera: A, monitor: DP-1}]"), "");
+    }
+
+    #[test]
+    fn a_program_that_is_missing_hangs_or_fails_is_an_error_with_its_reason() {
+        let run = |program: &str, arguments: &[&str], timeout_secs: &str| {
+            let printed = output(program, arguments.iter().map(OsStr::new), timeout_secs);
+            printed.unwrap_or_else(|error| error.to_string())
+        };
+        assert_eq!(run("echo", &["words"], "10"), "words\n");
+        assert!(run("/nowhere/roslaunch", &[], "10").starts_with("cannot run /nowhere/roslaunch: not found; source"));
+        assert_eq!(run("sleep", &["10"], "0.1"), "sleep has not ended within 0.1 s");
+        let failing = "printf 'Traceback:\\n  in line 1\\n\\033[31mno such\\n file\\033[0m' >&2; exit 1";
+        assert_eq!(run("sh", &["-c", failing], "10"), "sh failed: no such file");
+        assert_eq!(run("sh", &["-c", "echo 'cannot load' >&2"], "10"), "sh failed: cannot load", "nothing is printed");
     }
 }

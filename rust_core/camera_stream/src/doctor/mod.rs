@@ -26,7 +26,6 @@ use std::io::Write;
 use std::time::Instant;
 
 use anyhow::{Error, Result};
-use rcs_ros::Parameters;
 use rcs_rviz_config::Config;
 
 pub(crate) use self::displays::advice_for;
@@ -84,9 +83,7 @@ pub(crate) fn run(
 
 /// The findings of a running ROS.
 fn examine(session: &Session, config: &Config, words: &[OsString], args: &DoctorArgs) -> Result<Vec<Finding>> {
-    // A viewer is named for a launch file.
-    let defaults = args.viewer.map_or_else(Parameters::new, |_| launch::default_parameters());
-    let options = session.options(words, config, defaults)?;
+    let options = session.options(words, config)?;
     let limits = age_limits(&session.ros, &options.light)?;
     let mut scene = session.scene(config, &options);
     let _images = image::subscribe(&session.ros, scene.cameras().iter());
