@@ -42,7 +42,7 @@ fn check(
     let options = session.options(words, config)?;
     let mut scene = session.scene(config, &options);
     // Kept because they know their publishers.
-    let _subscriptions = session.listen(&mut scene, listen, &mut ())?;
+    let _subscriptions = session.listen(&mut scene, listen)?;
     session.ros.query_publications();
     let mut entries = session.display_entries(&scene, &options);
     entries.extend(scene.cameras().iter().map(|view| status_tree::camera(&scene, view, options.model)));

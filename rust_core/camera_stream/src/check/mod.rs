@@ -1,6 +1,7 @@
 //! `camera_stream check`: the parts of a config that are understood and drawn.
 
 pub(crate) mod live;
+pub(crate) mod observed;
 pub(crate) mod session;
 mod table;
 

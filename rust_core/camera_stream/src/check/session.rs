@@ -8,10 +8,11 @@ use rcs_displays::time_from_stamp;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_node_support::node_options;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::{NodeEvent, RosNode};
+use rcs_ros::RosNode;
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
+use crate::check::observed::Observed;
 use crate::options::Options;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
@@ -20,18 +21,6 @@ use crate::scene::SceneState;
 use crate::{config_names, NODE_NAME};
 
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
-
-/// Something that follows a session.
-pub(crate) trait Observer {
-    /// Called for each event before it is applied. `now` is ROS time.
-    fn event(&mut self, _event: &NodeEvent, _now: Time) {}
-
-    /// Called after each update of the scene.
-    fn updated(&mut self, _scene: &SceneState, _now: Time) {}
-}
-
-/// Observes nothing.
-impl Observer for () {}
 
 /// A node beside the one that is examined.
 pub(crate) struct Session {
@@ -72,19 +61,15 @@ impl Session {
         SceneState::new(config, options.fixed_frame.as_deref(), meshes)
     }
 
-    /// Applies received messages to the scene for a while. Returns the subscriptions, which know their publishers.
+    /// Applies received messages to the scene for a while. Returns the subscriptions, which know their
+    /// publishers, and what has arrived.
     ///
     /// # Errors
     /// Transforms cannot be subscribed to.
-    pub(crate) fn listen(
-        &self,
-        scene: &mut SceneState,
-        listen: Duration,
-        observer: &mut dyn Observer,
-    ) -> Result<Subscriptions> {
+    pub(crate) fn listen(&self, scene: &mut SceneState, listen: Duration) -> Result<(Subscriptions, Observed)> {
         let ros = &self.ros;
         ros.subscribe_transforms()?;
-        let mut subscriptions = Subscriptions::default();
+        let (mut subscriptions, mut observed) = (Subscriptions::default(), Observed::default());
         subscriptions.update(ros, scene.topics());
         ros.follow_parameters(scene.parameters());
         let started = Instant::now();
@@ -92,13 +77,13 @@ impl Session {
             let left = listen.saturating_sub(started.elapsed());
             for event in ros.events().wait(left.min(LONGEST_SLEEP)) {
                 let now = self.now();
-                observer.event(&event, now);
+                observed.event(&event, now);
                 subscriptions.apply(event, scene, now);
             }
             scene.update(self.now());
-            observer.updated(scene, self.now());
+            observed.updated(scene, self.now());
             if left.is_zero() || self.end.is_requested() {
-                return Ok(subscriptions);
+                return Ok((subscriptions, observed));
             }
         }
     }

@@ -8,7 +8,7 @@ use rcs_ros::{RosNode, TopicSubscription};
 
 use super::finding::{secs, Finding};
 use super::look::Look;
-use super::observed::Arrivals;
+use crate::check::observed::Arrivals;
 
 /// Images that wait for the doctor's thread, so that none is missed while it updates the scene.
 const QUEUE_SIZE: usize = 10;
@@ -94,8 +94,8 @@ mod tests {
 
     use rcs_messages::std_msgs::Header;
 
-    use super::super::observed::tests::arrivals;
     use super::*;
+    use crate::check::observed::tests::arrivals;
 
     #[test]
     fn images_are_judged_by_rate_age_and_light() {

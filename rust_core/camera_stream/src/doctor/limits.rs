@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::finding::{secs, Finding};
 use super::look::Look;
-use super::observed::Arrivals;
+use crate::check::observed::Arrivals;
 use crate::safety::ages::limits::AgeLimit;
 
 /// Limit that is advised, as a multiple of the longest time between messages.
@@ -89,8 +89,8 @@ impl Topic<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::observed::tests::arrivals;
     use super::*;
+    use crate::check::observed::tests::arrivals;
 
     /// The line for messages at these seconds of five.
     fn line(limit: AgeLimit, is_held: bool, times_secs: &[f64], delay_secs: f64) -> String {

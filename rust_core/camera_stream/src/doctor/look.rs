@@ -7,7 +7,7 @@ use rcs_displays::CameraView;
 use rcs_ros::Publications;
 
 use super::finding::check_name;
-use super::observed::Observed;
+use crate::check::observed::Observed;
 use crate::check::session::Session;
 use crate::options::Options;
 use crate::safety::ages::limits::AgeLimits;

@@ -4,7 +4,7 @@
 //!  graph: master, clocks ─► camera: CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
 //! ```
 //!
-//! It listens as `check --live` does and to the images as well ([`observed`]), then each file makes one group of
+//! It listens as `check --live` does and to the images as well, then each file makes one group of
 //! checks. A check gives [`finding::Finding`]s, which are printed here and nowhere else. It needs no graphical session.
 
 mod camera;
@@ -16,7 +16,6 @@ mod image;
 pub(crate) mod launch;
 mod limits;
 mod look;
-mod observed;
 mod screen;
 pub(crate) mod viewer;
 mod windows;
@@ -31,7 +30,6 @@ use rcs_rviz_config::Config;
 pub(crate) use self::displays::advice_for;
 use self::finding::{Finding, Mark};
 use self::look::Look;
-use self::observed::Observed;
 use self::windows::Windows;
 use crate::check::live::is_closed_pipe;
 use crate::check::session::Session;
@@ -87,8 +85,8 @@ fn examine(session: &Session, config: &Config, words: &[OsString], args: &Doctor
     let limits = age_limits(&session.ros, &options.light)?;
     let mut scene = session.scene(config, &options);
     let _images = image::subscribe(&session.ros, scene.cameras().iter());
-    let (mut observed, started) = (Observed::default(), Instant::now());
-    let subscriptions = session.listen(&mut scene, args.listen, &mut observed)?;
+    let started = Instant::now();
+    let (subscriptions, observed) = session.listen(&mut scene, args.listen)?;
     let ended = Instant::now();
     let look = Look {
         session,

@@ -1,4 +1,4 @@
-//! What arrives while the doctor listens: the topics' rates, the publishers' clocks, the age of lenses' transforms.
+//! What arrives while a session listens: the topics' rates, the publishers' clocks, the age of lenses' transforms.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -9,21 +9,20 @@ use rcs_messages::{header, AnyMessage, Image};
 use rcs_ros::NodeEvent;
 use rcs_transforms::Time;
 
-use crate::check::session::Observer;
 use crate::scene::SceneState;
 
 /// Arrivals of a topic's messages.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Arrivals {
-    pub(super) count: usize,
-    pub(super) first: Instant,
-    pub(super) last: Instant,
+pub(crate) struct Arrivals {
+    pub(crate) count: usize,
+    pub(crate) first: Instant,
+    pub(crate) last: Instant,
     /// Longest time between two messages.
-    pub(super) longest_gap: Duration,
+    pub(crate) longest_gap: Duration,
     /// Longest time between a message's stamp and its arrival; zero without stamps.
-    pub(super) longest_delay: Duration,
+    pub(crate) longest_delay: Duration,
     /// Age of the last message when it arrived, seconds; `None` without a stamp.
-    pub(super) last_age_secs: Option<f64>,
+    pub(crate) last_age_secs: Option<f64>,
 }
 
 impl Arrivals {
@@ -40,7 +39,7 @@ impl Arrivals {
     }
 
     /// Mean time between messages; `None` for fewer than two.
-    pub(super) fn period(&self) -> Option<Duration> {
+    pub(crate) fn period(&self) -> Option<Duration> {
         let gaps = u32::try_from(self.count).ok()?.checked_sub(1).filter(|gaps| *gaps > 0)?;
         Some(self.last.saturating_duration_since(self.first) / gaps)
     }
@@ -56,22 +55,22 @@ struct Stamps {
     offset_secs: f64,
 }
 
-/// Topics and images received while the doctor listens.
+/// Topics and images received while a session listens.
 #[derive(Debug, Default)]
-pub(super) struct Observed {
+pub(crate) struct Observed {
     /// By whole name.
-    pub(super) topics: HashMap<Arc<str>, Arrivals>,
+    pub(crate) topics: HashMap<Arc<str>, Arrivals>,
     /// The last image of each topic, by whole name.
-    pub(super) images: HashMap<Arc<str>, Arc<Image>>,
+    pub(crate) images: HashMap<Arc<str>, Arc<Image>>,
     /// Greatest age of the newest transform between a lens and the fixed frame, by the CameraInfo topic's name in the
     /// config. None for a lens that does not move.
-    pub(super) lens_ages_secs: HashMap<String, f64>,
+    pub(crate) lens_ages_secs: HashMap<String, f64>,
     stamps: BTreeMap<(Arc<str>, Arc<str>), Stamps>,
 }
 
 impl Observed {
     /// The publishers whose stamps go on, each with the offset of the topic on which that is the smallest.
-    pub(super) fn clock_offsets_secs(&self) -> BTreeMap<&str, f64> {
+    pub(crate) fn clock_offsets_secs(&self) -> BTreeMap<&str, f64> {
         let mut offsets: BTreeMap<&str, f64> = BTreeMap::new();
         for ((publisher, _), stamps) in self.stamps.iter().filter(|(_, stamps)| stamps.is_going) {
             let nearest = offsets.entry(publisher).or_insert(stamps.offset_secs);
@@ -91,19 +90,9 @@ impl Observed {
         stamps.offset_secs = if stamps.is_going { nearer(stamps.offset_secs, offset_secs) } else { offset_secs };
         stamps.is_going |= stamps.first != stamp;
     }
-}
 
-/// The one nearer to zero.
-fn nearer(a: f64, b: f64) -> f64 {
-    if b.abs() < a.abs() {
-        b
-    } else {
-        a
-    }
-}
-
-impl Observer for Observed {
-    fn event(&mut self, event: &NodeEvent, now: Time) {
+    /// Notes an event before it is applied. `now` is ROS time.
+    pub(super) fn event(&mut self, event: &NodeEvent, now: Time) {
         match event {
             NodeEvent::Message { topic, message, publisher, received } => {
                 let now = now.saturating_sub(received.elapsed());
@@ -129,7 +118,8 @@ impl Observer for Observed {
         }
     }
 
-    fn updated(&mut self, scene: &SceneState, now: Time) {
+    /// Notes how old the transforms of the lenses are, after an update of the scene.
+    pub(super) fn updated(&mut self, scene: &SceneState, now: Time) {
         for topic in scene.camera_info_topics().filter(|_| !now.is_zero()) {
             let frame = scene.received_camera_info(topic).map(|(frame, _)| frame);
             let Some(stamp) = frame.and_then(|frame| scene.known_until(frame)).filter(|stamp| !stamp.is_zero()) else {
@@ -142,14 +132,23 @@ impl Observer for Observed {
     }
 }
 
+/// The one nearer to zero.
+fn nearer(a: f64, b: f64) -> f64 {
+    if b.abs() < a.abs() {
+        b
+    } else {
+        a
+    }
+}
+
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use rcs_messages::sensor_msgs::CameraInfo;
 
     use super::*;
 
     /// Arrivals at these times, seconds.
-    pub(in crate::doctor) fn arrivals(start: Instant, times_secs: &[f64], delay_secs: f64) -> Arrivals {
+    pub(crate) fn arrivals(start: Instant, times_secs: &[f64], delay_secs: f64) -> Arrivals {
         let at = |secs: f64| start + Duration::from_secs_f64(secs);
         let mut arrivals = Arrivals::new(at(times_secs[0]));
         times_secs.iter().for_each(|secs| arrivals.note(at(*secs), Some(delay_secs)));
