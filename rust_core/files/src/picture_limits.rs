@@ -18,7 +18,7 @@ const MOST_PIXEL_BYTES: u64 = 8;
 pub(crate) struct PictureLimits {
     /// Most pixels.
     pub(crate) most_px: u64,
-    /// What a user may do about a larger one.
+    /// Advice about a larger one.
     pub(crate) to_do: &'static str,
 }
 

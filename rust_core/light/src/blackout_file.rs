@@ -101,9 +101,18 @@ mod tests {
             fs::write(&path, damaged).unwrap();
             assert!(file.read().all.is_some_and(|why| why.contains("robot-eye")), "{damaged}");
         }
+        file.write(&blackouts).unwrap();
+        let valid = fs::read_to_string(&path).unwrap();
+        for (padding, is_read) in [(MAX_BYTES as usize - valid.len(), true), (MAX_BYTES as usize, false)] {
+            fs::write(&path, format!("{valid}{}", " ".repeat(padding))).unwrap();
+            assert_eq!(file.read() == blackouts, is_read, "{padding} blanks");
+        }
         fs::remove_file(&path).unwrap();
         fs::create_dir(&path).unwrap();
         assert!(file.read().all.is_some());
+        fs::remove_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path.parent().unwrap(), "").unwrap();
+        assert!(file.read().all.is_some(), "a file in place of its folder");
         assert!(BlackoutFile::of_node(None, "/eye").write(&blackouts).is_err());
     }
 }

@@ -127,6 +127,7 @@ mod tests {
                 Blackout | UnknownName | Mask | KeepOut | Lens | Surface | BlackImage => ([true, true], [true, true]),
             };
             assert_eq!((dark(Content::Test), dark(Content::Note)), (test, note), "{cause:?}");
+            assert_eq!(cause.is_error(), cause == UnknownName);
         }
     }
 }

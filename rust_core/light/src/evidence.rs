@@ -221,16 +221,22 @@ mod tests {
     fn the_state_of_a_cause_is_taken_over() {
         let (known, mut evidence) = (lit(false, LastStep::default()), unknown());
         evidence.keep(DarkCause::NoCamera, &known);
+        evidence.keep(DarkCause::NoImage, &known);
         assert_eq!(evidence.dark_reason(Instant::now()).map(|dark| dark.cause), Some(DarkCause::UnknownName));
         let others = DarkCause::OF_CAMERA.into_iter().filter(|cause| *cause != DarkCause::NoCamera);
         others.for_each(|cause| evidence.set(cause, Condition::Always));
         assert_eq!(evidence.dark_reason(Instant::now()), None);
+        let mut dark = lit(false, LastStep::default());
+        dark.set(DarkCause::NoCamera, Condition::Dark("no pose".to_owned()));
+        evidence.keep(DarkCause::NoCamera, &dark);
+        assert_eq!(evidence.dark_reason(Instant::now()).map(|dark| dark.cause), Some(DarkCause::NoCamera));
     }
 
     #[test]
     fn blending_lifts_the_black_of_scenes_only() {
         let blend = Blend::new([1, 1], &[u16::MAX], &[], 2.2).ok().map(Arc::new);
         let (now, evidence) = (Instant::now(), lit(false, LastStep { blend, ..LastStep::default() }));
+        assert!(evidence.post().blend.is_some());
         let has_blend = |content| decide(&evidence, content, now).unwrap().post().blend.is_some();
         assert_eq!([Content::Scene, Content::Test, Content::Note].map(has_blend), [true, false, false]);
     }

@@ -29,7 +29,7 @@ enum Gpu {
     /// Until it is open, or known to be missing.
     Opening(Receiver<Opened>),
     /// It draws frames of the CPU's as well.
-    Compared(Comparison),
+    Compared(Trial),
     /// It draws all frames.
     Chosen(Box<dyn Renderer>),
     /// It is missing, slower or has failed.
@@ -37,7 +37,7 @@ enum Gpu {
 }
 
 /// A GPU, and the times of the frames that both renderers have drawn.
-struct Comparison {
+struct Trial {
     gpu: Box<dyn Renderer>,
     frames: u32,
     /// Times of the CPU and the GPU, without the first frame.
@@ -70,7 +70,7 @@ impl AutoRenderer {
         let Gpu::Opening(opening) = &self.gpu else { return };
         self.gpu = match opening.try_recv() {
             Err(TryRecvError::Empty) => return,
-            Ok(Ok(gpu)) => Gpu::Compared(Comparison::new(gpu)),
+            Ok(Ok(gpu)) => Gpu::Compared(Trial::new(gpu)),
             Ok(Err(error)) => {
                 log::debug!("drawing on the CPU: {error}");
                 Gpu::Unused
@@ -95,14 +95,14 @@ impl AutoRenderer {
 
     /// Draws a frame that the CPU has drawn on the GPU, too, and chooses a renderer after the last of these.
     fn compare(&mut self, view: &View<'_>, request: &DepthRequest<'_>, cpu_took: Duration) {
-        let Gpu::Compared(comparison) = &mut self.gpu else { return };
-        if let Err(error) = comparison.draw(view, request, cpu_took) {
+        let Gpu::Compared(trial) = &mut self.gpu else { return };
+        if let Err(error) = trial.draw(view, request, cpu_took) {
             return self.give_up_gpu(&error);
         }
-        if comparison.frames <= COMPARED {
+        if trial.frames <= COMPARED {
             return;
         }
-        let Gpu::Compared(Comparison { gpu, took, .. }) = std::mem::replace(&mut self.gpu, Gpu::Unused) else { return };
+        let Gpu::Compared(Trial { gpu, took, .. }) = std::mem::replace(&mut self.gpu, Gpu::Unused) else { return };
         let [cpu_ms, gpu_ms] = took.map(|took| took.as_secs_f64() * 1e3 / f64::from(COMPARED));
         let [cpu_name, gpu_name] = [self.cpu.describe(), gpu.describe()];
         let times = format!("{cpu_ms:.1} ms an image with {cpu_name}, {gpu_ms:.1} ms with {gpu_name}");
@@ -129,7 +129,7 @@ impl AutoRenderer {
     }
 }
 
-impl Comparison {
+impl Trial {
     fn new(gpu: Box<dyn Renderer>) -> Self {
         Self { gpu, frames: 0, took: Default::default(), picture: Picture::default(), depths: Depths::default() }
     }
@@ -308,7 +308,7 @@ mod tests {
 
     /// A renderer whose GPU is open.
     fn opened(cpu: Box<dyn Renderer>, gpu: Box<dyn Renderer>) -> AutoRenderer {
-        AutoRenderer { cpu, gpu: Gpu::Compared(Comparison::new(gpu)) }
+        AutoRenderer { cpu, gpu: Gpu::Compared(Trial::new(gpu)) }
     }
 
     #[test]

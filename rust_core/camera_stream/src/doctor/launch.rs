@@ -76,13 +76,13 @@ pub(crate) fn restart(arguments: Vec<OsString>) -> io::Error {
     command.arg0(std::env::args_os().next().unwrap_or_default()).args(arguments).exec()
 }
 
-/// Whether a word is `NAME:=VALUE` of a launch file, no private parameter and no remapping of an absolute name.
+/// `true` for `NAME:=VALUE` of a launch file, no private parameter and no remapping of an absolute name.
 fn is_launch_argument(word: &OsString) -> bool {
     let text = word.to_string_lossy();
     text.split_once(":=").is_some_and(|(name, _)| !name.starts_with(['_', '~', '/']))
 }
 
-/// What a program prints on its standard output.
+/// Runs a program and returns its standard output.
 fn output<'a>(program: &str, arguments: impl Iterator<Item = &'a OsStr>, timeout_secs: &str) -> Result<String> {
     #[expect(clippy::disallowed_methods, reason = "roslaunch with a limit, without a shell")]
     let mut command = Command::new("timeout");
@@ -102,7 +102,7 @@ fn output<'a>(program: &str, arguments: impl Iterator<Item = &'a OsStr>, timeout
     }
 }
 
-/// What a Python program prints about an error, in one line without colours.
+/// The error message of a Python program in one line, without colours and traceback.
 fn without_traceback(printed: &[u8]) -> String {
     let text = String::from_utf8_lossy(printed).replace("\x1b[31m", "").replace("\x1b[0m", "");
     let is_trace = |line: &&str| line.starts_with("  ") || line.to_lowercase().contains("traceback");

@@ -40,7 +40,7 @@ struct Stream {
     state: StreamState,
 }
 
-/// Whether a topic is received.
+/// Reception of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StreamState {
     /// It is received.
@@ -112,7 +112,7 @@ impl LazyStreams {
         self.streams.retain(|key, _| is_subscribed(key));
     }
 
-    /// Whether a topic is received.
+    /// State of a topic; one that never came is received.
     pub(crate) fn state(&self, key: &StreamKey) -> StreamState {
         self.streams.get(key).map_or(StreamState::Received, |stream| stream.state)
     }
