@@ -140,9 +140,9 @@ pub enum Command {
     Check(CheckArgs),
     /// Goes down the chain from the ROS master to the light and prints what is wrong and what to do about it
     ///
-    /// It takes a folder that `camera_stream setup` wrote or arguments of projection.launch (NAME:=VALUE), both of which
-    /// roslaunch reads, or with -d all arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known. It runs
-    /// without a graphical session.
+    /// It takes a folder that `camera_stream setup` wrote or arguments of projection.launch (NAME:=VALUE), both of
+    /// which roslaunch reads, or with -d all arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known.
+    /// It runs without a graphical session.
     ///
     /// Exit status: 0 nothing is wrong, 1 something is, 2 invalid arguments, an unreadable file or no ROS master.
     Doctor(DoctorArgs),

@@ -1,7 +1,7 @@
 //! The renderer of `auto`: the faster of the CPU and a hardware GPU, chosen once.
 //!
-//! The CPU draws while a GPU is opened on a thread. Then both draw the same few frames, of which the CPU's are returned.
-//! The faster renderer draws all others. A GPU that fails is replaced by the CPU for good.
+//! The CPU draws while a GPU is opened on a thread. Then both draw the same few frames, of which the CPU's are
+//! returned. The faster renderer draws all others. A GPU that fails is replaced by the CPU for good.
 
 use std::sync::mpsc::{sync_channel, Receiver, TryRecvError};
 use std::time::{Duration, Instant};

@@ -1,9 +1,9 @@
 //! Meshes and textures by address, each loaded once.
 //!
 //! Like rviz, the store keeps loaded meshes, except that in the background large ones that nothing uses any more are
-//! dropped when something new is loaded. A failure is kept too, so a marker that is published ten times a second does not
-//! read a broken file at each message: the file is read again when a message names it and it has changed, and after a
-//! reload of the config.
+//! dropped when something new is loaded. A failure is kept too, so a marker that is published ten times a second does
+//! not read a broken file at each message: the file is read again when a message names it and it has changed, and after
+//! a reload of the config.
 //!
 //! A store loads either on the calling thread, for images of bags, which must not depend on the speed of reading; or in
 //! the background: a request then returns `Pending`, and the store's waker is called when the resource is loaded. The

@@ -4,8 +4,8 @@
 //! registers and unregisters, at once if the master answers, and again every second if it does not.
 //!
 //! Before that, and once a second, the thread looks up this node's own address: a master that does not know it was
-//! restarted and is told everything again. A subscription is registered again, which returns its publishers, when one of
-//! them cannot be connected with, and when the master was silent: what it named meanwhile was lost.
+//! restarted and is told everything again. A subscription is registered again, which returns its publishers, when one
+//! of them cannot be connected with, and when the master was silent: what it named meanwhile was lost.
 
 mod batches;
 mod entry;

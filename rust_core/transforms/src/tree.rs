@@ -62,8 +62,8 @@ impl TransformTree {
     ///
     /// # Errors
     ///
-    /// [`InsertError`] for transforms that tf2 refuses, and for names above [`MOST_FRAMES`](crate::MOST_FRAMES); the tree
-    /// is unchanged then.
+    /// [`InsertError`] for transforms that tf2 refuses, and for names above [`MOST_FRAMES`](crate::MOST_FRAMES); the
+    /// tree is unchanged then.
     pub fn insert(
         &mut self,
         transform: &RawTransform<'_>,

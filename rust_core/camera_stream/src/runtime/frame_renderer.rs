@@ -85,7 +85,8 @@ impl FrameRenderer {
     }
 }
 
-/// `true` if a frame is missing because the GPU is lost, hangs or is out of memory: then no frame is in flight any more.
+/// `true` if a frame is missing because the GPU is lost, hangs or is out of memory: then no frame is in flight any
+/// more.
 pub(super) fn has_gpu_failed(error: &Error) -> bool {
     matches!(error.downcast_ref(), Some(RenderError::Gpu { .. }))
 }
