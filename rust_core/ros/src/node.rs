@@ -323,12 +323,12 @@ impl RosNode {
 
     /// Other nodes' publications, which are read every two seconds; `None` before the first time.
     pub fn publications(&self) -> Option<Arc<Publications>> {
-        self.network().registrar().publications()
+        self.dated_publications().map(|(_, publications)| publications)
     }
 
-    /// Other nodes' publications, if they were read after `since`.
-    pub fn publications_since(&self, since: Instant) -> Option<Arc<Publications>> {
-        self.network().registrar().publications_since(since)
+    /// Other nodes' publications, and when the master was asked for them.
+    pub fn dated_publications(&self) -> Option<(Instant, Arc<Publications>)> {
+        self.network().registrar().publications()
     }
 
     /// Restarts of the master that were noticed: its parameters are lost then.

@@ -216,14 +216,9 @@ impl Registrar {
         lock(&self.state).topics.values().filter_map(|topic| topic.subscription.upgrade()).collect()
     }
 
-    /// Other nodes' publications on the master's last list.
-    pub(crate) fn publications(&self) -> Option<Arc<Publications>> {
-        lock(&self.publications).as_ref().map(|(_, publications)| Arc::clone(publications))
-    }
-
-    /// Other nodes' publications on the master's last list, if that was asked for after `since`.
-    pub(crate) fn publications_since(&self, since: Instant) -> Option<Arc<Publications>> {
-        lock(&self.publications).as_ref().filter(|(asked, _)| *asked > since).map(|(_, list)| Arc::clone(list))
+    /// Other nodes' publications on the master's last list, and when that was asked for.
+    pub(crate) fn publications(&self) -> Option<(Instant, Arc<Publications>)> {
+        lock(&self.publications).clone()
     }
 
     /// Reads other nodes' publications from the master.

@@ -250,9 +250,9 @@ impl TopicSubscription {
         Publishing { is_connected: !state.connected.is_empty(), is_latched }
     }
 
-    /// `true` if the publisher of this name is connected.
-    pub fn is_connected_with(&self, publisher: &str) -> bool {
-        lock(&self.topic.receiver.state).connected.values().any(|name| **name == *publisher)
+    /// Names of the connected publishers.
+    pub fn connected_publishers(&self) -> Vec<Arc<str>> {
+        lock(&self.topic.receiver.state).connected.values().cloned().collect()
     }
 
     /// Sets the queue size of its messages (0: the largest).

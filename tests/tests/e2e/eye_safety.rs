@@ -55,6 +55,10 @@ fn without_a_current_mask_all_is_black_and_with_one_only_what_it_allows_is_lit()
     node.run(MASK).unwrap();
     node.run("PublishRepeatedly(20, lambda i: mask(5), '/mask')").unwrap();
     fixture.wait_for("only_right_of(5)");
+    let silent = PythonNode::start(&fixture.master, &["__name:=silent"]).unwrap();
+    silent.run("publisher('/mask', Image, False)").unwrap();
+    fixture.wait_for(ALL_BLACK);
+    fixture.wait_for_log("the picture is black: no mask on /mask from /silent yet").unwrap();
 }
 
 #[test]

@@ -65,6 +65,21 @@ fn an_unwatched_stream_is_not_received_and_comes_back_with_what_is_new() {
 }
 
 #[test]
+fn what_a_limit_makes_stale_is_not_seen_after_a_pause() {
+    let fixture = fixture(&["_stale_timeout:=0.5"]);
+    fixture.python("rgb = lambda color: (color >> 16, color >> 8 & 255, color & 255)");
+    for _ in 0..3 {
+        fixture.wait_for("connections('/cloud') == [0]");
+        fixture.python("color = color >> 8 or 0xff0000");
+        std::thread::sleep(Duration::from_millis(600));
+        fixture.python("viewer = Viewer('/view/image')");
+        fixture.wait_for("rgb(color) in viewer.colors");
+        assert_eq!(fixture.python("set(viewer.colors) <= {rgb(color), (0, 0, 0)}"), "True");
+        fixture.python("viewer.close()");
+    }
+}
+
+#[test]
 fn all_streams_are_received_where_that_is_asked_for() {
     for args in [&["_lazy:=false"][..], &["--no-lazy"]] {
         let fixture = fixture(args);

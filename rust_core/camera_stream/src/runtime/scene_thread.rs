@@ -229,10 +229,7 @@ impl SceneThread {
         shared.activity.begin(SceneStep::Statuses);
         let state = &self.scene.state;
         let mut entries = status_tree::scene(state, self.now());
-        for entry in entries.iter_mut().filter(|entry| self.scene.subscriptions.is_paused(&entry.topic)) {
-            entry.values.push(("received", "not while nobody watches".to_owned()));
-        }
-        status::add(&mut entries, &self.safety);
+        status::add(&mut entries, &self.safety, |topic| self.scene.subscriptions.is_paused(topic));
         status::add_operator(&mut entries, &shared.control.state());
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
@@ -377,7 +374,7 @@ impl SceneThread {
         let lit: Vec<_> = lit.collect();
         let subscriptions = &self.scene.subscriptions;
         let (ros, light_topics) = (&self.shared.ros, &self.light_topics);
-        self.safety.retain_publishers(|topic, node, last| light_topics.is_publishing(ros, topic, node, last));
+        self.safety.follow_publishers(|topic| light_topics.publishers(ros, topic), steady);
         let lights = self.safety.assess(state, &lit, |name, kind| subscriptions.source(name, kind), now);
         for (view, light) in views.iter().zip(&lights) {
             if let Some(info) = state.camera_info(view) {

@@ -5,7 +5,7 @@
 //! until the master does not list its publisher any more. Where masks are not required, the last mask and the last
 //! place hold.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,6 +15,7 @@ use rcs_displays::time_from_stamp;
 use rcs_light::{Condition, Measured, Now};
 use rcs_messages::Image;
 use rcs_render::{LightMask, Sphere};
+use rcs_transforms::Time;
 
 use super::ages::limits::AgeLimits;
 use super::ages::Freshness;
@@ -34,6 +35,15 @@ struct ReceivedMask {
 
 /// The masks of a topic, by publisher.
 type Masks = BTreeMap<Arc<str>, ReceivedMask>;
+
+/// The publishers of a mask's topic.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MaskPublishers {
+    /// Names of the nodes.
+    pub(crate) names: BTreeSet<Arc<str>>,
+    /// The time for which the master's list is known.
+    pub(crate) listed_at: Option<Instant>,
+}
 
 /// The masks and keep-out frames of all cameras.
 #[derive(Debug)]
@@ -105,11 +115,19 @@ impl EyeSafety {
         masks.insert(Arc::clone(publisher), ReceivedMask { mask, measured });
     }
 
-    /// Forgets the masks of nodes that do not publish their topics any more. `is_publishing` is given the topic, the
-    /// node and the arrival of its last mask.
-    pub(super) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str, Instant) -> bool) {
+    /// Forgets the masks of nodes that do not publish any more, and notes publishers without a mask.
+    pub(super) fn follow_publishers(&mut self, publishers: impl Fn(&str) -> MaskPublishers, now: Instant) {
         for (topic, masks) in &mut self.masks {
-            masks.retain(|publisher, last| is_publishing(topic, publisher, last.measured.received));
+            let MaskPublishers { names, listed_at } = publishers(topic);
+            // A list from before the last mask says nothing about its publisher.
+            let is_gone = |last: &ReceivedMask| listed_at.is_some_and(|at| at > last.measured.received);
+            masks.retain(|publisher, last| names.contains(publisher) || !is_gone(last));
+            for publisher in names.into_iter().filter(|_| self.is_required) {
+                masks.entry(publisher).or_insert_with_key(|publisher| ReceivedMask {
+                    mask: Err(format!("no mask on {topic} from {publisher} yet")),
+                    measured: Measured { stamp: Time::ZERO, received: now },
+                });
+            }
         }
     }
 

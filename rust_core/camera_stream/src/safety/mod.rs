@@ -30,7 +30,7 @@ use rcs_render::{KeepOut, LastStep};
 use rcs_scene::{Camera, DisplayId};
 
 use self::ages::{Assessment, Freshness, TopicSource};
-use self::eyes::{EyeSafety, KeepOutSpheres, EYE_SAFETY_LIMIT};
+use self::eyes::{EyeSafety, KeepOutSpheres, MaskPublishers, EYE_SAFETY_LIMIT};
 pub use self::mask_image::light_mask;
 pub(crate) use self::mask_image::painted_mask;
 use self::names::{of_camera, ConfigNames};
@@ -131,9 +131,9 @@ impl Safety {
         self.eyes.take(topic, image, publisher, received);
     }
 
-    /// Forgets the masks of nodes that do not publish their topics any more.
-    pub(crate) fn retain_publishers(&mut self, is_publishing: impl Fn(&str, &str, Instant) -> bool) {
-        self.eyes.retain_publishers(is_publishing);
+    /// Takes the publishers of each mask's topic. All must send masks.
+    pub(crate) fn follow_publishers(&mut self, publishers: impl Fn(&str) -> MaskPublishers, now: Instant) {
+        self.eyes.follow_publishers(publishers, now);
     }
 
     /// Takes a received message, which may be a depth camera's; by its topic's whole name. Returns `true` for one that

@@ -1,8 +1,8 @@
 //! Reads the files of the light's rules, and subscribes to masks and surfaces.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use anyhow::{Context, Result};
 use rcs_files::blend_file::BlendFile;
@@ -13,6 +13,7 @@ use rcs_ros::{RosNode, TopicSubscription};
 
 use crate::options::{ConfirmOptions, LightOptions};
 use crate::safety::ages::limits::AgeLimits;
+use crate::safety::eyes::MaskPublishers;
 use crate::safety::names::ForCamera;
 use crate::safety::painted_mask;
 use crate::safety::rules::Rules;
@@ -25,15 +26,14 @@ pub(crate) struct LightTopics {
 }
 
 impl LightTopics {
-    /// `true` if a node whose last mask came at a time publishes the topic: it is connected, or the master lists it.
-    pub(crate) fn is_publishing(&self, ros: &RosNode, topic: &str, node: &str, received: Instant) -> bool {
-        let of_topic = |mask: &&TopicSubscription| &**mask.topic() == topic;
-        let is_connected = self.masks.iter().find(of_topic).is_some_and(|mask| mask.is_connected_with(node));
-        // Without a list that was read since, it may be.
-        is_connected
-            || ros.publications_since(received).is_none_or(|all| {
-                all.get(topic).is_some_and(|publication| publication.nodes.iter().any(|listed| listed == node))
-            })
+    /// The publishers of a mask's topic: those that are connected, and those that the master lists.
+    pub(crate) fn publishers(&self, ros: &RosNode, topic: &str) -> MaskPublishers {
+        let masks = self.masks.iter().filter(|mask| &**mask.topic() == topic);
+        let mut names: BTreeSet<Arc<str>> = masks.flat_map(TopicSubscription::connected_publishers).collect();
+        let publications = ros.dated_publications();
+        let listed = publications.as_ref().and_then(|(_, all)| all.get(topic));
+        names.extend(listed.into_iter().flat_map(|listed| &listed.nodes).map(|node| node.as_str().into()));
+        MaskPublishers { names, listed_at: publications.map(|(at, _)| at) }
     }
 }
 

@@ -11,11 +11,16 @@ use crate::scene::status_tree::{EntryKind, StatusEntry};
 /// Name of the status of confirmed light; the operator's page shows it by this name.
 const SURFACE: &str = "Surface";
 
-/// Adds a warning to stale displays, and an error to the scene if rules name cameras that do not exist.
-pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
+/// Adds a warning to stale displays, and an error to the scene if rules name cameras that do not exist. `is_paused` is
+/// `true` for topics that are not received while nobody watches: their displays are stale for no other reason.
+pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety, is_paused: impl Fn(&str) -> bool) {
     for entry in entries {
         if let (EntryKind::Global, Some(why)) = (entry.kind, safety.unmatched()) {
             entry.statuses.to_mut().set(Level::Error, "Cameras", format!("all cameras are dark: {why}"));
+        }
+        if is_paused(&entry.topic) {
+            entry.values.push(("received", "not while nobody watches".to_owned()));
+            continue;
         }
         let hidden = entry.display.zip(safety.assessment());
         if let Some(why) = hidden.and_then(|(id, assessment)| assessment.why_hidden(id, &entry.path)) {

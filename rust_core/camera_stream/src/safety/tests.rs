@@ -159,7 +159,19 @@ fn of_several_trackers_each_darkens_and_one_that_dies_makes_all_dark_until_it_is
     assert_eq!(masks.iter().map(|mask| mask.levels()[0]).min(), Some(0), "the darkest counts: {masks:?}");
     safety.take_image("/mask", &mask(255), &trackers[0], start + Duration::from_secs(2));
     assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None]);
-    safety.retain_publishers(|_, node, _| node == "/a");
+    let listed = |names: &[&str], at_secs: u64| {
+        let names = names.iter().map(|name| (*name).into()).collect();
+        let publishers = MaskPublishers { names, listed_at: Some(start + Duration::from_secs(at_secs)) };
+        move |_: &str| publishers.clone()
+    };
+    let now = start + Duration::from_secs(2);
+    safety.follow_publishers(listed(&["/a"], 0), now);
+    assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None], "an older list");
+    safety.follow_publishers(listed(&["/a"], 1), now);
+    assert_eq!(causes(&mut safety, start, 2.1), [None, None]);
+    safety.follow_publishers(listed(&["/a", "/c"], 3), now);
+    assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None], "/c has sent none yet");
+    safety.take_image("/mask", &mask(255), &"/c".into(), now);
     assert_eq!(causes(&mut safety, start, 2.1), [None, None]);
     safety.reset();
     assert_eq!(causes(&mut safety, start, 2.1), [Some(DarkCause::Mask), None], "the time jumped");

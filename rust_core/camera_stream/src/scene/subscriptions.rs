@@ -105,7 +105,7 @@ impl Subscriptions {
         // No publisher holds the data from before a pause: they may have been replaced meanwhile.
         let is_current = state == StreamState::Received;
         let publishing = if is_current { subscription.publishing() } else { Publishing::default() };
-        Some(TopicSource { topic: key.0.to_string(), publishing, is_paused: state == StreamState::Paused })
+        Some(TopicSource { topic: key.0.to_string(), publishing })
     }
 
     /// Applies an event to the scene. `now` is ROS time.

@@ -6,7 +6,7 @@
 //! That is for displays and CameraInfos only; see [`rcs_light::Measured`] for measurements. A display that follows a
 //! frame is as old as the frame's transforms as well, and stale while there are none: static ones do not age, and
 //! moving ones are as old as the oldest on the path to the fixed frame. A display without data, such as a grid in the
-//! fixed frame, or with a topic that is paused because nobody watches, is neither current nor stale.
+//! fixed frame, is neither current nor stale.
 
 pub(crate) mod limits;
 #[cfg(test)]
@@ -32,8 +32,6 @@ pub(crate) struct TopicSource {
     pub(crate) topic: String,
     /// Connections, and whether the one that sent the last message latches.
     pub(crate) publishing: Publishing,
-    /// It is not received while nobody watches.
-    pub(crate) is_paused: bool,
 }
 
 /// Tracks the ages of displays, cameras and frames.
@@ -210,9 +208,6 @@ impl Freshness {
     ) -> AgeState {
         let sources: Vec<(&str, TopicSource)> =
             topics.into_iter().filter_map(|(topic, kind)| Some((topic, source(topic, kind)?))).collect();
-        if sources.iter().any(|(_, source)| source.is_paused) {
-            return AgeState::Undated;
-        }
         let (limit, is_own) = self.limits.of(sources.iter().map(|(_, source)| source.topic.as_str()));
         let after = match limit {
             AgeLimit::Never => return AgeState::Current(None),

@@ -34,7 +34,6 @@ struct Bench {
     secs: f64,
     connected: HashSet<&'static str>,
     latched: HashSet<&'static str>,
-    paused: HashSet<&'static str>,
 }
 
 impl Bench {
@@ -57,7 +56,6 @@ impl Bench {
             secs: 100.0,
             connected: HashSet::new(),
             latched: HashSet::from(["/info"]),
-            paused: HashSet::new(),
             scene: {
                 scene.update(Time::ZERO);
                 scene
@@ -109,12 +107,12 @@ impl Bench {
 
     fn wait(&mut self, secs: f64) -> Assessment {
         self.secs += secs;
-        let (connected, latched, paused, now) = (&self.connected, &self.latched, &self.paused, self.now());
+        let (connected, latched, now) = (&self.connected, &self.latched, self.now());
         let source = |topic: &str, _: MessageKind| {
             let is_latched = latched.contains(topic);
             let is_connected = is_latched || connected.contains(topic);
             let publishing = Publishing { is_connected, is_latched };
-            Some(TopicSource { topic: topic.to_owned(), publishing, is_paused: paused.contains(topic) })
+            Some(TopicSource { topic: topic.to_owned(), publishing })
         };
         self.freshness.assess(&self.scene, source, now)
     }
@@ -173,16 +171,6 @@ fn what_a_latching_publisher_sent_does_not_age_while_it_is_connected() {
     assert_eq!(bench.shown(0.2), (vec![1], Some(why("path", "/path"))));
     bench.latched.insert("/path");
     assert_eq!(bench.shown(0.0), NOTHING_HIDDEN);
-}
-
-#[test]
-fn data_of_a_paused_topic_are_not_stale_before_it_is_resumed() {
-    let mut bench = Bench::new();
-    bench.send("/path", 100, "map");
-    bench.paused.insert("/path");
-    assert_eq!(bench.shown(60.0), NOTHING_HIDDEN);
-    bench.paused.clear();
-    assert_eq!(bench.shown(0.0).1, Some(why("path", "/path")));
 }
 
 #[test]

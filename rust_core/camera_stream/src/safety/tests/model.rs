@@ -36,6 +36,7 @@ enum Event {
     Pause(u16),
     Jump { ms: i64, is_told: bool },
     Mask { tracker: usize, is_valid: bool, age: Option<i64> },
+    TrackerComes(usize),
     TrackerLeaves(usize),
     Head { age: i64 },
     Path { age: Option<i64> },
@@ -56,6 +57,7 @@ fn event() -> impl Strategy<Value = Event> {
         1 => (-5000..5000_i64, any::<bool>()).prop_map(|(ms, is_told)| Event::Jump { ms, is_told: is_told && ms < 0 }),
         8 => (0..2_usize, prop::bool::weighted(0.9), stamp())
             .prop_map(|(tracker, is_valid, age)| Event::Mask { tracker, is_valid, age }),
+        1 => (0..2_usize).prop_map(Event::TrackerComes),
         1 => (0..2_usize).prop_map(Event::TrackerLeaves),
         6 => age().prop_map(|age| Event::Head { age }),
         3 => stamp().prop_map(|age| Event::Path { age }),
@@ -164,7 +166,7 @@ impl Walk {
                 if is_told {
                     self.safety.reset();
                     self.scene.reset();
-                    (self.oracle.masks, self.oracle.head, self.oracle.path) = ([None, None], None, None);
+                    self.oracle.forget();
                 }
             }
             Event::Mask { tracker, is_valid, age } => {
@@ -174,11 +176,10 @@ impl Walk {
                 self.safety.take_image("/mask", &image, &format!("/tracker{tracker}").into(), self.steady());
                 self.oracle.masks[tracker] = Some(seen);
             }
-            Event::TrackerLeaves(tracker) => {
-                let gone = format!("/tracker{tracker}");
-                self.safety.retain_publishers(|_, node, _| node != gone);
-                self.oracle.masks[tracker] = None;
+            Event::TrackerComes(tracker) => {
+                self.oracle.masks[tracker].get_or_insert(Seen::NONE);
             }
+            Event::TrackerLeaves(tracker) => self.oracle.masks[tracker] = None,
             Event::Head { age } => self.move_head(age),
             Event::Path { age } => self.send_path(age),
             Event::Camera { is_there } => self.oracle.has_camera = is_there,
@@ -192,11 +193,11 @@ impl Walk {
                 self.control = Control::for_test(BlackoutFile::of_node(Some(self.folder.path()), "/eye"));
                 (self.safety, self.scene) = (safety(), scene());
                 self.set_names();
-                (self.oracle.masks, self.oracle.head, self.oracle.path) = ([None, None], None, None);
+                self.oracle.forget();
                 // What the last process has shown ended with it.
                 self.granted.clear();
             }
-            Event::MasterGone => self.safety.retain_publishers(|_, _, _| true),
+            Event::MasterGone => self.safety.follow_publishers(|_| MaskPublishers::default(), self.steady()),
         }
     }
 
@@ -252,8 +253,13 @@ impl Walk {
         let lit = LitView { view: &view, camera: None, unknown_lens: None, is_watched: true };
         let source = |topic: &str, _: MessageKind| {
             let publishing = Publishing { is_connected: true, is_latched: false };
-            Some(TopicSource { topic: topic.to_owned(), publishing, is_paused: false })
+            Some(TopicSource { topic: topic.to_owned(), publishing })
         };
+        let trackers = (0..2).filter(|tracker| self.oracle.masks[*tracker].is_some());
+        let names = trackers.map(|tracker| format!("/tracker{tracker}").into()).collect();
+        // The master is asked after all that was sent.
+        let publishers = MaskPublishers { names, listed_at: Some(now.steady + Duration::from_millis(1)) };
+        self.safety.follow_publishers(|_| publishers.clone(), now.steady);
         let mut light = self.safety.assess(&self.scene, &[lit], source, now).remove(0);
         let no_camera = || Condition::Dark("no pose".to_owned());
         let camera = if self.oracle.has_camera { Condition::Always } else { no_camera() };

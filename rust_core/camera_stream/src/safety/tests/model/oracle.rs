@@ -11,6 +11,11 @@ pub(super) struct Seen {
     pub(super) at: i64,
 }
 
+impl Seen {
+    /// What a tracker has sent that has sent nothing.
+    pub(super) const NONE: Self = Self { is_valid: false, stamp: None, at: 0 };
+}
+
 #[derive(Clone, Debug, Default)]
 pub(super) struct Oracle {
     pub(super) now: i64,
@@ -30,6 +35,12 @@ pub(super) struct Oracle {
 }
 
 impl Oracle {
+    /// No measurement counts any more; the trackers are still there.
+    pub(super) fn forget(&mut self) {
+        self.masks.iter_mut().flatten().for_each(|mask| *mask = Seen::NONE);
+        (self.head, self.path) = (None, None);
+    }
+
     /// The end of the light if nothing new comes; `None` for dark. A test picture shows no data.
     pub(super) fn allowed_until(&self, is_test: bool) -> Option<i64> {
         if self.is_all_black || self.is_camera_black || !self.has_camera || self.masks.iter().all(Option::is_none) {
