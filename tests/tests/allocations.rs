@@ -19,7 +19,7 @@ use std::alloc::System;
 use std::sync::{Arc, Mutex};
 
 use rcs_camera::Projection;
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
@@ -248,7 +248,7 @@ Visualization Manager:
         if stage.update(Time::from_secs_nanos(100 + frame as u32, 0)) {
             rendering.scene = stage.scene();
         }
-        rendering.camera = stage.camera(&camera, Projection::Rviz).unwrap();
+        rendering.camera = scene::camera(&stage, &camera, Projection::Rviz).unwrap();
         rendering.draw().unwrap();
     });
     assert!(rendering.covered() > 0.05, "{}", rendering.covered());

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rcs_camera::Projection;
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
@@ -81,7 +81,7 @@ impl Bench {
         assert!(self.stage.update(now), "frame {frame}: nothing moved");
         let scene = self.stage.scene();
         let camera = self.stage.cameras()[0].clone();
-        let eye = self.stage.camera(&camera, Projection::Rviz).unwrap();
+        let eye = scene::camera(&self.stage, &camera, Projection::Rviz).unwrap();
         let view = View {
             scene: &scene,
             camera: &eye,
@@ -108,7 +108,6 @@ fn a_full_size_robot_loads_and_moves() {
     let (mut bench, load_time) = Bench::load(folder.path(), joints);
     let faults: Vec<String> = bench
         .stage
-        .displays()
         .reports()
         .flat_map(|report| {
             let faults = report.statuses.iter().filter(|(_, status)| status.level > rcs_displays::Level::Ok);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use rcs_camera::{CameraModel, Projection};
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
 use rcs_render::{
@@ -62,7 +62,7 @@ Visualization Manager:
     let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
     let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
     stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
-    stage.camera(&stage.cameras()[0], model).unwrap()
+    scene::camera(&stage, &stage.cameras()[0], model).unwrap()
 }
 
 /// A box whose faces are seen from outside only.

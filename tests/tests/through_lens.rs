@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector2, Vector3};
 use rcs_camera::{CameraModel, Projection};
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_files::projector::lens_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
@@ -86,7 +86,7 @@ Visualization Manager:
     let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
     let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
     stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
-    stage.camera(&stage.cameras()[0], model).unwrap()
+    scene::camera(&stage, &stage.cameras()[0], model).unwrap()
 }
 
 /// White things on black.

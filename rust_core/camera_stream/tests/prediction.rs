@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rcs_camera::Projection;
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{geometry_msgs, AnyMessage};
@@ -158,7 +158,7 @@ impl Simulation {
             let prediction = Prediction { now: time(now), lead: WAY, limit: Duration::from_millis(100) };
             self.stage.predict(is_predicted.then_some(prediction));
             self.stage.update(time(now));
-            let camera = self.stage.camera(&self.stage.cameras()[0], Projection::Exact).unwrap();
+            let camera = scene::camera(&self.stage, &self.stage.cameras()[0], Projection::Exact).unwrap();
 
             let light_secs = now + WAY.as_secs_f64();
             let map_from_optical = self.map_from_turret(light_secs) * turret_from_optical();

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rcs_camera::Projection;
-use rcs_camera_stream::scene::SceneState;
+use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -226,8 +226,8 @@ impl Shown {
         );
         let camera = Camera::new(intrinsics, &pose, 0.01);
         draw(&scene, &camera);
-        for report in self.stage.displays().reports() {
-            let _ = self.stage.displays().in_view(report.id, &camera);
+        for report in self.stage.reports() {
+            let _ = self.stage.in_view(report.id, &camera);
             for (_, status) in report.statuses.iter() {
                 assert!(!status.one_line().contains('\n'));
             }
@@ -235,7 +235,7 @@ impl Shown {
         // A camera of the messages, if it is small.
         for view in self.stage.cameras() {
             for projection in [Projection::Rviz, Projection::Exact] {
-                match self.stage.camera(view, projection) {
+                match scene::camera(&self.stage, view, projection) {
                     Ok(camera) if camera.width_px().max(camera.height_px()) <= 64 => draw(&scene, &camera),
                     Ok(_) => {}
                     Err(problem) => assert!(!problem.to_string().is_empty()),

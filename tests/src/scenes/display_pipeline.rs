@@ -1,17 +1,15 @@
 //! The displays of a config: from a message to the scene, without ROS and without a clock.
 
-use rcs_displays::{DisplaySet, World};
+use rcs_displays::SceneState;
 use rcs_messages::AnyMessage;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::Scene;
-use rcs_transforms::{Time, TransformTree};
+use rcs_transforms::Time;
 
-/// The displays, the frames, and the last scene.
+/// The displays and the last scene.
 #[derive(Debug)]
 pub struct DisplayPipeline {
-    displays: DisplaySet,
-    transforms: TransformTree,
-    meshes: MeshStore,
+    displays: SceneState,
     now_nanos: i64,
     /// The scene after the last message.
     pub scene: Scene,
@@ -27,9 +25,7 @@ impl DisplayPipeline {
         let text = format!("Visualization Manager:\n  Displays:\n{displays}  Global Options: {{Fixed Frame: map}}\n");
         let config = rcs_rviz_config::parse(&text, "scene").expect("the config can be read");
         Self {
-            displays: DisplaySet::new(&config),
-            transforms: TransformTree::new(),
-            meshes: MeshStore::new(PackageIndex::new([])),
+            displays: SceneState::new(&config, None, MeshStore::new(PackageIndex::new([]))),
             now_nanos: 1_000_000_000,
             scene: Scene::default(),
         }
@@ -48,11 +44,10 @@ impl DisplayPipeline {
     fn step(&mut self, received: Option<(&str, &AnyMessage)>) -> &Scene {
         self.now_nanos += 33_333_333;
         let now = Time::from_nanos(self.now_nanos);
-        let world = World::new(&self.transforms, "map", now, &self.meshes);
         if let Some((topic, message)) = received {
-            self.displays.take(topic, message, &world);
+            self.displays.take(topic, message, now);
         }
-        if self.displays.update(&world) {
+        if self.displays.update(now) {
             self.scene = self.displays.scene();
         }
         &self.scene

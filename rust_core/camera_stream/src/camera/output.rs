@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
 use rcs_camera::CameraModel;
-use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
+use rcs_displays::{time_from_stamp, CameraView};
 use rcs_light::{Condition, DarkCause, DarkReason, Grant};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -47,7 +47,7 @@ use crate::outputs::shown::{self, ShownRecord};
 use crate::outputs::{FrameImage, Output, OutputFrame, TopicOutput, WindowOutput};
 use crate::safety::{self, CameraLight};
 use crate::scene::status_tree::StatusEntry;
-use crate::scene::SceneState;
+use crate::scene::{camera, SceneState};
 
 /// The settings that all cameras of the node share.
 pub(crate) struct CameraContext {
@@ -125,7 +125,7 @@ impl CameraOutput {
         connections: CameraConnections,
         switches: &Arc<[Switch]>,
         global_frame_rate_hz: i32,
-        displays: &DisplaySet,
+        displays: &SceneState,
     ) {
         self.settings.update_from(&self.context.ros, plan.view, switches);
         self.connections = connections;
@@ -141,7 +141,7 @@ impl CameraOutput {
     }
 
     /// Applies what a user has changed from the next frame on.
-    pub(crate) fn apply_new_settings(&mut self, displays: &DisplaySet) {
+    pub(crate) fn apply_new_settings(&mut self, displays: &SceneState) {
         if self.settings.apply_changes(displays) {
             self.timing.set_frame_rate(self.settings.view().settings.frame_rate_hz);
             match self.operator().paused {
@@ -311,7 +311,7 @@ impl CameraOutput {
         }
         let view = Arc::clone(self.view());
         let operator = self.operator();
-        let camera = match scene.camera(&view, self.context.model) {
+        let camera = match camera(scene, &view, self.context.model) {
             Ok(camera) => Arc::new(camera),
             Err(problem) => {
                 self.light.evidence.set(DarkCause::NoCamera, Condition::Dark(problem.to_string()));
@@ -339,7 +339,7 @@ impl CameraOutput {
             let (content, grant) = granted.map_or_else(
                 |substitute| substitute,
                 |grant| {
-                    let (version, hidden) = (scene.displays().version_shown(&visible), self.light.hidden.clone());
+                    let (version, hidden) = (scene.version_shown(&visible), self.light.hidden.clone());
                     (FrameContent::Scene { version, camera: Arc::clone(&camera), hidden }, Some(grant))
                 },
             );
@@ -565,6 +565,6 @@ impl CameraOutput {
 
 /// Stamp of the oldest data that displays have drawn; `None` if none of them has a stamp.
 fn oldest_stamp(scene: &SceneState, visible: &DisplayMask) -> Option<Time> {
-    let drawn = scene.displays().ages().filter(|age| visible.shows(age.id) && !age.is_empty);
+    let drawn = scene.ages().filter(|age| visible.shows(age.id) && !age.is_empty);
     drawn.filter_map(|age| age.current).map(|shown| shown.stamp).filter(|stamp| !stamp.is_zero()).min()
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rcs_displays::DisplaySet;
+use rcs_displays::SceneState;
 use rcs_rviz_config::Config;
 
 use super::connections::{take_where, CameraConnections, KeptConnections};
@@ -18,7 +18,7 @@ pub(crate) fn rearrange(
     plans: Vec<CameraPlan>,
     mut old: Vec<CameraOutput>,
     config: &Config,
-    displays: &DisplaySet,
+    displays: &SceneState,
     window: impl Fn(&str) -> Option<WindowOutput>,
 ) -> Vec<CameraOutput> {
     let ros = &context.ros;

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use rcs_displays::{CameraView, DisplaySet};
+use rcs_displays::{CameraView, SceneState};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
 
@@ -119,7 +119,7 @@ impl RuntimeSettings {
     }
 
     /// Applies the values that were taken since the last call. Returns `true` if there were some.
-    pub(super) fn apply_changes(&mut self, displays: &DisplaySet) -> bool {
+    pub(super) fn apply_changes(&mut self, displays: &SceneState) -> bool {
         if !std::mem::take(&mut self.has_changed) {
             return false;
         }

@@ -106,7 +106,6 @@ mod tests {
     use rcs_displays::Statuses;
 
     use super::*;
-    use crate::scene::status_tree::EntryKind;
 
     #[test]
     fn many_statuses_are_a_line_with_their_number() {
@@ -126,15 +125,11 @@ mod tests {
                 set.set(*level, name, *text);
             }
             StatusEntry {
-                kind: EntryKind::Display,
-                display: Some(0),
                 path: path.to_owned(),
                 class: "rviz/Path".to_owned(),
                 topic: String::new(),
-                subscriptions: Vec::new(),
-                has_received: true,
                 statuses: Cow::Owned(set),
-                values: Vec::new(),
+                ..StatusEntry::default()
             }
         };
         let ok = entry("é", &[(Level::Ok, "Topic", "3 messages received"), (Level::Ok, "Transform", "OK")]);

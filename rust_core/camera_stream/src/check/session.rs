@@ -17,7 +17,7 @@ use crate::options::Options;
 use crate::scene::status_tree::{self, StatusEntry};
 use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera};
-use crate::scene::SceneState;
+use crate::scene::{camera, SceneState};
 use crate::{config_names, NODE_NAME};
 
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -70,8 +70,7 @@ impl Session {
         let ros = &self.ros;
         ros.subscribe_transforms()?;
         let (mut subscriptions, mut observed) = (Subscriptions::default(), Observed::default());
-        subscriptions.update(ros, scene.topics());
-        ros.follow_parameters(scene.parameters());
+        subscriptions.update(ros, scene);
         let started = Instant::now();
         loop {
             let left = listen.saturating_sub(started.elapsed());
@@ -91,9 +90,9 @@ impl Session {
     /// The statuses of everything but the cameras.
     pub(crate) fn display_entries<'s>(&self, scene: &'s SceneState, options: &Options) -> Vec<StatusEntry<'s>> {
         let mut entries = status_tree::scene(scene, self.now());
-        let place = |view| PlacedCamera { view, camera: scene.camera(view, options.model).ok() };
+        let place = |view| PlacedCamera { view, camera: camera(scene, view, options.model).ok() };
         let placed: Vec<_> = scene.cameras().iter().map(place).collect();
-        visibility::add(&mut entries, scene.displays(), &placed);
+        visibility::add(&mut entries, scene, &placed);
         entries
     }
 

@@ -8,7 +8,7 @@ use super::finding::{secs, Finding};
 use super::look::Look;
 use crate::safety::names::of_camera;
 use crate::scene::camera_pose::CameraProblem;
-use crate::scene::status_tree::deviations_of;
+use crate::scene::{self, status_tree::deviations_of};
 
 /// Age of a lens's newest transform that is a fault where no limit is set, seconds.
 const MAX_AGE_SECS: f64 = 1.0;
@@ -19,7 +19,7 @@ const CORRECT_FILE: &str = "correct the projector's file, or the node that publi
 /// The CameraInfo: there, valid, drawn as it says, and that of the picture.
 pub(super) fn info(look: &Look<'_>, camera: &CameraView) -> Finding {
     let name = look.name("camera_info", camera);
-    match look.scene.camera(camera, look.options.model) {
+    match scene::camera(look.scene, camera, look.options.model) {
         Err(problem @ CameraProblem::NoCameraInfo { .. }) => Finding::bad(name, problem.to_string(), START_PROJECTOR),
         Err(problem @ CameraProblem::BadCameraInfo { .. }) => Finding::bad(name, problem.to_string(), CORRECT_FILE),
         Ok(_) | Err(CameraProblem::NoTransform { .. }) => {
@@ -60,7 +60,7 @@ pub(super) fn transform(look: &Look<'_>, camera: &CameraView) -> Finding {
     let name = look.name("transform", camera);
     let topic = &camera.settings.camera_info_topic;
     let frame = look.scene.received_camera_info(topic).map(|(frame, _)| frame).unwrap_or_default();
-    match look.scene.camera(camera, look.options.model) {
+    match scene::camera(look.scene, camera, look.options.model) {
         Err(CameraProblem::NoTransform { error, .. }) => {
             let advice = "publish it (robot_state_publisher: the robot, projector: the lens), or correct fixed_frame";
             Finding::bad(name, error.to_string(), advice)

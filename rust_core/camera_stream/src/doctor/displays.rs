@@ -72,7 +72,6 @@ mod tests {
     use std::borrow::Cow;
 
     use super::*;
-    use crate::scene::status_tree::EntryKind;
 
     #[test]
     fn a_display_is_a_line_with_its_problems_the_worst_first() {
@@ -80,15 +79,11 @@ mod tests {
             let mut statuses = Statuses::default();
             list.iter().for_each(|(level, name, text)| statuses.set(*level, name, *text));
             let entry = StatusEntry {
-                kind: EntryKind::Display,
-                display: Some(0),
                 path: "group / cloud".to_owned(),
                 class: "rviz/PointCloud2".to_owned(),
                 topic: "/cloud".to_owned(),
-                subscriptions: Vec::new(),
-                has_received: true,
                 statuses: Cow::Owned(statuses),
-                values: Vec::new(),
+                ..StatusEntry::default()
             };
             display(&entry).to_string()
         };

@@ -28,7 +28,7 @@ use crate::outputs::{FrameImage, Output, OutputFrame, PictureFile, PictureSequen
 use crate::projection_warning::ProjectionWarning;
 use crate::safety::names::{of_camera, ForCamera};
 use crate::scene::camera_pose::CameraProblem;
-use crate::scene::{renderer_view, status_tree, SceneState};
+use crate::scene::{self, renderer_view, status_tree, SceneState};
 
 pub use moments::BagSection;
 use moments::{BagTimes, RenderTimes};
@@ -120,7 +120,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         }
         player.play_until(scene, moment).with_context(|| job.name())?;
         scene.update(moment);
-        let camera = match scene.camera(&view, job.model) {
+        let camera = match scene::camera(scene, &view, job.model) {
             Ok(camera) => camera,
             Err(problem) => {
                 // The scene is not needed any more: plays on until there is a camera.

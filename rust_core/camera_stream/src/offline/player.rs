@@ -15,7 +15,7 @@ use super::moments::BagTimes;
 use super::projector::ProjectorOverride;
 use super::ros_time::{clock_jumps_back, clock_of, is_clock, RosTime};
 use crate::scene::status_log::StatusLog;
-use crate::scene::{status_tree, SceneState};
+use crate::scene::{camera, status_tree, SceneState};
 
 /// Plays a bag's messages to a scene.
 pub(super) struct Player {
@@ -89,7 +89,7 @@ impl Player {
     ) -> Result<Option<Time>> {
         self.play_until(scene, moment)?;
         let mut reached = moment;
-        while scene.camera(view, model).is_err() {
+        while camera(scene, view, model).is_err() {
             let Some(played) = self.play_next(scene, last) else { return Ok(None) };
             reached = played.max(moment);
         }

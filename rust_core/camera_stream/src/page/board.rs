@@ -74,7 +74,7 @@ impl Board {
                     statuses.cameras.insert(entry.path.clone(), of_entry);
                 }
                 EntryKind::Global | EntryKind::Display => {
-                    let count = entry.received();
+                    let count = entry.received;
                     let key = format!("display {}", entry.path);
                     let rate = count.map(|count| Rate::next(rates.remove(&key), count, now));
                     let per_sec = rate.as_ref().and_then(|rate| rate.per_sec);
@@ -116,7 +116,7 @@ fn display(entry: &StatusEntry<'_>, rate_hz: Option<f64>) -> Value {
         "topic": entry.topic,
         "level": level_name(entry.level()),
         "rate_hz": rate_hz,
-        "age_ms": entry.age_ms(),
+        "age_ms": entry.age_ms.map(f64::round),
         "statuses": statuses_of(&entry.statuses),
         "advice": advice_for(entry),
         "switches": {},

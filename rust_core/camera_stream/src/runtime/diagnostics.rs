@@ -5,6 +5,7 @@
 use std::cmp::Reverse;
 use std::time::{Duration, Instant};
 
+use rcs_camera::figure;
 use rcs_displays::Level;
 use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use rcs_node_support::node_status::diagnostic_status;
@@ -119,6 +120,10 @@ fn status_of(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
         let key = if entry.kind == EntryKind::Camera { "image topic" } else { "topic" };
         values.push((key, entry.topic.clone()));
     }
+    if let Some(received) = entry.received {
+        let age_ms = figure(entry.age_ms.map(|age_ms| format!("{age_ms:.0}")));
+        values.extend([("messages received", received.to_string()), ("age of the data shown ms", age_ms)]);
+    }
     values.extend(entry.values.iter().cloned());
     let mut statuses: Vec<_> = entry.statuses.iter().collect();
     statuses.sort_by_key(|(name, status)| (Reverse(status.level), *name != VISIBILITY));
@@ -148,15 +153,12 @@ mod tests {
             statuses.set(Level::Ok, &format!("n/{marker}"), "Marker OK");
         }
         let mut entry = StatusEntry {
-            kind: EntryKind::Display,
-            display: Some(0),
             path: "robot / markers".to_owned(),
             class: "rviz/Marker".to_owned(),
             topic: "/m".to_owned(),
-            subscriptions: Vec::new(),
-            has_received: true,
+            received: Some(7),
             statuses: Cow::Owned(statuses),
-            values: vec![("messages received", "7".to_owned())],
+            ..StatusEntry::default()
         };
         let ok = status_of("cam", &entry);
         assert_eq!((ok.level, ok.name.as_str(), ok.message.as_str()), (0, "cam: robot / markers", "OK"));
@@ -170,11 +172,12 @@ mod tests {
             ("class", "rviz/Marker"),
             ("topic", "/m"),
             ("messages received", "7"),
+            ("age of the data shown ms", "-"),
             ("zz", "Error: broken"),
             ("z", "Warn: odd"),
             (VISIBILITY, "hidden in camera X"),
         ];
         assert_eq!(values[..head.len()], head);
-        assert_eq!((values.len(), values[values.len() - 1]), (3 + MOST_VALUES + 1, ("further statuses", "203")));
+        assert_eq!((values.len(), values[values.len() - 1]), (4 + MOST_VALUES + 1, ("further statuses", "203")));
     }
 }

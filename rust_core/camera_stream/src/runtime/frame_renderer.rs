@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Error, Result};
-use rcs_displays::DisplaySet;
+use rcs_displays::SceneState;
 use rcs_render::{Depths, RenderError, Renderer, RendererChoice};
 use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
 
@@ -21,6 +21,8 @@ const NAMED_SHARE: f64 = 0.1;
 pub(super) struct FrameRenderer {
     renderer: Box<dyn Renderer>,
     buffers: SharedBuffers,
+    /// The scene of a version, for all cameras.
+    snapshot: Option<(u64, Arc<Scene>)>,
     /// The times of the frame at hand.
     pub(super) costs: Costs,
 }
@@ -32,7 +34,7 @@ impl FrameRenderer {
     /// It is a GPU, and none works.
     pub(super) fn new(choice: RendererChoice) -> Result<Self> {
         let renderer = rcs_render::create(choice)?;
-        Ok(Self { renderer, buffers: SharedBuffers::default(), costs: Costs::default() })
+        Ok(Self { renderer, buffers: SharedBuffers::default(), snapshot: None, costs: Costs::default() })
     }
 
     /// The renderer's name, for the log.
@@ -60,8 +62,21 @@ impl FrameRenderer {
         self.renderer.upload(scene, visible);
     }
 
-    pub(super) fn submit(&mut self, frame: DueFrame, scene: &Arc<Scene>) -> Result<FrameInFlight> {
-        Ok(frame.submit(self.renderer.as_mut(), scene)?)
+    /// The scene as it is now, for all cameras.
+    pub(super) fn snapshot(&mut self, scene: &SceneState) -> Arc<Scene> {
+        let current = self.snapshot.take().filter(|(version, _)| *version == scene.version());
+        let (_, snapshot) = self.snapshot.insert(current.unwrap_or_else(|| (scene.version(), Arc::new(scene.scene()))));
+        Arc::clone(snapshot)
+    }
+
+    /// Drops the snapshot before the next message is taken, which can then use the memory of its clouds.
+    pub(super) fn forget_snapshot(&mut self) {
+        self.snapshot = None;
+    }
+
+    pub(super) fn submit(&mut self, frame: DueFrame, scene: &SceneState) -> Result<FrameInFlight> {
+        let snapshot = self.snapshot(scene);
+        Ok(frame.submit(self.renderer.as_mut(), &snapshot)?)
     }
 
     /// Finishes the frame that was submitted first, in this memory. `None` if it is lost.
@@ -70,7 +85,7 @@ impl FrameRenderer {
     }
 
     /// Describes the frame that is finished now, if it was slow.
-    pub(super) fn slow_frame(&self, displays: &DisplaySet) -> Option<String> {
+    pub(super) fn slow_frame(&self, displays: &SceneState) -> Option<String> {
         self.costs.slow_frame(self.renderer.as_ref(), displays)
     }
 
@@ -118,7 +133,7 @@ impl Costs {
     }
 
     /// Describes the frame that is finished now, if it was slow.
-    pub(super) fn slow_frame(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
+    pub(super) fn slow_frame(&self, renderer: &dyn Renderer, displays: &SceneState) -> Option<String> {
         let took = self.begun.elapsed();
         (took >= SLOW_AFTER).then(|| self.describe(took, renderer.costs(), |id| displays.path(id).map(path_text)))
     }

@@ -31,9 +31,10 @@ use crate::options::Options;
 use crate::safety::ages::Assessment;
 use crate::safety::read_rules::{self, LightTopics};
 use crate::safety::{status, LitView, Safety};
-use crate::scene::live::LiveScene;
+use crate::scene::camera_pose::unknown_lens;
+use crate::scene::subscriptions::Subscriptions;
 use crate::scene::visibility::{self, PlacedCamera};
-use crate::scene::{status_tree, SceneState};
+use crate::scene::{camera, status_tree, SceneState};
 
 const LONGEST_SLEEP: Duration = Duration::from_millis(500);
 
@@ -44,10 +45,12 @@ const MARKERS_PER_UPDATE: usize = 20_000;
 pub(super) struct SceneThread {
     shared: Arc<NodeState>,
     context: Arc<CameraContext>,
-    scene: LiveScene,
+    options: Options,
+    scene: SceneState,
+    subscriptions: Subscriptions,
+    /// Arrival of the last transforms since the last update.
+    transforms_received: Option<Instant>,
     renderer: FrameRenderer,
-    /// `true`: streams that nobody watches are not received.
-    is_lazy: bool,
     safety: Safety,
     light_topics: LightTopics,
     /// Patterns of a calibration.
@@ -73,9 +76,9 @@ impl SceneThread {
         let resources = options.resources.clone();
         let events = Arc::clone(ros.events());
         let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-        let mut state = SceneState::new(config, options.fixed_frame.as_deref(), meshes);
-        state.limit_markers_per_update(MARKERS_PER_UPDATE);
-        if state.cameras().is_empty() {
+        let mut scene = SceneState::new(config, options.fixed_frame.as_deref(), meshes);
+        scene.limit_markers_per_update(MARKERS_PER_UPDATE);
+        if scene.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = plan::plans(ros, config)?;
@@ -85,13 +88,27 @@ impl SceneThread {
         let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
         let (own_ros, control) = (Arc::clone(ros), Arc::clone(&shared.control));
         let context = Arc::new(CameraContext { ros: own_ros, control, model, depth_encoding, page });
-        let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
-        let mut scene = LiveScene::start(ros, state, options.prediction, options.fixed_frame.clone())?;
+        let cameras = rearrange(&context, plans, Vec::new(), config, &scene, |camera| windows.of(camera));
+        ros.subscribe_transforms()?;
+        let mut subscriptions = Subscriptions::default();
+        subscriptions.update(ros, &scene);
         log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
         *shared.cameras() = cameras;
         scene.update(time_from_stamp(ros.now()));
-        let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.is_lazy, OrientedFrames::default());
-        Ok(Self { shared, context, scene, renderer, is_lazy, safety, light_topics, patterns, oriented_frames, windows })
+        Ok(Self {
+            shared: Arc::clone(shared),
+            context,
+            options: options.clone(),
+            scene,
+            subscriptions,
+            transforms_received: None,
+            renderer,
+            safety,
+            light_topics,
+            patterns,
+            oriented_frames: OrientedFrames::default(),
+            windows,
+        })
     }
 
     fn now(&self) -> Time {
@@ -105,7 +122,7 @@ impl SceneThread {
             shared.activity.wait_for_work();
             let events = shared.ros.events().wait(if is_ahead { Duration::ZERO } else { self.sleep() });
             self.renderer.costs.clear();
-            let mut has_news = !events.is_empty() || self.scene.state.has_new_resources();
+            let mut has_news = !events.is_empty() || self.scene.has_new_resources();
             for event in events {
                 self.handle(event);
             }
@@ -113,21 +130,23 @@ impl SceneThread {
             self.pause_streams();
             let now = self.now();
             let lookup_to_publish = shared.cameras().iter().filter_map(CameraOutput::lookup_to_publish).max();
-            has_news |= self.scene.predict(now, lookup_to_publish);
-            if has_news || self.scene.state.displays().next_change().is_some_and(|change| change <= now) {
+            let prediction = self.options.prediction.prediction(now, lookup_to_publish);
+            self.scene.predict(prediction);
+            has_news |= prediction.is_some();
+            if has_news || self.scene.next_change().is_some_and(|change| change <= now) {
                 self.update(now);
             }
             // The first frame after a pause is to show what is, not what was.
-            is_ahead = self.scene.subscriptions.awaited(Instant::now()).is_none() && self.publish();
+            is_ahead = self.subscriptions.awaited(Instant::now()).is_none() && self.publish();
             self.report_statuses();
         }
     }
 
     /// Pauses streams that nobody watches, and resumes them.
     fn pause_streams(&mut self) {
-        let is_watched = !self.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        let is_watched = !self.options.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
         self.light_topics.surfaces.update(&self.shared.ros, is_watched);
-        if self.scene.subscriptions.pause_streams(is_watched, &self.scene.state) {
+        if self.subscriptions.pause_streams(is_watched, &self.scene) {
             // It will be old when somebody watches again.
             self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
         }
@@ -139,11 +158,11 @@ impl SceneThread {
         // Taken out first, so that requests are not locked meanwhile.
         let (reload, is_retry) = self.shared.take_requests();
         if is_retry {
-            self.scene.state.retry_resources();
+            self.scene.retry_resources();
         }
         let is_reloaded = reload.map(|reload| self.reload(reload)).is_some();
         for camera in self.shared.cameras().iter_mut() {
-            camera.apply_new_settings(self.scene.state.displays());
+            camera.apply_new_settings(&self.scene);
         }
         is_reloaded || is_retry
     }
@@ -160,13 +179,13 @@ impl SceneThread {
             Err(error) => return log::error!("{}: {error}", config.source),
         };
         shared.control.set_cameras(plans.iter().map(CameraPlan::name));
-        let changed = self.scene.reconfigure(ros, &config, self.now());
+        let changed = self.scene.reconfigure(&config, self.options.fixed_frame.as_deref(), self.now());
+        self.subscriptions.update(ros, &self.scene);
         {
             let mut cameras = shared.cameras();
             let known = std::mem::take(&mut *cameras);
             self.windows.clear_those_without(&plans);
-            let (displays, windows) = (self.scene.state.displays(), &self.windows);
-            *cameras = rearrange(&self.context, plans, known, &config, displays, |camera| windows.of(camera));
+            *cameras = rearrange(&self.context, plans, known, &config, &self.scene, |camera| self.windows.of(camera));
         }
         self.renderer.forget_sizes();
         let Reconfigured { kept, added, removed } = changed;
@@ -182,22 +201,21 @@ impl SceneThread {
     }
 
     fn update(&mut self, now: Time) {
-        let transforms_received = self.update_scene(now);
-        self.record_update(transforms_received, Instant::now());
+        self.update_scene(now);
+        self.record_update(Instant::now());
     }
 
-    /// Brings the scene up to date. Returns the arrival of the last transforms, if there are new ones.
-    fn update_scene(&mut self, now: Time) -> Option<Instant> {
+    /// Brings the scene up to date.
+    fn update_scene(&mut self, now: Time) {
         self.shared.activity.begin(SceneStep::Displays);
-        self.scene.state.pack_points(self.renderer.takes_packed_points());
-        let transforms_received = self.scene.update(now);
-        self.renderer.costs.add(self.scene.state.take_costs());
-        transforms_received
+        self.scene.pack_points(self.renderer.takes_packed_points());
+        self.scene.update(now);
+        self.renderer.costs.add(self.scene.take_costs());
     }
 
     /// Records the last update for the figures of the next images.
-    fn record_update(&mut self, transforms_received: Option<Instant>, decoded: Instant) {
-        let messages = self.scene.state.displays().newly_shown();
+    fn record_update(&mut self, decoded: Instant) {
+        let (messages, transforms_received) = (self.scene.newly_shown(), self.transforms_received.take());
         let update = Update { messages, transforms_received, decoded };
         self.shared.cameras().iter_mut().for_each(|camera| camera.record_update(&update));
     }
@@ -205,14 +223,14 @@ impl SceneThread {
     /// Time until something is due by itself: a camera's next frame, or a change of the scene.
     fn sleep(&mut self) -> Duration {
         let now = Instant::now();
-        let awaited = self.scene.subscriptions.awaited(now);
+        let awaited = self.subscriptions.awaited(now);
         let next_stale = self.safety.assessment().and_then(Assessment::next_change);
         let (due, light_end) = {
             let cameras = self.shared.cameras();
             let due = cameras.iter().filter_map(|camera| camera.until_due(now)).min();
             (due, cameras.iter().filter_map(CameraOutput::light_end).min())
         };
-        let change = self.scene.state.displays().next_change().map(|change| change.saturating_since(self.now()));
+        let change = self.scene.next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
         // A little later, so that it is over then.
         let after = |at: Instant| at.saturating_duration_since(now) + Duration::from_millis(1);
@@ -227,17 +245,17 @@ impl SceneThread {
             return;
         }
         shared.activity.begin(SceneStep::Statuses);
-        let state = &self.scene.state;
+        let state = &self.scene;
         let mut entries = status_tree::scene(state, self.now());
-        status::add(&mut entries, &self.safety, |topic| self.scene.subscriptions.is_paused(topic));
+        status::add(&mut entries, &self.safety, |topic| self.subscriptions.is_paused(topic));
         status::add_operator(&mut entries, &shared.control.state());
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.
             let views: Vec<_> = shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
-            let place = |view: &Arc<_>| state.camera(view, self.context.model).ok();
+            let place = |view: &Arc<_>| camera(state, view, self.context.model).ok();
             let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
-            visibility::add(&mut entries, state.displays(), &placed);
+            visibility::add(&mut entries, state, &placed);
         }
         entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(state)));
         shared.diagnostics().report(&shared.ros, &mut entries);
@@ -270,7 +288,12 @@ impl SceneThread {
                     self.safety.take_image(topic, image, publisher, *received);
                 }
             }
-            NodeEvent::Transforms { received, is_static: false, .. } => self.safety.note_transforms(*received),
+            NodeEvent::Transforms { received, is_static, .. } => {
+                self.transforms_received = Some(*received);
+                if !is_static {
+                    self.safety.note_transforms(*received);
+                }
+            }
             NodeEvent::TimeJumpedBack { from, to } => {
                 log::warn!(
                     "time jumped back from {} to {}: all frames and messages are dropped",
@@ -282,7 +305,11 @@ impl SceneThread {
             }
             _ => {}
         }
-        self.scene.apply(event, self.now());
+        if matches!(event, NodeEvent::Message { .. }) {
+            self.renderer.forget_snapshot();
+        }
+        let now = self.now();
+        self.subscriptions.apply(event, &mut self.scene, now);
     }
 
     /// Shows a pattern of a calibration.
@@ -291,7 +318,7 @@ impl SceneThread {
     /// It cannot be read, or fits no camera.
     fn take_pattern(&self, image: &Image, received: Instant) -> Result<(), String> {
         let pattern = Pattern::new(image, received)?;
-        let place = |camera: &CameraOutput| camera.frame_and_size(&self.scene.state);
+        let place = |camera: &CameraOutput| camera.frame_and_size(&self.scene);
         let places: Vec<_> = self.shared.cameras().iter().filter_map(place).collect();
         match pattern.misfit(&places) {
             Some(why) => return Err(why),
@@ -320,8 +347,8 @@ impl SceneThread {
         while !in_flight.is_empty() {
             self.finish(&mut in_flight);
         }
-        if let Some((transforms_received, decoded)) = ahead {
-            self.record_update(transforms_received, decoded);
+        if let Some(decoded) = ahead {
+            self.record_update(decoded);
         }
         if is_size_gone {
             self.renderer.forget_sizes();
@@ -333,9 +360,8 @@ impl SceneThread {
     }
 
     /// While a GPU draws: takes the events in which a message has arrived, and uploads the clouds of the next images.
-    /// Returns the arrival of the last transforms, if there are new ones, and when the scene was up to date; `None`
-    /// without such events, for which no image waits.
-    fn take_ahead(&mut self) -> Option<(Option<Instant>, Instant)> {
+    /// Returns when the scene was up to date; `None` without such events, for which no image waits.
+    fn take_ahead(&mut self) -> Option<Instant> {
         if !self.renderer.can_upload() {
             return None;
         }
@@ -345,34 +371,34 @@ impl SceneThread {
             return None;
         }
         events.into_iter().for_each(|event| self.handle(event));
-        let transforms_received = self.update_scene(self.now());
+        self.update_scene(self.now());
         let decoded = Instant::now();
-        let scene = self.scene.snapshot();
+        let scene = self.renderer.snapshot(&self.scene);
         let watched = |camera: &CameraOutput| camera.is_watched().then(|| Arc::clone(camera.view()));
         let views: Vec<_> = shared.cameras().iter().filter_map(watched).collect();
         views.iter().for_each(|view| self.renderer.upload(&scene, &view.visible));
-        Some((transforms_received, decoded))
+        Some(decoded)
     }
 
     fn assess(&mut self) {
         let steady = Instant::now();
         let now = Now { ros: self.now(), steady, resumed: self.shared.pulse.resumed(steady) };
-        let state = &self.scene.state;
+        let state = &self.scene;
         // Where the projector's light goes, however the image is drawn.
         let model = CameraModel { projection: Projection::Exact, undistort: true };
         let view_of = |camera: &CameraOutput| (Arc::clone(camera.view()), camera.is_watched());
         let (views, watched): (Vec<_>, Vec<_>) = self.shared.cameras().iter().map(view_of).unzip();
         let needs_camera = self.safety.needs_cameras();
         let cameras: Vec<_> =
-            views.iter().map(|view| needs_camera.then(|| state.camera(view, model).ok()).flatten()).collect();
+            views.iter().map(|view| needs_camera.then(|| camera(state, view, model).ok()).flatten()).collect();
         let lit = views.iter().zip(&cameras).zip(&watched).map(|((view, camera), is_watched)| LitView {
             view,
             is_watched: *is_watched,
             camera: camera.as_ref(),
-            unknown_lens: camera.as_ref().and_then(|camera| state.unknown_lens(view, camera)),
+            unknown_lens: camera.as_ref().and_then(|camera| unknown_lens(state, view, camera)),
         });
         let lit: Vec<_> = lit.collect();
-        let subscriptions = &self.scene.subscriptions;
+        let subscriptions = &self.subscriptions;
         let (ros, light_topics) = (&self.shared.ros, &self.light_topics);
         self.safety.follow_publishers(|topic| light_topics.publishers(ros, topic), steady);
         let lights = self.safety.assess(state, &lit, |name, kind| subscriptions.source(name, kind), now);
@@ -389,11 +415,11 @@ impl SceneThread {
     /// camera had another size before.
     fn begin(&mut self, index: usize, is_size_gone: &mut bool) -> Result<Option<FrameInFlight>> {
         let shared = Arc::clone(&self.shared);
-        let due = shared.cameras().get_mut(index).map(|camera| camera.poll(&self.scene.state)).transpose()?;
+        let due = shared.cameras().get_mut(index).map(|camera| camera.poll(&self.scene)).transpose()?;
         let Some(due) = due.flatten() else { return Ok(None) };
         shared.activity.begin(SceneStep::Frame(due.view.name.clone()));
         let size_px = [due.camera.width_px(), due.camera.height_px()];
-        let frame = self.renderer.submit(due, &self.scene.snapshot())?;
+        let frame = self.renderer.submit(due, &self.scene)?;
         *is_size_gone |= shared.cameras().get_mut(index).is_some_and(|camera| camera.set_drawn_px(size_px));
         Ok(Some(frame))
     }
@@ -409,7 +435,7 @@ impl SceneThread {
     fn finish_frame(&mut self, index: usize, frame: FrameInFlight) -> Result<()> {
         let memory = self.shared.cameras().get_mut(index).map(CameraOutput::take_back_buffer);
         let Some(finished) = self.renderer.finish(frame, memory.unwrap_or_default())? else { return Ok(()) };
-        let slow = self.renderer.slow_frame(self.scene.state.displays());
+        let slow = self.renderer.slow_frame(&self.scene);
         let mut cameras = self.shared.cameras();
         let Some(camera) = cameras.get_mut(index) else { return Ok(()) };
         slow.into_iter().for_each(|slow| camera.record_slow_frame(slow));

@@ -1,6 +1,6 @@
 //! The displays whose light a measured surface must confirm: all, none, or those of some names.
 
-use rcs_displays::DisplaySet;
+use rcs_displays::SceneState;
 use rcs_node_support::key_value::nearest;
 use rcs_scene::DisplayMask;
 
@@ -47,7 +47,7 @@ impl ConfirmedDisplays {
     }
 
     /// These displays of a set.
-    pub(super) fn mask(&self, displays: &DisplaySet) -> DisplayMask {
+    pub(super) fn mask(&self, displays: &SceneState) -> DisplayMask {
         let mut mask = DisplayMask::all();
         if let Self::Named(listed) = self {
             for age in displays.ages() {
@@ -73,6 +73,8 @@ fn problem(name: &str, names: &ConfigNames) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use rcs_resources::{MeshStore, PackageIndex};
+
     use super::*;
 
     #[test]
@@ -84,7 +86,8 @@ Visualization Manager:
   - {Class: rviz/Grid, Name: floor, Enabled: true}
   - {Class: rviz/Group, Name: objects, Enabled: true, Displays: [{Class: rviz/Axes, Name: cup, Enabled: true}]}
 ";
-        let set = DisplaySet::new(&rcs_rviz_config::parse(config, "test").unwrap());
+        let config = rcs_rviz_config::parse(config, "test").unwrap();
+        let set = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
         let shown = |listed: ConfirmedDisplays| {
             let mask = listed.mask(&set);
             set.ages().filter(|age| mask.shows(age.id)).map(|age| age.path.join("/")).collect::<Vec<_>>()

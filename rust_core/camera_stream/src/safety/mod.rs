@@ -211,7 +211,7 @@ impl Safety {
         });
         evidence.set(DarkCause::CameraData, camera);
         evidence.set(DarkCause::Displays, displays);
-        let surface = self.surfaces.check(name, scene.displays());
+        let surface = self.surfaces.check(name, scene);
         let is_guarded = self.ages.is_some() || self.unmatched.is_some() || protects_eyes;
         CameraLight { evidence, hidden, surface, is_guarded, has_note: self.has_note }
     }

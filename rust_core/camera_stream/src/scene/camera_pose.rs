@@ -1,10 +1,10 @@
 //! The camera that the scene is drawn with, from a CameraInfo and the transforms.
 
-use rcs_camera::{optics, CameraModel, Lenses};
-use rcs_displays::World;
+use rcs_camera::{is_distorted, optics, CameraModel, NoLens};
+use rcs_displays::{CameraView, SceneState};
 use rcs_files::projector::fields_of;
-use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_scene::{Camera, CameraError};
+use rcs_render::View;
+use rcs_scene::{Camera, CameraError, Scene};
 use rcs_transforms::LookupError;
 use thiserror::Error;
 
@@ -44,22 +44,35 @@ impl CameraProblem {
     }
 }
 
-/// The camera of a CameraInfo, at the latest known pose of its frame, or the predicted one.
+/// The projection and pose of a camera, from its last CameraInfo and the latest or predicted transforms.
 ///
 /// # Errors
-/// See [`CameraProblem`].
-pub(crate) fn camera(
-    info: &CameraInfo,
-    topic: &str,
-    world: &World<'_>,
-    near_m: f64,
-    model: CameraModel,
-    lenses: &Lenses,
-) -> Result<Camera, CameraProblem> {
-    let bad = |error| CameraProblem::BadCameraInfo { topic: topic.to_owned(), error };
-    let optics = optics(&fields_of(info), topic, model, lenses).map_err(bad)?;
-    let fixed_from_optical = world
-        .fixed_from_moving(&info.header.frame_id)
-        .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error: Box::new(error) })?;
-    Ok(optics.camera(&fixed_from_optical, near_m))
+/// See [`CameraProblem`]: no image can be drawn then.
+pub fn camera(scene: &SceneState, view: &CameraView, model: impl Into<CameraModel>) -> Result<Camera, CameraProblem> {
+    let topic = &view.settings.camera_info_topic;
+    let info = scene.camera_info(view).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
+    let bad = |error| CameraProblem::BadCameraInfo { topic: topic.clone(), error };
+    let optics = optics(&fields_of(info), topic, model.into(), scene.lenses()).map_err(bad)?;
+    let fixed_from_optical = scene
+        .pose_of(&info.header.frame_id)
+        .map_err(|error| CameraProblem::NoTransform { topic: topic.clone(), error: Box::new(error) })?;
+    Ok(optics.camera(&fixed_from_optical, f64::from(view.settings.near_clip_m)))
+}
+
+/// Why the distortion of a camera's CameraInfo is unknown, if it has one that `drawn` lacks.
+pub(crate) fn unknown_lens(scene: &SceneState, view: &CameraView, drawn: &Camera) -> Option<NoLens> {
+    let is_straight = drawn.lens().is_none();
+    let info = scene.camera_info(view).filter(|info| is_straight && is_distorted(&fields_of(info)));
+    info.and_then(|_| scene.lenses().problem(&view.settings.camera_info_topic))
+}
+
+/// The renderer's input for a camera's image.
+pub fn renderer_view<'a>(view: &'a CameraView, scene: &'a Scene, camera: &'a Camera) -> View<'a> {
+    View {
+        scene,
+        camera,
+        visible: &view.visible,
+        background: view.settings.background_color,
+        encoding: view.settings.image_encoding,
+    }
 }

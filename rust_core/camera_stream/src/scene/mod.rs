@@ -2,11 +2,10 @@
 
 pub mod camera_pose;
 pub(crate) mod lazy_streams;
-pub(crate) mod live;
-mod state;
 pub(crate) mod status_log;
 pub(crate) mod status_tree;
 pub(crate) mod subscriptions;
 pub(crate) mod visibility;
 
-pub use state::{renderer_view, SceneState};
+pub use camera_pose::{camera, renderer_view};
+pub use rcs_displays::SceneState;

@@ -4,15 +4,15 @@
 
 use std::borrow::Cow;
 
-use rcs_camera::{deviations, figure, Advice, CameraModel};
-use rcs_displays::{CameraView, DisplayReport, Level, Statuses};
+use rcs_camera::{deviations, Advice, CameraModel};
+use rcs_displays::{CameraView, Level, Statuses};
 use rcs_files::projector::fields_of;
 use rcs_messages::{stamp_nanos, MessageKind};
 use rcs_ros::{Publications, RosNode};
 use rcs_scene::DisplayId;
 use rcs_transforms::{Time, TransformTree};
 
-use crate::scene::camera_pose::CameraProblem;
+use crate::scene::camera_pose::{self, CameraProblem};
 use crate::scene::SceneState;
 
 /// Name of the status of a topic's publishers. rviz has none: it does not report a topic of another type.
@@ -20,22 +20,20 @@ pub(crate) const PUBLISHER: &str = "Publisher";
 /// Name of the status of the fixed frame.
 pub(crate) const FIXED_FRAME: &str = "Fixed Frame";
 
-const MESSAGES: &str = "messages received";
-const AGE: &str = "age of the data shown ms";
-
 /// Kind of an entry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum EntryKind {
     /// The whole scene.
     Global,
     /// A display.
+    #[default]
     Display,
     /// A CameraPub display.
     Camera,
 }
 
 /// The global status, a display or a camera, with its statuses.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct StatusEntry<'a> {
     pub(crate) kind: EntryKind,
     pub(crate) display: Option<DisplayId>,
@@ -49,26 +47,16 @@ pub(crate) struct StatusEntry<'a> {
     pub(crate) subscriptions: Vec<(String, MessageKind)>,
     /// `true` if a message was received on any of them.
     pub(crate) has_received: bool,
+    /// Number of messages received, of a display with topics.
+    pub(crate) received: Option<u64>,
+    /// Age of the data shown in milliseconds, where it is known.
+    pub(crate) age_ms: Option<f64>,
     pub(crate) statuses: Cow<'a, Statuses>,
     /// Further figures and properties: name and value.
     pub(crate) values: Vec<(&'static str, String)>,
 }
 
 impl StatusEntry<'_> {
-    /// Number of messages received, of a display with topics.
-    pub(crate) fn received(&self) -> Option<u64> {
-        self.value(MESSAGES)?.parse().ok()
-    }
-
-    /// Age of the data shown in milliseconds, where it is known.
-    pub(crate) fn age_ms(&self) -> Option<f64> {
-        self.value(AGE)?.parse().ok()
-    }
-
-    fn value(&self, name: &str) -> Option<&str> {
-        self.values.iter().find(|(known, _)| *known == name).map(|(_, value)| value.as_str())
-    }
-
     /// The level of the worst of its statuses.
     pub(crate) fn level(&self) -> Level {
         self.statuses.level()
@@ -87,24 +75,18 @@ pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
 
 /// The global status and the displays, in the config's order. `now` is ROS time, for the age of the data shown.
 pub(crate) fn scene(state: &SceneState, now: Time) -> Vec<StatusEntry<'_>> {
-    let values = |report: &DisplayReport<'_>| {
-        if report.topics.is_empty() {
-            return Vec::new();
-        }
-        let age_ms = report.shown.and_then(|shown| age_ms(shown.stamp, now));
-        let age = figure(age_ms.map(|age_ms| format!("{age_ms:.0}")));
-        vec![(MESSAGES, report.received.to_string()), (AGE, age)]
-    };
-    let of_display = state.displays().reports().map(|report| StatusEntry {
+    let of_display = state.reports().map(|report| StatusEntry {
         kind: EntryKind::Display,
         display: Some(report.id),
         path: path_text(&report.listed.path),
         class: report.listed.class.clone(),
         topic: report.listed.topic.clone().unwrap_or_default(),
+        subscriptions: report.topics.iter().map(|request| (request.topic.clone(), request.kind)).collect(),
         has_received: report.received > 0,
-        values: values(&report),
-        subscriptions: report.topics.into_iter().map(|request| (request.topic, request.kind)).collect(),
+        received: (!report.topics.is_empty()).then_some(report.received),
+        age_ms: report.shown.and_then(|shown| age_ms(shown.stamp, now)),
         statuses: report.statuses,
+        values: Vec::new(),
     });
     let (transforms, fixed_frame) = state.frames();
     std::iter::once(global(transforms, fixed_frame)).chain(of_display).collect()
@@ -122,14 +104,10 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
     }
     StatusEntry {
         kind: EntryKind::Global,
-        display: None,
         path: "Global Status".to_owned(),
-        class: String::new(),
-        topic: String::new(),
-        subscriptions: Vec::new(),
-        has_received: true,
         statuses: Cow::Owned(statuses),
         values: vec![("fixed frame", fixed_frame.to_owned())],
+        ..StatusEntry::default()
     }
 }
 
@@ -139,7 +117,7 @@ const ADVICE: Advice = Advice { exact: "--projection exact follows P", undistort
 /// The deviations of a camera's projection from its CameraInfo, each as a phrase.
 pub(crate) fn deviations_of(state: &SceneState, view: &CameraView, model: CameraModel) -> Vec<String> {
     let info = state.camera_info(view);
-    let no_lens = state.no_lens(view).filter(|_| model.undistort);
+    let no_lens = state.lenses().problem(&view.settings.camera_info_topic).filter(|_| model.undistort);
     info.map(|info| deviations(&fields_of(info), model, no_lens, ADVICE)).unwrap_or_default()
 }
 
@@ -157,7 +135,7 @@ pub(crate) fn camera(state: &SceneState, view: &CameraView, model: CameraModel) 
         statuses.set(Level::Error, "Camera Info", "No topic set");
     } else {
         values.push(("camera info topic", settings.camera_info_topic.clone()));
-        match state.camera(view, model) {
+        match camera_pose::camera(state, view, model) {
             Ok(_) => {
                 let deviations = deviations_of(state, view, model);
                 if deviations.is_empty() {
@@ -186,7 +164,6 @@ pub(crate) fn camera(state: &SceneState, view: &CameraView, model: CameraModel) 
     values.push(("encoding", settings.image_encoding.name().to_owned()));
     StatusEntry {
         kind: EntryKind::Camera,
-        display: None,
         path: path_text(&view.path),
         class: "rviz_camera_stream/CameraPub".to_owned(),
         topic: settings.image_topic.clone(),
@@ -194,6 +171,7 @@ pub(crate) fn camera(state: &SceneState, view: &CameraView, model: CameraModel) 
         has_received: info.is_some(),
         statuses: Cow::Owned(statuses),
         values,
+        ..StatusEntry::default()
     }
 }
 
@@ -284,24 +262,18 @@ mod tests {
         let at = |secs| Time::from_secs_nanos(secs, 0);
         assert_eq!(age_ms(at(102), at(100)), Some(-2000.0));
         assert_eq!(age_ms(at(99), at(100)), Some(1000.0));
-        assert_eq!([age_ms(Time::ZERO, at(100)), age_ms(at(99), Time::ZERO)].map(figure), ["-", "-"]);
+        assert_eq!([age_ms(Time::ZERO, at(100)), age_ms(at(99), Time::ZERO)], [None; 2]);
     }
 
     #[test]
     fn a_topic_without_publisher_or_of_another_type_is_reported() {
         let entry = |has_received| StatusEntry {
-            kind: EntryKind::Display,
-            display: Some(0),
-            path: "m".to_owned(),
-            class: "rviz/Marker".to_owned(),
-            topic: "m".to_owned(),
             subscriptions: vec![
                 ("m".to_owned(), MessageKind::Marker),
                 ("m_array".to_owned(), MessageKind::MarkerArray),
             ],
             has_received,
-            statuses: Cow::Owned(Statuses::default()),
-            values: Vec::new(),
+            ..StatusEntry::default()
         };
         let published = |list: &[(&str, &str)]| {
             let publication =

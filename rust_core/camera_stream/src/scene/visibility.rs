@@ -3,7 +3,7 @@
 //! A projector that stays black is often one of the two. The config asks for hidden displays, so that is no problem; a
 //! display that is not empty and is in view of no camera that would show it gets a warning.
 
-use rcs_displays::{CameraView, DisplaySet, InView, Level};
+use rcs_displays::{CameraView, InView, Level, SceneState};
 use rcs_scene::{Camera, DisplayId};
 
 use crate::scene::status_tree::StatusEntry;
@@ -18,7 +18,7 @@ pub(crate) struct PlacedCamera<'a> {
 }
 
 /// Adds the status to displays that some camera hides or does not have in view.
-pub(crate) fn add(entries: &mut [StatusEntry<'_>], displays: &DisplaySet, cameras: &[PlacedCamera<'_>]) {
+pub(crate) fn add(entries: &mut [StatusEntry<'_>], displays: &SceneState, cameras: &[PlacedCamera<'_>]) {
     for entry in entries {
         let Some(display) = entry.display else { continue };
         if let Some((level, text)) = status(display, displays, cameras) {
@@ -28,7 +28,7 @@ pub(crate) fn add(entries: &mut [StatusEntry<'_>], displays: &DisplaySet, camera
 }
 
 /// The status of a display; `None` where every camera may show it.
-fn status(display: DisplayId, displays: &DisplaySet, cameras: &[PlacedCamera<'_>]) -> Option<(Level, String)> {
+fn status(display: DisplayId, displays: &SceneState, cameras: &[PlacedCamera<'_>]) -> Option<(Level, String)> {
     let (showing, hiding): (Vec<_>, Vec<_>) = cameras.iter().partition(|camera| camera.view.visible.shows(display));
     let is_outside = |placed: &&&PlacedCamera<'_>| {
         placed.camera.as_ref().is_some_and(|camera| displays.in_view(display, camera) == InView::Outside)
@@ -47,10 +47,9 @@ fn status(display: DisplayId, displays: &DisplaySet, cameras: &[PlacedCamera<'_>
 #[cfg(test)]
 mod tests {
     use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-    use rcs_displays::World;
     use rcs_resources::{MeshStore, PackageIndex};
     use rcs_scene::Intrinsics;
-    use rcs_transforms::{Time, TransformTree};
+    use rcs_transforms::Time;
 
     use super::*;
 
@@ -74,9 +73,9 @@ Visualization Manager:
 
     #[test]
     fn hidden_and_out_of_view_displays_are_reported_for_each_camera() {
-        let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
-        let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-        displays.update(&World::new(&transforms, "map", Time::ZERO, &meshes));
+        let config = rcs_rviz_config::parse(CONFIG, "test").unwrap();
+        let mut displays = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
+        displays.update(Time::ZERO);
         let ids: Vec<DisplayId> = displays.reports().map(|report| report.id).collect();
         let report = |id: DisplayId, left: Option<f64>, right: Option<f64>| {
             let cameras = displays.cameras().iter().zip([left, right]);

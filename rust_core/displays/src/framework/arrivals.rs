@@ -31,6 +31,8 @@ pub(crate) struct Arrivals {
     pending: VecDeque<ShownMessage>,
     shown: Option<ShownMessage>,
     current: Option<ShownMessage>,
+    /// Oldest time of the latest transforms that placed messages since the last update.
+    placed_at: Option<Time>,
 }
 
 impl Arrivals {
@@ -45,16 +47,20 @@ impl Arrivals {
         self.pending.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
     }
 
-    /// Records an update. Returns the newest message that is shown since then, if any. `placed_at`: time of the latest
-    /// transforms that placed messages. `is_accepted`: messages that do not wait any more were not refused or dropped.
+    /// Records the time of the latest transforms that placed messages, if any did.
+    pub(crate) fn place(&mut self, placed_at: Option<Time>) {
+        self.placed_at = self.placed_at.into_iter().chain(placed_at).min();
+    }
+
+    /// Records an update. Returns the newest message that is shown since then, if any. `is_accepted`: messages that do
+    /// not wait any more were not refused or dropped.
     pub(crate) fn settle(
         &mut self,
         changed: bool,
-        placed_at: Option<Time>,
         is_accepted: impl FnOnce() -> bool,
         is_waiting: impl Fn(Time) -> bool,
     ) -> Option<ShownMessage> {
-        let mut newest = None;
+        let (placed_at, mut newest) = (self.placed_at.take(), None);
         self.pending.retain(|message| {
             let stays = is_waiting(message.stamp);
             if !stays {
@@ -114,7 +120,7 @@ mod tests {
     /// The stamp of what is newly shown after an update, while stamps from `waiting_secs` on wait.
     fn settle(arrivals: &mut Arrivals, changed: bool, waiting_secs: u32) -> Option<u32> {
         let waits = |stamp: Time| stamp >= Time::from_secs_nanos(waiting_secs, 0);
-        arrivals.settle(changed, None, || false, waits).map(|shown| shown.stamp.as_secs_nanos().0)
+        arrivals.settle(changed, || false, waits).map(|shown| shown.stamp.as_secs_nanos().0)
     }
 
     #[test]
@@ -143,7 +149,7 @@ mod tests {
         let mut arrivals = Arrivals::default();
         let mut settled = |secs: u32, changed: bool, is_accepted: bool| {
             note(&mut arrivals, secs);
-            arrivals.settle(changed, None, || is_accepted, |_| false);
+            arrivals.settle(changed, || is_accepted, |_| false);
             arrivals.current().map(|current| current.stamp.as_secs_nanos().0)
         };
         assert_eq!(settled(1, false, false), None);
@@ -158,7 +164,8 @@ mod tests {
             let mut arrivals = Arrivals::default();
             note(&mut arrivals, secs);
             let placed_at = placed_at.map(|secs| Time::from_secs_nanos(secs, 0));
-            let shown = arrivals.settle(true, placed_at, || true, |_| false);
+            arrivals.place(placed_at);
+            let shown = arrivals.settle(true, || true, |_| false);
             assert_eq!(shown.unwrap().stamp, Time::from_secs_nanos(secs, 0), "latencies count from its own stamp");
             assert_eq!(arrivals.current().unwrap().stamp, Time::from_secs_nanos(oldest, 0));
         }

@@ -119,11 +119,8 @@ impl MessageCache {
     }
 
     /// Removes all other topics and parameters.
-    pub(crate) fn limit_to(&mut self, requests: &[TopicRequest], parameters: &[String]) {
-        let wanted = |(topic, kind): &(String, MessageKind)| {
-            requests.iter().any(|request| &request.topic == topic && request.kind == *kind)
-        };
-        self.topics.retain(|topic, _| wanted(topic));
+    pub(crate) fn limit_to(&mut self, is_taken: impl Fn(&str, MessageKind) -> bool, parameters: &[String]) {
+        self.topics.retain(|(topic, kind), _| is_taken(topic, *kind));
         self.parameters.retain(|name, _| parameters.contains(name));
     }
 
@@ -203,7 +200,7 @@ mod tests {
         let messages = cache.messages(&requests, at(2.0));
         let [("/p", AnyMessage::Path(path))] = &messages[..] else { panic!("{messages:?}") };
         assert_eq!(path.header.seq, 2);
-        cache.limit_to(&[request("/other", MessageKind::Path)], &[]);
+        cache.limit_to(|topic, _| topic == "/other", &[]);
         assert_eq!(count(&cache, "/p", MessageKind::Path, at(2.0)), 0);
     }
 

@@ -6,7 +6,6 @@ use std::borrow::Cow;
 
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Display;
 use crate::framework::lookups::FollowedFrames;
 use crate::{Level, ShownMessage, Statuses, TopicRequest};
 
@@ -29,7 +28,7 @@ pub struct DisplayAge<'a> {
     /// The names of the groups around it and its own.
     pub path: &'a [String],
     /// Topics that it subscribes to, by the names in the config.
-    pub topics: Vec<TopicRequest>,
+    pub topics: &'a [TopicRequest],
     /// Newest message that the drawables stand for; `None` before the first, and for a display without topics. Refused,
     /// dropped and waiting messages do not count; one that repeats its predecessor does. Its stamp is no newer than the
     /// transforms that placed it.
@@ -43,12 +42,12 @@ pub struct DisplayAge<'a> {
 /// A display and its statuses.
 #[derive(Clone, Debug)]
 pub struct DisplayReport<'a> {
-    /// Number in [`rcs_scene::DisplayMask`] and [`crate::DisplaySet::in_view`].
+    /// Number in [`rcs_scene::DisplayMask`] and [`crate::SceneState::in_view`].
     pub id: DisplayId,
     /// The display.
     pub listed: &'a ListedDisplay,
     /// Topics that it subscribes to.
-    pub topics: Vec<TopicRequest>,
+    pub topics: &'a [TopicRequest],
     /// Messages taken since the start or the last jump in time.
     pub received: u64,
     /// Newest message that it shows.
@@ -57,25 +56,8 @@ pub struct DisplayReport<'a> {
     pub statuses: Cow<'a, Statuses>,
 }
 
-impl<'a> DisplayReport<'a> {
-    pub(crate) fn new(
-        id: DisplayId,
-        listed: &'a ListedDisplay,
-        display: &'a dyn Display,
-        received: u64,
-        shown: Option<ShownMessage>,
-    ) -> Self {
-        let topics = display.topics();
-        let mut statuses = Cow::Borrowed(display.statuses());
-        if let Some((level, text)) = topic_status(listed, &topics, received, &statuses) {
-            statuses.to_mut().set(level, Statuses::TOPIC, text);
-        }
-        Self { id, listed, topics, received, shown, statuses }
-    }
-}
-
 /// Status of a display's topic, unless the display itself has one.
-fn topic_status(
+pub(crate) fn topic_status(
     listed: &ListedDisplay,
     topics: &[TopicRequest],
     received: u64,
@@ -98,10 +80,10 @@ mod tests {
 
     use rcs_messages::{nav_msgs, AnyMessage};
     use rcs_resources::{MeshStore, PackageIndex};
-    use rcs_transforms::{Time, TransformTree};
+    use rcs_transforms::Time;
 
     use super::*;
-    use crate::{DisplaySet, World};
+    use crate::SceneState;
 
     const CONFIG: &str = "
 Visualization Manager:
@@ -117,7 +99,7 @@ Visualization Manager:
     - {Class: fancy/Hologram, Name: ghost, Enabled: true, Topic: /x}
 ";
 
-    fn worst_statuses(displays: &DisplaySet) -> Vec<String> {
+    fn worst_statuses(displays: &SceneState) -> Vec<String> {
         let line = |report: DisplayReport<'_>| {
             let (name, status) = report.statuses.worst().unwrap();
             format!("{} | {name} | {:?} | {}", report.listed.path.join("/"), status.level, status.text)
@@ -127,10 +109,9 @@ Visualization Manager:
 
     #[test]
     fn every_display_with_a_topic_reports_whether_it_received_something() {
-        let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
-        let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-        let world = World::new(&transforms, "map", Time::ZERO, &meshes);
-        displays.update(&world);
+        let config = rcs_rviz_config::parse(CONFIG, "test").unwrap();
+        let mut displays = SceneState::new(&config, Some("map"), MeshStore::new(PackageIndex::new([])));
+        displays.update(Time::ZERO);
         let silent = "path | Topic | Warn | No messages received";
         let rest = [
             "none | Topic | Error | Error subscribing: Empty topic name",
@@ -142,8 +123,8 @@ Visualization Manager:
         let mut path = nav_msgs::Path::default();
         path.header.frame_id = "arm".to_owned();
         let path = AnyMessage::Path(Arc::new(path));
-        displays.take("/path", &path, &world);
-        displays.update(&world);
+        displays.take("/path", &path, Time::ZERO);
+        displays.update(Time::ZERO);
         let waits = "path | Transform | Warn | For frame [arm]: Fixed Frame [map] does not exist";
         assert_eq!(worst_statuses(&displays), [&[waits], &rest[..]].concat());
         let report = displays.reports().next().unwrap();

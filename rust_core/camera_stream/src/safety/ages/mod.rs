@@ -130,7 +130,7 @@ impl Freshness {
         now: Now,
     ) -> Assessment {
         let mut displays = Vec::new();
-        for age in scene.displays().ages() {
+        for age in scene.ages() {
             let path = age.path.join(" / ");
             let state = self.display(&age, &path, scene, &source, now);
             displays.push(DisplayState { id: age.id, path, state });

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rcs_confirm::{ConfirmSettings, Confirmation, Confirmer, ObjectDepths};
-use rcs_displays::{time_from_stamp, DisplaySet};
+use rcs_displays::time_from_stamp;
 use rcs_light::{Condition, Measured, Now};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, AnyMessage};
@@ -188,7 +188,7 @@ impl Surfaces {
     }
 
     /// Surface that a camera's frames are checked against; `None` if nothing has to be confirmed.
-    pub(super) fn check(&self, camera: &str, displays: &DisplaySet) -> Option<SurfaceCheck> {
+    pub(super) fn check(&self, camera: &str, displays: &SceneState) -> Option<SurfaceCheck> {
         let surface = self.cameras.get(camera).filter(|_| self.has(camera))?;
         Some(SurfaceCheck {
             confirmer: Arc::clone(&surface.confirmer),

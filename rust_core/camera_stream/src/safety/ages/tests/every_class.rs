@@ -237,7 +237,7 @@ impl Bench {
     /// Whether the display shows something, and that something is current.
     fn is_lit(&mut self, secs: f64) -> bool {
         let assessment = self.wait(secs);
-        let is_shown = self.scene.displays().ages().all(|age| !age.is_empty);
+        let is_shown = self.scene.ages().all(|age| !age.is_empty);
         is_shown && !assessment.displays.iter().any(|display| matches!(display.state, AgeState::Stale(_)))
     }
 
