@@ -224,9 +224,6 @@ fn gamma(text: &str) -> Result<f32, String> {
 }
 
 fn stale_timeout(text: &str) -> Result<AgeLimit, String> {
-    match text.parse() {
-        _ if text == "none" => Ok(AgeLimit::Never),
-        Ok(limit @ (AgeLimit::After(_) | AgeLimit::Never)) => Ok(limit),
-        Ok(AgeLimit::Held) | Err(_) => Err("seconds from 0 to 86400, or none".to_owned()),
-    }
+    let limit = if text == "none" { Ok(AgeLimit::Never) } else { AgeLimit::of_secs(text) };
+    limit.map_err(|_| "seconds from 0 to 86400, or none".to_owned())
 }

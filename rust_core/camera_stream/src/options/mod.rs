@@ -114,7 +114,7 @@ impl Options {
     fn new(cli: &Cli, names: &ConfigNames, name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
         let node = cli.node_args();
         Ok(Self {
-            fixed_frame: node.fixed_frame.clone().filter(|frame| frame != NONE),
+            fixed_frame: node.fixed_frame.clone().filter(|frame| !["", NONE].contains(&frame.as_str())),
             watches_config: !node.no_watch,
             renderer: cli.renderer,
             model: cli.model.model(),
@@ -283,6 +283,7 @@ mod tests {
         let (all, default) = (options(&args).unwrap(), options(&[]).unwrap());
         assert_eq!(format!("{all:?}"), format!("{default:?}"));
         assert_eq!((all.fixed_frame, all.prediction.lead), (None, Lead::Off));
+        assert_eq!(options(&["-f", ""]).unwrap().fixed_frame, None, "as for rviz");
         assert!(all.windows.is_empty() && options(&["--window", "Left=none"]).unwrap().windows.is_empty());
     }
 
