@@ -169,7 +169,7 @@ impl ControlThread {
             }
             ServiceCall::Reconfigure { server, request, caller, reply } => {
                 let set = self.shared.cameras().iter_mut().find_map(|camera| {
-                    camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))
+                    camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))?
                 });
                 self.apply_control();
                 // Without an answer, the caller gets an error.
