@@ -137,6 +137,10 @@ fn near_miss(name: &str, value: &ParameterValue, options: &[NodeOption<'_>]) -> 
     is_near.then(|| format!("unknown parameter ~{name}; did you mean ~{}?", nearest.parameter))
 }
 
+fn is_switch(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::SetTrue | ArgAction::SetFalse)
+}
+
 /// An option that is also a parameter.
 struct NodeOption<'c> {
     arg: &'c Arg,
@@ -148,7 +152,7 @@ struct NodeOption<'c> {
 impl<'c> NodeOption<'c> {
     fn of(arg: &'c Arg) -> Option<Self> {
         let long = arg.get_long()?;
-        let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
+        let is_switch = is_switch(arg);
         let is_parameter = (is_switch || arg.get_action().takes_values())
             && !arg.is_hide_set()
             && arg.get_help_heading() != Some(COMMAND_LINE_ONLY);
@@ -168,7 +172,7 @@ impl<'c> NodeOption<'c> {
 
     /// A parameter's value as words of the command line.
     fn words(&self, value: &ParameterValue) -> Result<Vec<OsString>, String> {
-        if matches!(self.arg.get_action(), ArgAction::SetTrue) {
+        if is_switch(self.arg) {
             let is_on = yes_or_no(&value.to_string())?;
             let option = self.parameter.replace('_', "-");
             return Ok(vec![format!("--{}{option}", if is_on { "" } else { "no-" }).into()]);
@@ -262,6 +266,10 @@ mod tests {
         topic: Option<String>,
         #[arg(long, value_name = "[CAMERA=]FILE.png")]
         mask: Vec<String>,
+        #[arg(long = "no-lazy", action = ArgAction::SetFalse)]
+        is_lazy: bool,
+        #[arg(long, hide = true, overrides_with = "is_lazy")]
+        lazy: bool,
         #[arg(long, help_heading = COMMAND_LINE_ONLY)]
         debug: bool,
     }
@@ -290,6 +298,9 @@ mod tests {
         assert!(options(&[], &[("once", ParameterValue::Bool(true))]).unwrap().once);
         assert!(!options(&["--no-once"], &[("once", text("True"))]).unwrap().once);
         assert!(!options(&["--rate-hz", "2"], &[("once", text("False"))]).unwrap().once);
+        assert!(!options(&[], &[("lazy", ParameterValue::Bool(false))]).unwrap().is_lazy);
+        assert!(options(&[], &[("lazy", ParameterValue::Bool(true))]).unwrap().is_lazy);
+        assert!(!options(&["--no-lazy"], &[("lazy", ParameterValue::Bool(true))]).unwrap().is_lazy);
         assert!(!options(&[], &[("debug", ParameterValue::Bool(true))]).unwrap().debug);
     }
 

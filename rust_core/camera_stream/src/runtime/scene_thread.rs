@@ -66,7 +66,7 @@ impl SceneThread {
     /// One line that names what failed: a topic, the renderer.
     pub(super) fn start(options: &Options, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
-        let (rules, light_topics) = read_rules::read(ros, &options.light)?;
+        let (rules, light_topics) = read_rules::read(ros, options)?;
         let patterns = ros.subscribe("~patterns", MessageKind::Image, 1)?;
         let safety = Safety::new(rules);
         let renderer = FrameRenderer::new(options.renderer)?;
@@ -81,16 +81,16 @@ impl SceneThread {
         let plans = plan::plans(ros, config)?;
         shared.control.set_cameras(plans.iter().map(CameraPlan::name));
         let windows = Windows::open(ros, &shared.control, options, &safety, &plans)?;
-        let (model, depth_encoding) = (options.model, options.depth_encoding);
+        let (model, depth_encoding) = (options.model, options.node.depth_encoding);
         let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
         let (own_ros, control) = (Arc::clone(ros), Arc::clone(&shared.control));
         let context = Arc::new(CameraContext { ros: own_ros, control, model, depth_encoding, page });
         let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
-        let mut scene = LiveScene::start(ros, state, options.prediction, options.fixed_frame.clone())?;
+        let mut scene = LiveScene::start(ros, state, options.node.prediction, options.fixed_frame.clone())?;
         log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
         *shared.cameras() = cameras;
         scene.update(time_from_stamp(ros.now()));
-        let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.is_lazy, OrientedFrames::default());
+        let (shared, is_lazy, oriented_frames) = (Arc::clone(shared), options.node.is_lazy, OrientedFrames::default());
         Ok(Self { shared, context, scene, renderer, is_lazy, safety, light_topics, patterns, oriented_frames, windows })
     }
 
