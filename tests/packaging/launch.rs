@@ -252,9 +252,8 @@ fn the_fetch_passes_on_every_option_of_the_nodes_that_it_starts() {
     assert_eq!(set, options);
 }
 
-/// The options of `camera_stream` when a launch file has started it, as the node logs them, and its warnings of old
-/// spellings.
-fn effective_options(launch: &str) -> (BTreeSet<String>, usize) {
+/// The options of `camera_stream` when a launch file has started it, as the node logs them.
+fn effective_options(launch: &str) -> BTreeSet<String> {
     const BEGIN: &str = "options: ";
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(&master, &format!("{launch} renderer:=cpu"));
@@ -262,9 +261,8 @@ fn effective_options(launch: &str) -> (BTreeSet<String>, usize) {
     assert!(wait_until(PATIENCE, || line().is_some()), "{launch}: {:?}", launched.roslaunch.errors());
     let line = line().unwrap();
     let words = line.split_once(BEGIN).unwrap().1.split(" --").skip(1).map(|word| format!("--{}", word.trim_end()));
-    let warnings = launched.roslaunch.errors().iter().filter(|line| line.contains(" is an old ")).count();
     // The terminal's colour ends behind the line.
-    (words.map(|word| word.split('\x1b').next().unwrap().to_owned()).collect(), warnings)
+    words.map(|word| word.split('\x1b').next().unwrap().to_owned()).collect()
 }
 
 fn words(text: &str) -> BTreeSet<String> {
@@ -282,7 +280,7 @@ const DEFAULTS: &str =
 /// Parameters outlive a launch: what one sets, the next must set as well.
 #[test]
 fn the_projection_sets_every_option_of_the_node() {
-    assert_eq!(effective_options("projection.launch viewer:=none sample_scene:=false"), (words(DEFAULTS), 0));
+    assert_eq!(effective_options("projection.launch viewer:=none sample_scene:=false"), words(DEFAULTS));
     let help = std::process::Command::new(program("camera_stream")).arg("--help").output().unwrap();
     let help = String::from_utf8(help.stdout).unwrap();
     let options = help.split("\nOptions:\n").nth(1).unwrap().split("\nOnly on").next().unwrap();
@@ -330,26 +328,14 @@ fn arguments_of_a_launch_file_become_the_nodes_options() {
          --set-mode --keep-out=head_1=0.25 --keep-out=hand=1 --mask=/a=b.png --blend=Projector=/left.png \
          --surface=Projector=/depth --confirm=clusters --unseen=light",
     ));
-    assert_eq!(effective_options(given).0, expected);
-}
-
-#[test]
-fn arguments_in_old_spellings_go_on_with_a_warning_each() {
-    let old = "projection.launch viewer:=none fixed_frame:=auto predict:=off keep_out:='head=0.3 hand=0.2' \
-               mask:=Projector=/window.png stale_timeouts:='/map=never /plan=held' stale_timeout:=0";
-    let (options, warnings) = effective_options(old);
-    let expected = "--fixed-frame=none --predict=none --keep-out=head=0.3 --keep-out=hand=0.2 \
-                    --mask=Projector=/window.png --stale-timeouts=/map=never --stale-timeouts=/plan=held \
-                    --stale-timeout=0";
-    assert!(words(expected).is_subset(&options), "{options:?}");
-    assert_eq!(warnings, 5);
+    assert_eq!(effective_options(given), expected);
 }
 
 #[test]
 fn windows_and_blending_are_parameters_of_each_projector() {
     let blend = "two_projectors.launch sample_scene:=false \
                  blend:='[{camera: Left, file: /l.png}, {camera: Right, file: /r.png}]'";
-    let options = effective_options(blend).0;
+    let options = effective_options(blend);
     assert!(words("--blend=Left=/l.png --blend=Right=/r.png").is_subset(&options), "{options:?}");
     let parameters =
         roslaunch("--dump-params rviz_camera_stream two_projectors.launch left_monitor:=0 stale_timeout:=2");

@@ -90,7 +90,7 @@ fn focal_parser() -> impl TypedValueParser<Value = FocalLengths> {
 
 /// Parses `NAME=VALUE`.
 fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
-    let (name, value) = key_value::split(text, &[]).ok_or("not NAME=VALUE")?;
+    let (name, value) = key_value::split(text).ok_or("not NAME=VALUE")?;
     let parameter = Parameter::from_name(name)
         .ok_or_else(|| format!("there is no parameter '{name}': {}", Parameter::ALL.map(Parameter::name).join(", ")))?;
     match value.parse::<f64>() {

@@ -25,7 +25,7 @@ use std::process::ExitCode;
 use anyhow::{anyhow, Context, Result};
 use clap::Parser;
 use rcs_node_support::lifecycle::{self, own_arguments};
-use rcs_node_support::{old_spellings, user_file};
+use rcs_node_support::user_file;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::{Config, DisplaySettings, Finding, PlacedDisplay};
 use rcs_setup::SetupError;
@@ -51,8 +51,7 @@ pub fn main() -> ExitCode {
     if let Some(status) = rcs_window::run_black_window() {
         return status;
     }
-    let mut warnings = Vec::new();
-    let words = old_spellings::command_line(own_arguments(), &mut warnings);
+    let words = own_arguments();
     let mut cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
         Err(error) => {
@@ -69,7 +68,6 @@ pub fn main() -> ExitCode {
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
     }
-    warnings.iter().for_each(|warning| log::warn!("{warning}"));
     let is_node = cli.command.is_none();
     run(&words, &mut cli).unwrap_or_else(|error| {
         print_error(&error.to_string(), is_node);

@@ -8,7 +8,7 @@
 //! | `rate: 2.5` | `--rate=2.5` |
 //! | `undistort: true`, `undistort: false` | `--undistort`, `--no-undistort` |
 //! | `mesh_folder: [/a, /b]` | `--mesh-folder=/a --mesh-folder=/b`; of an option that is given once, `--pixel=1,2` |
-//! | `keep_out: [{frame: head, radius: 0.2}]` | `--keep-out=head=0.2`, as its help has `FRAME=RADIUS` |
+//! | `keep_out: [{frame: head, radius: 0.2}]` | `--keep-out=head=0.2`, whose value is declared as `FRAME=RADIUS` |
 //!
 //! Hidden options and those under [`COMMAND_LINE_ONLY`] are no parameters.
 
@@ -20,8 +20,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, Parser};
 use rcs_ros::{ParameterValue, Parameters, RosNode};
 
-use crate::key_value::FIELD_SEPARATOR;
-use crate::{lifecycle, old_spellings};
+use crate::lifecycle;
 
 /// The heading in a program's help of options that are no parameters.
 pub const COMMAND_LINE_ONLY: &str = "Only on the command line";
@@ -38,8 +37,7 @@ pub struct InvalidOption {
 impl InvalidOption {
     /// `option` is the option, or the parameter that gave it.
     pub fn new(option: &str, value: &str, reason: impl Into<String>) -> Self {
-        let value = value.replace(FIELD_SEPARATOR, "=");
-        Self { option: option.to_owned(), value, reason: reason.into() }
+        Self { option: option.to_owned(), value: value.to_owned(), reason: reason.into() }
     }
 }
 
@@ -83,29 +81,30 @@ pub fn merge<A: Parser>(words: &[OsString], parameters: &Parameters) -> anyhow::
     let matches = root.clone().try_get_matches_from(words).map_err(|error| anyhow!(reason(&error)))?;
     let (command, matches) = innermost(&root, &matches);
     let options: Vec<NodeOption<'_>> = command.get_arguments().filter_map(NodeOption::of).collect();
-    let mut warnings = Vec::new();
-    let (mut all, mut from_parameters) = (words.to_vec(), HashSet::new());
+    let (mut all, mut added) = (words.to_vec(), Vec::new());
     for (name, value) in parameters {
-        let current = old_spellings::parameter(name, &mut warnings);
-        let Some(option) = options.iter().find(|option| option.parameter == current) else {
-            warnings.extend(near_miss(name, value, &options));
+        let Some(option) = options.iter().find(|option| option.parameter == *name) else {
+            if let Some(warning) = near_miss(name, value, &options) {
+                log::warn!("{warning}");
+            }
             continue;
         };
         if option.is_in(matches, command) {
             continue;
         }
-        let given = option.words(value, &mut warnings);
-        let given = given.map_err(|reason| InvalidOption::new(&format!("~{name}"), &value.to_string(), reason))?;
-        // One by one, so that the error names the parameter.
-        let checked = A::try_parse_from(words.iter().chain(&given));
-        checked.map_err(|error| anyhow!(reason(&error).replace(&format!("'{}'", option.arg), &format!("~{name}"))))?;
-        all.extend(given);
-        from_parameters.insert(option.long.to_owned());
+        let given = option.words(value);
+        all.extend(given.map_err(|reason| InvalidOption::new(&format!("~{name}"), &value.to_string(), reason))?);
+        added.push(option);
     }
-    warnings.iter().for_each(|warning| log::warn!("{warning}"));
-    let arguments = A::try_parse_from(&all).map_err(|error| anyhow!("parameters: {}", reason(&error)))?;
-    let command_line: Vec<_> =
-        all.iter().skip(1).map(|word| word.to_string_lossy().replace(FIELD_SEPARATOR, "=")).collect();
+    let named = |error: clap::Error| {
+        let in_parameters = |text: String, option: &&NodeOption<'_>| {
+            text.replace(&format!("'{}'", option.arg), &format!("~{}", option.parameter))
+        };
+        anyhow!(added.iter().fold(reason(&error), in_parameters))
+    };
+    let arguments = A::try_parse_from(&all).map_err(named)?;
+    let command_line: Vec<_> = all.iter().skip(1).map(|word| word.to_string_lossy()).collect();
+    let from_parameters = added.iter().map(|option| option.long.to_owned()).collect();
     Ok(NodeOptions { arguments, command_line: command_line.join(" "), from_parameters })
 }
 
@@ -138,6 +137,10 @@ fn near_miss(name: &str, value: &ParameterValue, options: &[NodeOption<'_>]) -> 
     is_near.then(|| format!("unknown parameter ~{name}; did you mean ~{}?", nearest.parameter))
 }
 
+fn is_switch(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::SetTrue | ArgAction::SetFalse)
+}
+
 /// An option that is also a parameter.
 struct NodeOption<'c> {
     arg: &'c Arg,
@@ -149,7 +152,7 @@ struct NodeOption<'c> {
 impl<'c> NodeOption<'c> {
     fn of(arg: &'c Arg) -> Option<Self> {
         let long = arg.get_long()?;
-        let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
+        let is_switch = is_switch(arg);
         let is_parameter = (is_switch || arg.get_action().takes_values())
             && !arg.is_hide_set()
             && arg.get_help_heading() != Some(COMMAND_LINE_ONLY);
@@ -168,8 +171,8 @@ impl<'c> NodeOption<'c> {
     }
 
     /// A parameter's value as words of the command line.
-    fn words(&self, value: &ParameterValue, warnings: &mut Vec<String>) -> Result<Vec<OsString>, String> {
-        if matches!(self.arg.get_action(), ArgAction::SetTrue) {
+    fn words(&self, value: &ParameterValue) -> Result<Vec<OsString>, String> {
+        if is_switch(self.arg) {
             let is_on = yes_or_no(&value.to_string())?;
             let option = self.parameter.replace('_', "-");
             return Ok(vec![format!("--{}{option}", if is_on { "" } else { "no-" }).into()]);
@@ -180,40 +183,27 @@ impl<'c> NodeOption<'c> {
             }
             value => std::slice::from_ref(value),
         };
-        let texts: Vec<Vec<String>> =
-            elements.iter().map(|element| self.texts(element, warnings)).collect::<Result<_, _>>()?;
-        let word = |text: String| {
-            let (option, text) = old_spellings::value(self.long, &text, warnings);
-            OsString::from(format!("--{option}={text}"))
-        };
-        Ok(texts.into_iter().flatten().map(word).collect())
+        elements.iter().map(|element| Ok(format!("--{}={}", self.long, self.text(element)?).into())).collect()
     }
 
-    /// The texts of one element.
-    fn texts(&self, element: &ParameterValue, warnings: &mut Vec<String>) -> Result<Vec<String>, String> {
-        let fields = self.fields();
-        match (element, &fields) {
-            (ParameterValue::Struct(members), Some([key, value])) => {
-                let text = |name: &str| members.get(name).and_then(ParameterValue::text);
-                let has_others = members.keys().any(|name| name != key && name != value);
-                match (text(key).unwrap_or_default(), text(value)) {
-                    (key, Some(value)) if !has_others => Ok(vec![format!("{key}{FIELD_SEPARATOR}{value}")]),
-                    _ => Err(format!("not {{{key}: …, {value}: …}}")),
-                }
-            }
-            (element, Some([key, value])) => {
-                let text = element.text().ok_or_else(|| format!("not a list of {{{key}, {value}}}"))?;
-                let fields = format!("{{{key}, {value}}}");
-                let elements = old_spellings::elements(&self.parameter, &text, &fields, warnings);
-                Ok(elements.into_iter().map(str::to_owned).collect())
-            }
-            (element, None) => {
-                element.text().map(|text| vec![text]).ok_or_else(|| "not a text, number or list".to_owned())
-            }
+    /// The text of one element.
+    fn text(&self, element: &ParameterValue) -> Result<String, String> {
+        let Some([key, value]) = self.fields() else {
+            return element.text().ok_or_else(|| "not a text, number or list".to_owned());
+        };
+        let ParameterValue::Struct(members) = element else {
+            return element.text().ok_or_else(|| format!("not a list of {{{key}, {value}}}"));
+        };
+        let text = |name: &str| members.get(name).and_then(ParameterValue::text);
+        let has_others = members.keys().any(|name| *name != key && *name != value);
+        match (text(&key).unwrap_or_default(), text(&value)) {
+            (key, Some(value)) if key.is_empty() && !has_others => Ok(value),
+            (key, Some(value)) if !has_others => Ok(format!("{key}={value}")),
+            _ => Err(format!("not {{{key}: …, {value}: …}}")),
         }
     }
 
-    /// The fields of a parameter's struct, for a value that the help names `FRAME=RADIUS` or `[CAMERA=]FILE.png`.
+    /// The fields of a parameter's struct, where the value is declared as `FRAME=RADIUS` or `[CAMERA=]FILE.png`.
     fn fields(&self) -> Option<[String; 2]> {
         let (key, value) = self.arg.get_value_names()?.first()?.split_once('=')?;
         let value = value.split('.').next().unwrap_or_default();
@@ -232,7 +222,7 @@ fn yes_or_no(text: &str) -> Result<bool, String> {
 
 /// An error of clap in one line.
 fn reason(error: &clap::Error) -> String {
-    let text = error.to_string().replace(FIELD_SEPARATOR, "=");
+    let text = error.to_string();
     let lines: Vec<&str> = text.lines().take_while(|line| !line.is_empty()).map(str::trim).collect();
     let text = lines.join(" ");
     text.strip_prefix("error: ").unwrap_or(&text).to_owned()
@@ -276,6 +266,10 @@ mod tests {
         topic: Option<String>,
         #[arg(long, value_name = "[CAMERA=]FILE.png")]
         mask: Vec<String>,
+        #[arg(long = "no-lazy", action = ArgAction::SetFalse)]
+        is_lazy: bool,
+        #[arg(long, hide = true, overrides_with = "is_lazy")]
+        lazy: bool,
         #[arg(long, help_heading = COMMAND_LINE_ONLY)]
         debug: bool,
     }
@@ -304,6 +298,9 @@ mod tests {
         assert!(options(&[], &[("once", ParameterValue::Bool(true))]).unwrap().once);
         assert!(!options(&["--no-once"], &[("once", text("True"))]).unwrap().once);
         assert!(!options(&["--rate-hz", "2"], &[("once", text("False"))]).unwrap().once);
+        assert!(!options(&[], &[("lazy", ParameterValue::Bool(false))]).unwrap().is_lazy);
+        assert!(options(&[], &[("lazy", ParameterValue::Bool(true))]).unwrap().is_lazy);
+        assert!(!options(&["--no-lazy"], &[("lazy", ParameterValue::Bool(true))]).unwrap().is_lazy);
         assert!(!options(&[], &[("debug", ParameterValue::Bool(true))]).unwrap().debug);
     }
 
@@ -315,12 +312,11 @@ mod tests {
         let mask =
             |elements: Vec<ParameterValue>| options(&[], &[("mask", ParameterValue::Array(elements))]).map(|o| o.mask);
         let left = fields(&[("camera", "a=b"), ("file", "/l.png")]);
-        assert_eq!(mask(vec![left, text("/all.png")]).unwrap(), [&format!("a=b{FIELD_SEPARATOR}/l.png"), "/all.png"]);
+        assert_eq!(mask(vec![left, text("/all.png")]).unwrap(), ["a=b=/l.png", "/all.png"]);
+        assert_eq!(mask(vec![fields(&[("file", "/all.png")])]).unwrap(), ["/all.png"]);
         assert_eq!(mask(Vec::new()), Ok(Vec::new()));
         let error = mask(vec![fields(&[("camera", "a"), ("path", "/l.png")])]).unwrap_err();
         assert_eq!(error, "invalid value '[{camera: a, path: /l.png}]' for ~mask: not {camera: …, file: …}");
-        let old = options(&[], &[("mask", text("a=/l.png b=/r.png"))]).unwrap();
-        assert_eq!(old.mask, ["a=/l.png", "b=/r.png"]);
     }
 
     #[test]

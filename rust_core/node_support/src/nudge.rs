@@ -6,9 +6,9 @@
 use std::fmt;
 
 use nalgebra::{Isometry3, UnitQuaternion};
-use rcs_messages::dynamic_reconfigure::{
-    Config, ConfigDescription, DoubleParameter, Group, GroupState, ParamDescription,
-};
+use rcs_messages::dynamic_reconfigure::{Config, DoubleParameter};
+use rcs_ros::settings::{Setting, SettingGroup};
+use rcs_ros::ParameterValue;
 
 /// Names and descriptions of the parameters.
 const PARAMETERS: [(&str, &str); 6] = [
@@ -23,8 +23,6 @@ const PARAMETERS: [(&str, &str); 6] = [
 pub const LARGEST: f64 = 0.5;
 /// Difference of values that are the same.
 const ROUNDING: f64 = 1e-12;
-/// Name of the group of all parameters.
-const GROUP: &str = "Default";
 
 /// A correction of a frame's pose: x, y, z in metres, then roll, pitch, yaw in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,41 +51,25 @@ impl Nudge {
         Isometry3::from_parts([x, y, z].into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
     }
 
-    /// Takes the values of a request, clamped to the bounds. Others are ignored, as by any dynamic_reconfigure server.
-    pub fn set(&mut self, request: &Config) {
-        for DoubleParameter { name, value } in request.doubles.iter().filter(|parameter| !parameter.value.is_nan()) {
-            if let Some(index) = PARAMETERS.iter().position(|(known, _)| known == name) {
-                self.0[index] = value.clamp(-LARGEST, LARGEST);
+    /// Takes values that the table below has accepted.
+    pub fn take(&mut self, values: &[(String, ParameterValue)]) {
+        for (own, (name, _)) in self.0.iter_mut().zip(PARAMETERS) {
+            if let Some((_, ParameterValue::Double(value))) = values.iter().find(|(known, _)| known == name) {
+                *own = *value;
             }
         }
     }
 
-    /// The values of the parameters.
+    /// The values, as a request to the node.
     pub fn config(&self) -> Config {
-        let parameter =
-            |((name, _), value): (&(&str, &str), &f64)| DoubleParameter { name: (*name).to_owned(), value: *value };
-        Config {
-            doubles: PARAMETERS.iter().zip(&self.0).map(parameter).collect(),
-            groups: vec![GroupState { name: GROUP.to_owned(), state: true, id: 0, parent: 0 }],
-            ..Config::default()
-        }
+        let parameter = |((name, _), value): ((&str, &str), f64)| DoubleParameter { name: name.to_owned(), value };
+        Config { doubles: PARAMETERS.into_iter().zip(self.0).map(parameter).collect(), ..Config::default() }
     }
 
-    /// The parameters with their bounds.
-    pub fn description() -> ConfigDescription {
-        let parameter = |(name, description): (&str, &str)| ParamDescription {
-            name: name.to_owned(),
-            r#type: "double".to_owned(),
-            description: description.to_owned(),
-            ..ParamDescription::default()
-        };
-        let parameters = PARAMETERS.map(parameter).into();
-        ConfigDescription {
-            groups: vec![Group { name: GROUP.to_owned(), parameters, ..Group::default() }],
-            max: Self([LARGEST; 6]).config(),
-            min: Self([-LARGEST; 6]).config(),
-            dflt: Self::default().config(),
-        }
+    /// The table of the parameters.
+    pub fn groups(&self) -> Vec<SettingGroup> {
+        let setting = |((name, description), value)| Setting::new(name, description, [value, 0.0], [-LARGEST, LARGEST]);
+        vec![("Default", PARAMETERS.into_iter().zip(self.0).map(setting).collect())]
     }
 
     /// `true` if all values are those of another one, except for rounding.
@@ -111,6 +93,8 @@ impl fmt::Display for Nudge {
 
 #[cfg(test)]
 mod tests {
+    use rcs_ros::settings::accepted;
+
     use super::*;
 
     fn request(values: &[(&str, f64)]) -> Config {
@@ -121,7 +105,9 @@ mod tests {
     #[test]
     fn values_are_taken_by_name_and_clamped() {
         let mut nudge = Nudge([0.1; 6]);
-        nudge.set(&request(&[("x", 7.0), ("roll", -0.2), ("yaw", f64::NEG_INFINITY), ("y", f64::NAN), ("other", 1.0)]));
+        let values = [("x", 7.0), ("roll", -0.2), ("yaw", f64::NEG_INFINITY), ("y", f64::NAN), ("other", 1.0)];
+        let values = values.map(|(name, value)| (name.to_owned(), ParameterValue::Double(value)));
+        nudge.take(&accepted(&nudge.groups(), &values));
         assert_eq!(nudge, Nudge([0.5, 0.1, 0.1, -0.2, 0.1, -0.5]));
         assert_eq!(Nudge::of_config(&nudge.config()), Some(nudge));
         assert_eq!(Nudge::of_config(&request(&[("x", 0.1)])), None);

@@ -1,5 +1,6 @@
 //! Queues of received events: [`NodeEvent`]s change the scene, [`ServiceCall`]s are to be answered at once.
 
+use crate::settings::NamedValues;
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, Time};
@@ -83,8 +84,8 @@ pub enum ServiceCall {
     Reconfigure {
         /// Whole name of the server.
         server: Arc<str>,
-        /// Parameters to be set, some or all.
-        request: Config,
+        /// Settings to be changed, some or all.
+        request: NamedValues,
         /// Whole name of the calling node.
         caller: Arc<str>,
         /// Answers with the values that apply then.

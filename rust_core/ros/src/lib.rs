@@ -36,6 +36,7 @@ mod reconfigure;
 mod registrar;
 mod rosout;
 mod service_call;
+pub mod settings;
 mod socket;
 mod survey;
 mod tcpros;

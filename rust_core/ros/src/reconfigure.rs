@@ -2,14 +2,14 @@
 //!
 //! In its namespace are the latched topics `parameter_descriptions` and `parameter_updates`, the service
 //! `set_parameters`, and its values as parameters. A call is a [`ServiceCall::Reconfigure`], which the owner answers
-//! with the values that apply then; [`ReconfigureServer::set_config`] publishes a change.
+//! with the values that [`ReconfigureServer::set`] has published then.
 
 use crate::error::NodeError;
 use crate::events::ServiceCall;
 use crate::network::Network;
 use crate::node::RosNode;
 use crate::publisher::Publisher;
-use crate::xmlrpc::Value;
+use crate::settings::{config, description, named_values, settings, SettingGroup};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,21 +23,18 @@ pub struct ReconfigureServer {
     descriptions: Publisher<ConfigDescription>,
     updates: Publisher<Config>,
     service: ServiceGuard,
-    described: ConfigDescription,
-    config: Config,
-    on_parameter_server: HashMap<String, Value>,
+    groups: Vec<SettingGroup>,
 }
 
 impl RosNode {
-    /// Starts a dynamic_reconfigure server in `namespace` and publishes its first values.
+    /// Starts a dynamic_reconfigure server in `namespace` and publishes its settings.
     ///
     /// # Errors
     /// [`NodeError::Name`].
     pub fn serve_reconfigure(
         &self,
         namespace: &str,
-        description: ConfigDescription,
-        config: Config,
+        groups: Vec<SettingGroup>,
     ) -> Result<ReconfigureServer, NodeError> {
         let name: Arc<str> = self.resolve(namespace)?.into();
         let (descriptions, updates) = (format!("{name}/parameter_descriptions"), format!("{name}/parameter_updates"));
@@ -45,9 +42,7 @@ impl RosNode {
             descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE)?,
             updates: self.latched_publisher(&updates, QUEUE_SIZE)?,
             service: ServiceGuard { name: format!("{name}/set_parameters"), network: Arc::clone(self.network()) },
-            described: ConfigDescription::default(),
-            config: Config::default(),
-            on_parameter_server: HashMap::new(),
+            groups: Vec::new(),
             name,
         };
         let server_name = Arc::clone(&server.name);
@@ -55,14 +50,13 @@ impl RosNode {
             &server.service.name,
             move |caller, request, reply| ServiceCall::Reconfigure {
                 server: Arc::clone(&server_name),
-                request,
+                request: named_values(request),
                 caller,
                 reply,
             },
             |config| config,
         );
-        server.set_description(description);
-        server.set_config(self, config);
+        server.set(self, groups);
         Ok(server)
     }
 }
@@ -79,52 +73,38 @@ impl Drop for ServiceGuard {
     }
 }
 
-/// Values of a message by name.
-fn values(config: &Config) -> impl Iterator<Item = (&String, Value)> {
-    let bools = config.bools.iter().map(|param| (&param.name, Value::Bool(param.value)));
-    let ints = config.ints.iter().map(|param| (&param.name, Value::Int(param.value)));
-    let strs = config.strs.iter().map(|param| (&param.name, Value::String(param.value.clone())));
-    let doubles = config.doubles.iter().map(|param| (&param.name, Value::Double(param.value)));
-    bools.chain(ints).chain(strs).chain(doubles)
-}
-
 impl ReconfigureServer {
     /// Whole name of the namespace.
     pub fn name(&self) -> &Arc<str> {
         &self.name
     }
 
-    /// The parameters' descriptions.
-    pub fn description(&self) -> &ConfigDescription {
-        &self.described
+    /// The settings, with the values that apply.
+    pub fn groups(&self) -> &[SettingGroup] {
+        &self.groups
     }
 
-    /// The values that apply.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
-
-    /// Publishes the parameters' descriptions, if they changed.
-    pub fn set_description(&mut self, description: ConfigDescription) {
-        if description != self.described {
-            if let Err(error) = self.descriptions.send(description.clone()) {
+    /// Publishes the values, and the settings' descriptions if these changed; writes the values that changed to the
+    /// parameter server. Returns the values for the answer to a call.
+    pub fn set(&mut self, ros: &RosNode, groups: Vec<SettingGroup>) -> Config {
+        let described = description(&groups);
+        if described != description(&self.groups) {
+            if let Err(error) = self.descriptions.send(described) {
                 log::warn!("{}: cannot publish the parameters' descriptions: {error}", self.name);
             }
-            self.described = description;
         }
-    }
-
-    /// Publishes the values, and writes those that changed to the parameter server.
-    pub fn set_config(&mut self, ros: &RosNode, config: Config) {
-        for (name, value) in values(&config) {
-            if self.on_parameter_server.get(name) != Some(&value) {
-                ros.param_writer.set(ros.network(), format!("{}/{name}", self.name), value.clone());
-                self.on_parameter_server.insert(name.clone(), value);
+        let known: HashMap<_, _> = settings(&self.groups).map(|setting| (&setting.name, &setting.value)).collect();
+        for setting in settings(&groups) {
+            if known.get(&setting.name) != Some(&&setting.value) {
+                let name = format!("{}/{}", self.name, setting.name);
+                ros.param_writer.set(ros.network(), name, setting.value.clone());
             }
         }
-        self.config = config.clone();
-        if let Err(error) = self.updates.send(config) {
+        let values = config(&groups, |setting| &setting.value);
+        self.groups = groups;
+        if let Err(error) = self.updates.send(values.clone()) {
             log::warn!("{}: cannot publish the parameters: {error}", self.name);
         }
+        values
     }
 }

@@ -97,7 +97,7 @@ pub(crate) fn image(text: &str) -> Result<String, String> {
 
 /// `TOPIC` or `TOPIC=TYPE`.
 pub(crate) fn show(text: &str) -> Result<Show, String> {
-    let (topic, display) = match key_value::split(text, &[]) {
+    let (topic, display) = match key_value::split(text) {
         Some((topic, name)) => (topic, Some(display_type::find(name)?)),
         None => (text, None),
     };

@@ -86,6 +86,10 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
         "_mesh_folder:={a: 3}",
         "_window:={a: b}",
         "_mask_topic:=[{a: b}]",
+        "_keep_out:=head=0.3 hand=0.2",
+        "_orientation:=CameraPub=90 Other=180",
+        "_stale_timeout:=never",
+        "_predict:=off",
     ];
     for (index, argument) in wrong.iter().enumerate() {
         // The master keeps the parameters of a name.
@@ -95,17 +99,11 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
         let errors = node.errors();
         assert!(errors.last().is_some_and(|line| line.contains(&name)), "{argument}: {errors:?}");
     }
-    // A list has one value for each of its elements; the texts of older versions and their names go on.
-    for (name, lists, warnings) in [
-        ("__name:=new", ["_orientation:=[{camera: CameraPub, orientation: 90}, 180]", "_mesh_folder:=[/a, /b]"], 0),
-        ("__name:=old", ["_orientation:=[CameraPub=90, Other=180]", "_mesh_folders:=[/a, /b]"], 3),
-    ] {
-        let node = start(&[lists[0], lists[1], "_lazy:=False", name]);
-        let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
-        assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
-        let is_warning = |line: &&String| line.contains(" is an old spelling") || line.contains(" is an old name");
-        assert_eq!(node.errors().iter().filter(is_warning).count(), warnings, "{:?}", node.errors());
-    }
+    // A list has one value for each of its elements.
+    let lists = ["_orientation:=[{camera: CameraPub, orientation: 90}, Other=180]", "_mesh_folder:=[/a, /b]"];
+    let node = start(&[lists[0], lists[1], "_lazy:=False", "__name:=lists"]);
+    let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
+    assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
 }
 
 #[test]

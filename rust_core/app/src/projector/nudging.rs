@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use anyhow::anyhow;
 use rcs_files::projector::{check_writable, write_pose, ProjectorFile, StaticFrame};
-use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_node_support::nudge::Nudge;
+use rcs_ros::settings::{accepted, NamedValues};
 use rcs_ros::{ReconfigureServer, RosNode, ServiceCall};
 
 use super::publishers::Publishers;
@@ -46,7 +46,7 @@ impl Nudging {
             frames,
             publishers,
             nudge: Nudge::default(),
-            server: node.serve_reconfigure("~", Nudge::description(), Nudge::default().config())?,
+            server: node.serve_reconfigure("~", Nudge::default().groups())?,
             save: node.serve_trigger("~save")?,
             revert: node.serve_trigger("~revert")?,
         })
@@ -102,9 +102,9 @@ impl Nudging {
     }
 
     /// Takes the values of a request.
-    fn take(&mut self, node: &RosNode, request: &Config) -> anyhow::Result<()> {
+    fn take(&mut self, node: &RosNode, request: &NamedValues) -> anyhow::Result<()> {
         let mut wanted = self.nudge;
-        wanted.set(request);
+        wanted.take(&accepted(self.server.groups(), request));
         if wanted == self.nudge {
             return Ok(());
         }
@@ -116,7 +116,7 @@ impl Nudging {
             self.nudge = wanted;
         }
         // Also values that were refused, for clients that show theirs.
-        self.server.set_config(node, self.nudge.config());
+        self.server.set(node, self.nudge.groups());
         checked?;
         self.publishers.publish_frames(node, &self.nudged_frames())
     }
@@ -152,7 +152,7 @@ impl Nudging {
 
     fn reset(&mut self, node: &RosNode) {
         self.nudge = Nudge::default();
-        self.server.set_config(node, self.nudge.config());
+        self.server.set(node, self.nudge.groups());
     }
 
     /// The frame that is nudged, as it is in the file.

@@ -24,6 +24,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_render::Orientation;
+use rcs_ros::settings::NamedValues;
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
@@ -231,16 +232,16 @@ impl CameraOutput {
 
     /// `true` if its parameters are served under this name.
     pub(crate) fn has_parameters(&self, server: &str) -> bool {
-        let topic = self.connections.outputs.topic.as_ref();
-        self.settings.serves(server) || topic.is_some_and(|topic| topic.has_parameters(server))
+        self.servers().any(|own| &**own.name() == server)
     }
 
-    /// Takes a caller's values of a server for the next frame. Returns the values that apply from then on.
-    pub(crate) fn reconfigure(&mut self, server: &str, request: &Values, caller: &str) -> Values {
+    /// Takes a caller's values of a server for the next frame. Returns the values that apply from then on; `None`
+    /// without such a server.
+    pub(crate) fn reconfigure(&mut self, server: &str, request: &NamedValues, caller: &str) -> Option<Values> {
         let ros = &self.context.ros;
-        match self.connections.outputs.topic.as_mut().filter(|topic| topic.has_parameters(server)) {
-            Some(topic) => topic.reconfigure(ros, request),
-            None => self.settings.set(ros, &self.context.control, request, caller),
+        match self.settings.server() {
+            Some(own) if &**own.name() == server => self.settings.set(ros, &self.context.control, request, caller),
+            _ => self.connections.outputs.topic.as_mut()?.reconfigure(ros, request),
         }
     }
 

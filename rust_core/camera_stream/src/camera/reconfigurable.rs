@@ -1,23 +1,20 @@
 //! The settings of a camera that dynamic_reconfigure offers, and their names there.
 //!
 //! A colour is three integers, for which rqt_reconfigure has sliders; the encoding is an enum; each
-//! display and group has a switch, named after its path. As in any dynamic_reconfigure server, a value out of bounds
-//! becomes the nearest one within, and an unknown parameter is ignored.
+//! display and group has a switch, named after its path.
 
 use std::collections::HashSet;
 
-use rcs_messages::dynamic_reconfigure::{
-    BoolParameter, Config as Values, ConfigDescription, DoubleParameter, Group, GroupState, IntParameter, StrParameter,
-};
+use rcs_ros::settings::{Setting, SettingGroup};
+use rcs_ros::ParameterValue;
 use rcs_rviz_config::{CameraPubSettings, Config, Role, Visibility};
 use rcs_scene::{Encoding, FAR_CLIP_M};
 
 use crate::control::BLACKOUT;
-use crate::outputs::parameter_description::{choice_of, parameter};
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
-pub(super) const ENCODING: &str = "image_encoding";
+const ENCODING: &str = "image_encoding";
 const NEAR_CLIP: &str = "near_clip";
 const VISIBILITY: &str = "visibility";
 /// Upper end of the frame rate's slider. A config may have more.
@@ -97,16 +94,6 @@ fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
-fn double(name: &str, value: f64) -> DoubleParameter {
-    DoubleParameter { name: name.to_owned(), value }
-}
-
-/// The groups of the parameters.
-fn groups() -> Vec<GroupState> {
-    let group = |name: &str, id| GroupState { name: name.to_owned(), state: true, id, parent: 0 };
-    vec![group("Default", 0), group("Visibility", 1)]
-}
-
 impl CameraParameters {
     /// The settings of a config's camera.
     pub(super) fn of(settings: &CameraPubSettings) -> Self {
@@ -155,91 +142,59 @@ impl CameraParameters {
         }
     }
 
-    /// Applies the values of a request, clamped to the bounds of a description. Returns an unknown encoding.
-    pub(super) fn set<'r>(
-        &mut self,
-        request: &'r Values,
-        switches: &[Switch],
-        bounds: &ConfigDescription,
-    ) -> Option<&'r str> {
-        for DoubleParameter { name, value } in request.doubles.iter().filter(|param| !param.value.is_nan()) {
-            let own = match name.as_str() {
-                FRAME_RATE => &mut self.frame_rate_hz,
-                NEAR_CLIP => &mut self.near_clip_m,
-                _ => continue,
-            };
-            let bound = |of: &Values| of.doubles.iter().find(|bound| bound.name == *name).map(|bound| bound.value);
-            let (least, most) = (bound(&bounds.min).unwrap_or(*value), bound(&bounds.max).unwrap_or(*value));
-            *own = value.min(most).max(least);
-        }
-        for IntParameter { name, value } in &request.ints {
-            if let Some(index) = BACKGROUND.iter().position(|known| known == name) {
-                self.background[index] = (*value).clamp(0, 255) as u8;
+    /// Takes a value that the table below has accepted; one of an unknown name is ignored.
+    ///
+    /// # Errors
+    /// The name of an unknown encoding.
+    pub(super) fn take(&mut self, name: &str, value: &ParameterValue, switches: &[Switch]) -> Result<(), String> {
+        match value {
+            ParameterValue::Double(value) if name == FRAME_RATE => self.frame_rate_hz = *value,
+            ParameterValue::Double(value) if name == NEAR_CLIP => self.near_clip_m = *value,
+            ParameterValue::Int(value) => {
+                for (channel, _) in self.background.iter_mut().zip(BACKGROUND).filter(|(_, known)| *known == name) {
+                    *channel = *value as u8;
+                }
             }
-        }
-        let mut unknown = None;
-        for StrParameter { value, .. } in request.strs.iter().filter(|param| param.name == ENCODING) {
-            match Encoding::from_name(value) {
-                Some(encoding) => self.encoding = encoding,
-                None => unknown = Some(value.as_str()),
+            ParameterValue::String(value) if name == ENCODING => {
+                self.encoding = Encoding::from_name(value).ok_or_else(|| value.clone())?;
             }
-        }
-        for BoolParameter { name, value } in &request.bools {
-            if name == VISIBILITY {
-                self.visibility.set(&[], *value);
-            } else if let Some(switch) = switches.iter().find(|switch| switch.name == *name) {
-                self.visibility.set(&switch.path(), *value);
+            ParameterValue::Bool(value) if name == VISIBILITY => self.visibility.set(&[], *value),
+            ParameterValue::Bool(value) => {
+                for switch in switches.iter().filter(|switch| switch.name == name) {
+                    self.visibility.set(&switch.path(), *value);
+                }
             }
+            _ => {}
         }
-        unknown
+        Ok(())
     }
 
-    /// The values of all parameters. `is_black`: the camera's own blackout is on, which is no setting of its images.
-    pub(super) fn values(&self, switches: &[Switch], is_black: bool) -> Values {
-        let switch = |switch: &Switch| BoolParameter {
-            name: switch.name.clone(),
-            value: self.visibility.is_ticked(&switch.path()),
+    /// The table of the settings; those of the file are the defaults. `is_black`: the camera's own blackout is on,
+    /// which is no setting of its images.
+    pub(super) fn groups(&self, in_file: &Self, switches: &[Switch], is_black: bool) -> Vec<SettingGroup> {
+        let is_ticked = |path: &[&str]| [self, in_file].map(|of| of.visibility.is_ticked(path));
+        let channel = |(index, color): (usize, &str)| {
+            let values = [self, in_file].map(|of| i32::from(of.background[index]));
+            Setting::new(BACKGROUND[index], &format!("Background: {color}"), values, [0, 255])
         };
-        let blackout = BoolParameter { name: BLACKOUT.to_owned(), value: is_black };
-        let all = BoolParameter { name: VISIBILITY.to_owned(), value: self.visibility.is_ticked(&[]) };
-        let channel = |(name, value): (&&str, &u8)| IntParameter { name: (*name).to_owned(), value: (*value).into() };
-        Values {
-            bools: [blackout, all].into_iter().chain(switches.iter().map(switch)).collect(),
-            ints: BACKGROUND.iter().zip(&self.background).map(channel).collect(),
-            strs: vec![StrParameter { name: ENCODING.to_owned(), value: self.encoding.name().to_owned() }],
-            doubles: vec![double(FRAME_RATE, self.frame_rate_hz), double(NEAR_CLIP, self.near_clip_m)],
-            groups: groups(),
-        }
-    }
-
-    /// The parameters with their bounds; these values are the defaults.
-    pub(super) fn description(&self, switches: &[Switch]) -> ConfigDescription {
-        // The smallest or the largest of all values.
-        let bounds = |value: bool, channel: i32, frame_rate_hz: f64, near_clip_m: f64| {
-            let mut values = self.values(switches, false);
-            values.bools.iter_mut().for_each(|param| param.value = value);
-            values.ints.iter_mut().for_each(|param| param.value = channel);
-            values.strs.iter_mut().for_each(|param| param.value.clear());
-            values.doubles = vec![double(FRAME_RATE, frame_rate_hz), double(NEAR_CLIP, near_clip_m)];
-            values
-        };
-        let plain = |name, kind, description| parameter(name, kind, description, String::new());
         let rate = "Pictures a second; below 0: when the scene changes, 0: only when triggered";
-        let colors = ["red", "green", "blue"].map(|color| format!("Background: {color}"));
-        let mut parameters = vec![plain(BLACKOUT, "bool", "Black out the picture"), plain(FRAME_RATE, "double", rate)];
-        parameters.extend(BACKGROUND.iter().zip(&colors).map(|(name, text)| plain(name, "int", text)));
-        let (pixel, encodings) = ("What a pixel of the picture is", Encoding::ALL.map(Encoding::name));
-        parameters.push(parameter(ENCODING, "str", pixel, choice_of(pixel, encodings)));
-        parameters.push(plain(NEAR_CLIP, "double", "Nearer than this nothing is drawn, in metres"));
-        parameters.push(plain(VISIBILITY, "bool", "Whether the camera shows any display"));
-        let shown = switches.iter().map(|switch| plain(&switch.name, "bool", &switch.description)).collect();
-        let group = |name: &str, id, parameters| Group { name: name.to_owned(), parameters, id, ..Group::default() };
-        ConfigDescription {
-            groups: vec![group("Default", 0, parameters), group("Visibility", 1, shown)],
-            max: bounds(true, 255, HIGH_FRAME_RATE_HZ.max(self.frame_rate_hz), FAR_CLIP_M.max(self.near_clip_m)),
-            min: bounds(false, 0, -1.0, NEAREST_CLIP_M),
-            dflt: self.values(switches, false),
-        }
+        let (rates, clips) = ([self, in_file].map(|of| of.frame_rate_hz), [self, in_file].map(|of| of.near_clip_m));
+        let rate_range = [-1.0, HIGH_FRAME_RATE_HZ.max(in_file.frame_rate_hz)];
+        let clip_range = [NEAREST_CLIP_M, FAR_CLIP_M.max(in_file.near_clip_m)];
+        let encodings = [self, in_file].map(|of| of.encoding.name());
+        let names = Encoding::ALL.map(Encoding::name).into();
+        let mut settings = vec![
+            Setting::switch(BLACKOUT, "Black out the picture", [is_black, false]),
+            Setting::new(FRAME_RATE, rate, rates, rate_range),
+        ];
+        settings.extend(["red", "green", "blue"].into_iter().enumerate().map(channel));
+        settings.extend([
+            Setting::choice(ENCODING, "What a pixel of the picture is", encodings, names),
+            Setting::new(NEAR_CLIP, "Nearer than this nothing is drawn, in metres", clips, clip_range),
+            Setting::switch(VISIBILITY, "Whether the camera shows any display", is_ticked(&[])),
+        ]);
+        let shown = |switch: &Switch| Setting::switch(&switch.name, &switch.description, is_ticked(&switch.path()));
+        vec![("Default", settings), ("Visibility", switches.iter().map(shown).collect())]
     }
 }
 
@@ -261,6 +216,8 @@ impl Switch {
 
 #[cfg(test)]
 mod tests {
+    use rcs_ros::settings::{accepted, settings};
+
     use super::*;
 
     fn config(displays: &str) -> Config {
@@ -279,27 +236,31 @@ mod tests {
         let names: Vec<&str> = switches.iter().map(|switch| switch.name.as_str()).collect();
         assert_eq!(names, ["show_1", "show_g", "show_g_a_b", "show_g_a_b_2", "show_g_a_b_3"]);
         let mut parameters = CameraParameters::of(&CameraPubSettings::default());
-        let off = BoolParameter { name: "show_g_a_b_2".to_owned(), value: false };
-        let request = Values { bools: vec![off], ..Values::default() };
-        parameters.set(&request, &switches, &parameters.description(&switches));
+        parameters.take("show_g_a_b_2", &false.into(), &switches).unwrap();
         assert!(!parameters.visibility.shows(&["g", "a_b"]) && parameters.visibility.shows(&["g", "a b"]));
-        let off = parameters.values(&switches, true).bools.into_iter().filter(|param| !param.value);
-        let off: Vec<String> = off.map(|param| param.name).collect();
-        assert_eq!(off, ["show_g_a_b_2"]);
+        let groups = parameters.groups(&parameters, &switches, true);
+        let off = settings(&groups).filter(|setting| setting.value == false.into());
+        assert_eq!(off.map(|setting| setting.name.as_str()).collect::<Vec<_>>(), ["show_g_a_b_2"]);
     }
 
     #[test]
     fn values_out_of_bounds_become_the_nearest_ones_and_nonsense_is_ignored() {
         let mut parameters = CameraParameters::of(&CameraPubSettings::default());
-        let bounds = parameters.description(&[]);
-        let text = |value: &str| vec![StrParameter { name: ENCODING.to_owned(), value: value.to_owned() }];
-        let request = Values {
-            doubles: vec![double(FRAME_RATE, -7.0), double(NEAR_CLIP, f64::INFINITY), double("other", 1.0)],
-            ints: vec![IntParameter { name: BACKGROUND[1].to_owned(), value: 300 }],
-            strs: text("mono8"),
-            ..Values::default()
+        let groups = parameters.groups(&parameters, &[], false);
+        let mut take = |values: &[(&str, ParameterValue)]| {
+            let request: Vec<_> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+            let taken = accepted(&groups, &request);
+            let taken: Vec<_> = taken.iter().map(|(name, value)| parameters.take(name, value, &[])).collect();
+            (parameters.clone(), taken.into_iter().collect::<Result<(), _>>())
         };
-        parameters.set(&request, &[], &bounds);
+        let (taken, _) = take(&[
+            (FRAME_RATE, (-7.0).into()),
+            (NEAR_CLIP, f64::INFINITY.into()),
+            ("other", 1.0.into()),
+            (BACKGROUND[0], 1.0.into()),
+            (BACKGROUND[1], 300.into()),
+            (ENCODING, "mono8".into()),
+        ]);
         let expected = CameraParameters {
             frame_rate_hz: -1.0,
             near_clip_m: FAR_CLIP_M,
@@ -307,11 +268,9 @@ mod tests {
             encoding: Encoding::Mono8,
             ..CameraParameters::of(&CameraPubSettings::default())
         };
-        assert_eq!(parameters, expected);
-        let nonsense =
-            Values { doubles: vec![double(FRAME_RATE, f64::NAN)], strs: text("voodoo"), ..Values::default() };
-        parameters.set(&nonsense, &[], &bounds);
-        assert_eq!(parameters, expected);
+        assert_eq!(taken, expected);
+        let nonsense = take(&[(FRAME_RATE, f64::NAN.into()), (ENCODING, "voodoo".into())]);
+        assert_eq!(nonsense, (expected, Err("voodoo".to_owned())));
     }
 
     #[test]
@@ -338,14 +297,16 @@ mod tests {
 
     #[test]
     fn a_configs_numbers_are_reported_as_they_are_written() {
-        let settings = CameraPubSettings { near_clip_m: 0.01, frame_rate_hz: 144.1, ..CameraPubSettings::default() };
-        let parameters = CameraParameters::of(&settings);
-        assert_eq!(parameters.values(&[], false).doubles, [double(FRAME_RATE, 144.1), double(NEAR_CLIP, 0.01)]);
-        let most = &parameters.description(&[]).max.doubles[0];
-        assert_eq!(most.value, 144.1, "the file's value is within bounds");
+        let in_file = CameraPubSettings { near_clip_m: 0.01, frame_rate_hz: 144.1, ..CameraPubSettings::default() };
+        let parameters = CameraParameters::of(&in_file);
+        let groups = parameters.groups(&parameters, &[], false);
+        let of = |name: &str| settings(&groups).find(|setting| setting.name == name).unwrap();
+        let values = [FRAME_RATE, NEAR_CLIP].map(|name| of(name).value.clone());
+        assert_eq!(values, [144.1, 0.01].map(ParameterValue::Double));
+        assert_eq!(of(FRAME_RATE).range[1], values[0], "the file's value is within bounds");
         let mut written = CameraPubSettings::default();
         parameters.write_to(&mut written);
-        assert_eq!(written, settings);
+        assert_eq!(written, in_file);
     }
 
     #[test]

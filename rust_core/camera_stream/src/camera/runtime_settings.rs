@@ -8,10 +8,11 @@ use std::sync::Arc;
 
 use rcs_displays::{CameraView, SceneState};
 use rcs_messages::dynamic_reconfigure::Config as Values;
-use rcs_ros::{ReconfigureServer, RosNode};
+use rcs_ros::settings::{accepted, NamedValues, SettingGroup};
+use rcs_ros::{ParameterValue, ReconfigureServer, RosNode};
 
 use super::plan::CameraPlan;
-use super::reconfigurable::{CameraParameters, Switch, ENCODING};
+use super::reconfigurable::{CameraParameters, Switch};
 use crate::control::{Control, BLACKOUT};
 
 /// The settings of one camera that can be changed while it runs.
@@ -36,8 +37,7 @@ impl RuntimeSettings {
     pub(super) fn start(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>, is_black: bool) -> Self {
         let current = CameraParameters::of(&plan.view.settings);
         let (id, view) = (plan.id.clone(), Arc::new(plan.view.clone()));
-        let (description, values) = (current.description(switches), current.values(switches, is_black));
-        let server = ros.serve_reconfigure(&format!("~{id}"), description, values);
+        let server = ros.serve_reconfigure(&format!("~{id}"), current.groups(&current, switches, is_black));
         let server = server.map_err(|error| log::error!("{error}")).ok();
         let (in_file, switches) = (current.clone(), Arc::clone(switches));
         Self { id, view, in_file, current, switches, server, has_changed: true, is_black }
@@ -66,56 +66,57 @@ impl RuntimeSettings {
         })
     }
 
-    /// `true` if this has the server of that name.
-    pub(super) fn serves(&self, server: &str) -> bool {
-        self.server.as_ref().is_some_and(|own| &**own.name() == server)
+    /// The table of its settings.
+    fn groups(&self) -> Vec<SettingGroup> {
+        self.current.groups(&self.in_file, &self.switches, self.is_black)
     }
 
-    /// Takes a caller's values. Returns the values that apply from the next frame on.
-    pub(super) fn set(&mut self, ros: &RosNode, control: &Control, request: &Values, caller: &str) -> Values {
-        let name = &self.view.name;
-        for param in request.bools.iter().filter(|param| param.name == BLACKOUT) {
-            if let Err(error) = control.set_camera_blackout(name, param.value, caller) {
-                log::error!("camera {name}: {error}");
+    /// Takes a caller's values. Returns the values that apply from the next frame on; `None` without a server.
+    pub(super) fn set(
+        &mut self,
+        ros: &RosNode,
+        control: &Control,
+        request: &NamedValues,
+        caller: &str,
+    ) -> Option<Values> {
+        let (name, server) = (&self.view.name, self.server.as_ref()?);
+        for (setting, value) in accepted(server.groups(), request) {
+            if let (BLACKOUT, ParameterValue::Bool(is_black)) = (setting.as_str(), &value) {
+                if let Err(error) = control.set_camera_blackout(name, *is_black, caller) {
+                    log::error!("camera {name}: {error}");
+                }
+            } else if let Err(encoding) = self.current.take(&setting, &value, &self.switches) {
+                log::warn!("{}: {setting}: unknown encoding \"{encoding}\"", server.name());
             }
         }
         self.is_black = control.of_camera(name).is_switched_off;
         self.has_changed = true;
-        let unknown = self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
-        if let Some(encoding) = unknown {
-            let server = self.server.as_ref().map(|server| &**server.name()).unwrap_or_default();
-            log::warn!("{server}: {ENCODING}: unknown encoding \"{encoding}\"");
-        }
-        let values = self.current.values(&self.switches, self.is_black);
-        if let Some(server) = &mut self.server {
-            server.set_config(ros, values.clone());
-        }
-        values
+        self.publish(ros)
+    }
+
+    fn publish(&mut self, ros: &RosNode) -> Option<Values> {
+        let groups = self.groups();
+        self.server.as_mut().map(|server| server.set(ros, groups))
     }
 
     /// Publishes the camera's own blackout if it was set elsewhere.
     pub(super) fn set_black(&mut self, ros: &RosNode, is_black: bool) {
         if std::mem::replace(&mut self.is_black, is_black) != is_black {
-            let values = self.current.values(&self.switches, is_black);
-            self.server.iter_mut().for_each(|server| server.set_config(ros, values.clone()));
+            self.publish(ros);
         }
     }
 
     /// Takes over the values that changed in the config.
     pub(super) fn update_from(&mut self, ros: &RosNode, view: CameraView, switches: &Arc<[Switch]>) {
         let in_file = CameraParameters::of(&view.settings);
-        let mut current = self.current.with_changes(&self.in_file, &in_file);
+        self.current = self.current.with_changes(&self.in_file, &in_file);
         let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
-        current.forget(self.switches.iter().filter(is_gone), &in_file);
-        let values = current.values(switches, self.is_black);
-        if let Some(server) = &mut self.server {
-            server.set_description(in_file.description(switches));
-            if values != self.current.values(&self.switches, self.is_black) {
-                server.set_config(ros, values);
-            }
-        }
-        (self.in_file, self.current, self.switches) = (in_file, current, Arc::clone(switches));
+        self.current.forget(self.switches.iter().filter(is_gone), &in_file);
+        (self.in_file, self.switches) = (in_file, Arc::clone(switches));
         (self.view, self.has_changed) = (Arc::new(view), true);
+        if self.server.as_ref().is_some_and(|server| server.groups() != self.groups()) {
+            self.publish(ros);
+        }
     }
 
     /// Applies the values that were taken since the last call. Returns `true` if there were some.

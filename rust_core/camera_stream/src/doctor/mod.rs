@@ -82,7 +82,7 @@ pub(crate) fn run(
 /// The findings of a running ROS.
 fn examine(session: &Session, config: &Config, words: &[OsString], args: &DoctorArgs) -> Result<Vec<Finding>> {
     let options = session.options(words, config)?;
-    let limits = age_limits(&session.ros, &options.light)?;
+    let limits = age_limits(&session.ros, &options)?;
     let mut scene = session.scene(config, &options);
     let _images = image::subscribe(&session.ros, scene.cameras().iter());
     let started = Instant::now();

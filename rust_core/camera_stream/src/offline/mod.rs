@@ -244,7 +244,7 @@ const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<HashMap<String, Arc<str>>> {
     let read = |parameter: &String| {
         let (name, file) =
-            key_value::split(parameter, &[]).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+            key_value::split(parameter).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
         let read = rcs_user_files::read_once(&path, MAX_PARAMETER_BYTES);
         let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use rcs_camera::Projection;
 
 use super::prediction::PredictionSettings;
@@ -48,11 +48,11 @@ pub struct NodeArgs {
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
     /// Do not reload the config when its file changes
-    #[arg(long)]
-    pub no_watch: bool,
+    #[arg(long = "no-watch", action = ArgAction::SetFalse)]
+    pub watches_config: bool,
     /// Receive clouds, scans and images also while nobody subscribes to a picture
-    #[arg(long)]
-    pub no_lazy: bool,
+    #[arg(long = "no-lazy", action = ArgAction::SetFalse)]
+    pub is_lazy: bool,
     /// Encoding of depth images: metres (32FC1) or millimetres (16UC1)
     #[arg(long, value_enum, value_name = "32FC1|16UC1", default_value = "32FC1")]
     pub depth_encoding: DepthEncoding,
@@ -81,9 +81,9 @@ pub struct NodeArgs {
 /// Switches that undo others: the last one of two counts.
 #[derive(Args, Clone, Debug)]
 struct Opposites {
-    #[arg(long, hide = true, overrides_with = "no_watch")]
+    #[arg(long, hide = true, overrides_with = "watches_config")]
     watch: bool,
-    #[arg(long, hide = true, overrides_with = "no_lazy")]
+    #[arg(long, hide = true, overrides_with = "is_lazy")]
     lazy: bool,
     #[arg(long, hide = true, overrides_with = "set_mode")]
     no_set_mode: bool,
@@ -91,7 +91,7 @@ struct Opposites {
     no_stale_note: bool,
     #[arg(long, hide = true, overrides_with = "blackout")]
     no_blackout: bool,
-    #[arg(long, hide = true, overrides_with = "no_mask_required")]
+    #[arg(long, hide = true, overrides_with = "is_mask_required")]
     mask_required: bool,
 }
 
@@ -129,8 +129,8 @@ pub struct LightArgs {
     #[arg(long, value_name = "FRAME=RADIUS")]
     pub keep_out: Vec<String>,
     /// Keep the last mask and keep-out place while the current one is missing or expired, instead of blacking out
-    #[arg(long)]
-    pub no_mask_required: bool,
+    #[arg(long = "no-mask-required", action = ArgAction::SetFalse)]
+    pub is_mask_required: bool,
     /// Grey image over the projector's picture, dark or transparent where there must be no light; with CAMERA= for one
     #[arg(long, value_name = "[CAMERA=]FILE.png")]
     pub mask: Vec<String>,
@@ -224,9 +224,6 @@ fn gamma(text: &str) -> Result<f32, String> {
 }
 
 fn stale_timeout(text: &str) -> Result<AgeLimit, String> {
-    match text.parse() {
-        _ if text == "none" => Ok(AgeLimit::Never),
-        Ok(limit @ (AgeLimit::After(_) | AgeLimit::Never)) => Ok(limit),
-        Ok(AgeLimit::Held) | Err(_) => Err("seconds from 0 to 86400, or none".to_owned()),
-    }
+    let limit = if text == "none" { Ok(AgeLimit::Never) } else { AgeLimit::of_secs(text) };
+    limit.map_err(|_| "seconds from 0 to 86400, or none".to_owned())
 }

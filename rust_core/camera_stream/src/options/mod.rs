@@ -1,7 +1,8 @@
 //! What `camera_stream` is told to do: its command line and its private parameters, read once, merged by
 //! [`node_options`](rcs_node_support::node_options), and checked against the config's cameras.
 //!
-//! [`arguments`] holds the values as clap reads them. Nothing but this module looks at those of the node.
+//! [`arguments`] holds the values as clap reads them. Those that are not final there, because they need the config or
+//! have several forms, become fields of [`Options`].
 
 pub(crate) mod arguments;
 pub(crate) mod config_file;
@@ -17,39 +18,29 @@ use rcs_resources::ResourceOptions;
 use rcs_window::MonitorChoice;
 
 use crate::cli::{Cli, Command};
-use crate::outputs::depth_image::DepthEncoding;
 use crate::safety::ages::limits::StaleTimeout;
 use crate::safety::confirmed_displays::ConfirmedDisplays;
 use crate::safety::names::{ConfigNames, ForCamera, NONE};
 use crate::safety::rules::KeepOutFrame;
 use arguments::{ConfirmArgs, LightArgs, ModelArgs, NodeArgs, ResourceArgs, UnseenLight};
-use prediction::PredictionSettings;
 use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 pub(crate) use web::WebOptions;
 
 /// All options of the node.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
+    /// The arguments, for the values that are final there.
+    pub(crate) node: NodeArgs,
     /// Overrides the config's fixed frame.
     pub(crate) fixed_frame: Option<String>,
-    /// The config is reloaded when its file changes.
-    pub(crate) watches_config: bool,
     /// CPU or GPU.
     pub(crate) renderer: RendererChoice,
     /// Projection from CameraInfos.
     pub(crate) model: CameraModel,
     /// Limits for mesh files.
     pub(crate) resources: ResourceOptions,
-    /// Prediction of moving frames.
-    pub(crate) prediction: PredictionSettings,
-    /// Streams are paused while nobody subscribes to an image.
-    pub(crate) is_lazy: bool,
-    /// Encoding of depth images.
-    pub(crate) depth_encoding: DepthEncoding,
     /// Monitors that show cameras full screen.
     pub(crate) windows: Vec<ForCamera<MonitorChoice>>,
-    /// Monitors of windows are set to their native modes.
-    pub(crate) set_mode: bool,
     /// Where and when there may be light.
     pub(crate) light: LightOptions,
     /// The operator's page, if there is one.
@@ -61,22 +52,14 @@ pub(crate) struct Options {
 pub(crate) struct LightOptions {
     /// The limit for all topics, then those of single ones.
     pub(crate) stale_timeouts: Vec<StaleTimeout>,
-    /// Black images say why they are black.
-    pub(crate) stale_note: bool,
-    /// All cameras are blacked out at the start.
-    pub(crate) blackout: bool,
     /// Topics of masks.
     pub(crate) mask_topics: Vec<ForCamera<String>>,
     /// Frames around which there must be no light.
     pub(crate) keep_out: Vec<KeepOutFrame>,
-    /// All is dark while a mask or the place of a keep-out frame is missing or expired.
-    pub(crate) mask_required: bool,
     /// Mask files.
     pub(crate) masks: Vec<ForCamera<PathBuf>>,
     /// Files of weights where projectors overlap.
     pub(crate) blends: Vec<ForCamera<PathBuf>>,
-    /// Light is the level to this power.
-    pub(crate) blend_gamma: f32,
     /// Orientations of images.
     pub(crate) orientations: Vec<ForCamera<Orientation>>,
     /// Light that a depth camera confirms.
@@ -114,18 +97,14 @@ impl Options {
     fn new(cli: &Cli, names: &ConfigNames, name_of: &dyn Fn(&str) -> String) -> Result<Self, InvalidOption> {
         let node = cli.node_args();
         Ok(Self {
-            fixed_frame: node.fixed_frame.clone().filter(|frame| frame != NONE),
-            watches_config: !node.no_watch,
+            fixed_frame: node.fixed_frame.clone().filter(|frame| !["", NONE].contains(&frame.as_str())),
             renderer: cli.renderer,
             model: cli.model.model(),
             resources: cli.resources.options(),
-            prediction: node.prediction,
-            is_lazy: !node.no_lazy,
-            depth_encoding: node.depth_encoding,
             windows: ForCamera::read_all(&name_of("window"), &node.windows.window, &names.cameras)?,
-            set_mode: node.windows.set_mode,
             light: LightOptions::new(&node.light, names, name_of)?,
             web: WebOptions::new(&node.web, name_of)?,
+            node: node.clone(),
         })
     }
 }
@@ -141,14 +120,10 @@ impl LightOptions {
         let of_topics = parse_all(&name_of("stale-timeouts"), &args.stale_timeouts, of_topic)?;
         Ok(Self {
             stale_timeouts: std::iter::once(general).chain(of_topics).collect(),
-            stale_note: args.stale_note,
-            blackout: args.blackout,
             mask_topics: ForCamera::read_all(&name_of("mask-topic"), &args.mask_topic, cameras)?,
             keep_out: parse_all(&name_of("keep-out"), &args.keep_out, str::parse)?,
-            mask_required: !args.no_mask_required,
             masks: ForCamera::read_all(&name_of("mask"), &args.mask, cameras)?,
             blends: ForCamera::read_all(&name_of("blend"), &args.blend, cameras)?,
-            blend_gamma: args.blend_gamma,
             orientations: ForCamera::read_all(&name_of("orientation"), &args.orientation, cameras)?,
             confirm: ConfirmOptions::new(&args.confirm, names, name_of)?,
         })
@@ -281,23 +256,28 @@ mod tests {
         let single = ["--fixed-frame", "--stale-timeout", "--predict", "--mesh-folder", "--web", "--web-hosts"];
         let args: Vec<&str> = lists.iter().chain(&single).flat_map(|option| [*option, "none"]).collect();
         let (all, default) = (options(&args).unwrap(), options(&[]).unwrap());
+        assert_eq!(all.node.prediction, default.node.prediction);
+        let all = Options { node: default.node.clone(), ..all };
         assert_eq!(format!("{all:?}"), format!("{default:?}"));
-        assert_eq!((all.fixed_frame, all.prediction.lead), (None, Lead::Off));
+        assert_eq!((all.fixed_frame, all.node.prediction.lead), (None, Lead::Off));
+        assert_eq!(options(&["-f", ""]).unwrap().fixed_frame, None, "as for rviz");
         assert!(all.windows.is_empty() && options(&["--window", "Left=none"]).unwrap().windows.is_empty());
     }
 
     #[test]
     fn of_a_switch_and_its_opposite_the_last_counts() {
-        let default = options(&[]).unwrap();
-        assert!(default.is_lazy && default.watches_config && default.light.mask_required);
-        assert!(!default.set_mode && !default.light.stale_note && !default.light.blackout && !default.model.undistort);
+        let switches = |args: &[&str]| {
+            let Options { node, model, .. } = options(args).unwrap();
+            let NodeArgs { light, windows, watches_config, is_lazy, .. } = node;
+            assert!(!light.blackout);
+            ([is_lazy, watches_config, light.is_mask_required], [windows.set_mode, light.stale_note, model.undistort])
+        };
+        assert_eq!(switches(&[]), ([true; 3], [false; 3]));
         let changed = ["--no-lazy", "--no-watch", "--no-mask-required", "--set-mode", "--stale-note", "--undistort"];
         let undone = ["--lazy", "--watch", "--mask-required", "--no-set-mode", "--no-stale-note", "--no-undistort"];
-        let other = options(&changed).unwrap();
-        assert!(!other.is_lazy && !other.watches_config && !other.light.mask_required);
-        assert!(other.set_mode && other.light.stale_note && other.model.undistort);
-        assert_eq!(format!("{:?}", options(&[changed, undone].concat()).unwrap()), format!("{default:?}"));
-        assert_eq!(format!("{:?}", options(&[undone, changed].concat()).unwrap()), format!("{other:?}"));
+        assert_eq!(switches(&changed), ([false; 3], [true; 3]));
+        assert_eq!(switches(&[changed, undone].concat()), switches(&[]));
+        assert_eq!(switches(&[undone, changed].concat()), switches(&changed));
     }
 
     #[test]

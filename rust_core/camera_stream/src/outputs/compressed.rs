@@ -14,6 +14,7 @@ use rcs_files::picture_file;
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
+use rcs_ros::settings::{accepted, NamedValues};
 use rcs_ros::{Publisher, ReconfigureServer, RosNode};
 use rcs_scene::{lock, wait_while};
 
@@ -85,7 +86,7 @@ impl CompressedOutput {
         self.start = None;
         lock(&self.shared.work).settings = settings;
         let topic = self.shared.publisher.topic();
-        let server = ros.serve_reconfigure(topic, CompressionSettings::description(), settings.values());
+        let server = ros.serve_reconfigure(topic, settings.groups());
         self.server = server.map_err(|error| log::error!("{error}")).ok();
     }
 
@@ -94,22 +95,13 @@ impl CompressedOutput {
         self.server.as_ref()
     }
 
-    /// `true` if this has dynamic_reconfigure's server of that name.
-    pub(super) fn serves(&self, server: &str) -> bool {
-        self.server.as_ref().is_some_and(|own| &**own.name() == server)
-    }
-
-    /// Applies a user's values from the next image on. Returns those that apply now.
-    pub(super) fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
-        let values = {
-            let mut work = lock(&self.shared.work);
-            work.settings.set(request);
-            work.settings.values()
-        };
-        if let Some(server) = &mut self.server {
-            server.set_config(ros, values.clone());
-        }
-        values
+    /// Applies a user's values from the next image on. Returns those that apply now; `None` without a server.
+    pub(super) fn reconfigure(&mut self, ros: &RosNode, request: &NamedValues) -> Option<Values> {
+        let server = self.server.as_mut()?;
+        let mut settings = lock(&self.shared.work).settings;
+        accepted(server.groups(), request).iter().for_each(|(name, value)| settings.take(name, value));
+        lock(&self.shared.work).settings = settings;
+        Some(server.set(ros, settings.groups()))
     }
 
     /// Has an image encoded and published if somebody subscribes. Never waits.

@@ -5,12 +5,9 @@
 //! Values out of bounds become the nearest ones.
 
 use rcs_files::picture_file::Coding;
-use rcs_messages::dynamic_reconfigure::{
-    Config as Values, ConfigDescription, Group, GroupState, IntParameter, StrParameter,
-};
+use rcs_ros::settings::{settings, Setting, SettingGroup};
+use rcs_ros::ParameterValue;
 use rcs_scene::Encoding;
-
-use crate::outputs::parameter_description::{choice_of, parameter};
 
 const FORMAT: &str = "format";
 const QUALITY: &str = "jpeg_quality";
@@ -39,40 +36,32 @@ impl Default for CompressionSettings {
 impl CompressionSettings {
     /// The defaults, with the values that `parameter` has for each name.
     pub(super) fn start(parameter: impl Fn(&str) -> Option<String>) -> Self {
-        let number = |name: &str| {
-            let text = parameter(name)?;
-            match text.parse() {
-                Ok(value) => Some(IntParameter { name: name.to_owned(), value }),
-                Err(_) => {
-                    log::warn!("{name}: \"{text}\" is no whole number; the default is used");
-                    None
-                }
-            }
-        };
-        let format = parameter(FORMAT).map(|value| StrParameter { name: FORMAT.to_owned(), value });
-        let mut settings = Self::default();
-        settings.set(&Values {
-            ints: [QUALITY, LEVEL].into_iter().filter_map(number).collect(),
-            strs: format.into_iter().collect(),
-            ..Values::default()
-        });
-        settings
-    }
-
-    pub(super) fn set(&mut self, request: &Values) {
-        for StrParameter { name, value } in request.strs.iter().filter(|param| param.name == FORMAT) {
-            match value.as_str() {
-                JPEG => self.is_png = false,
-                PNG => self.is_png = true,
-                _ => log::warn!("{name}: compressed pictures are {JPEG} or {PNG}, not \"{value}\""),
+        let mut own = Self::default();
+        for setting in settings(&Self::default().groups()) {
+            let Some(text) = parameter(&setting.name) else { continue };
+            let value = match setting.value {
+                ParameterValue::Int(_) => text.parse().ok().map(ParameterValue::Int),
+                _ => Some(text.as_str().into()),
+            };
+            match value.and_then(|value| setting.accept(value)) {
+                Some(value) => own.take(&setting.name, &value),
+                None => log::warn!("{}: \"{text}\" is no whole number; the default is used", setting.name),
             }
         }
-        for IntParameter { name, value } in &request.ints {
-            match name.as_str() {
-                QUALITY => self.jpeg_quality = (*value).clamp(1, 100) as u8,
-                LEVEL => self.png_level = (*value).clamp(1, 9) as u8,
-                _ => {}
-            }
+        own
+    }
+
+    /// Takes a value that the table below has accepted.
+    pub(super) fn take(&mut self, name: &str, value: &ParameterValue) {
+        match (name, value) {
+            (FORMAT, ParameterValue::String(format)) => match format.as_str() {
+                JPEG => self.is_png = false,
+                PNG => self.is_png = true,
+                _ => log::warn!("{name}: compressed pictures are {JPEG} or {PNG}, not \"{format}\""),
+            },
+            (QUALITY, ParameterValue::Int(quality)) => self.jpeg_quality = *quality as u8,
+            (LEVEL, ParameterValue::Int(level)) => self.png_level = *level as u8,
+            _ => {}
         }
     }
 
@@ -97,35 +86,17 @@ impl CompressionSettings {
         format!("{}; {} compressed {order}", encoding.name(), if self.is_png { PNG } else { JPEG })
     }
 
-    pub(super) fn values(&self) -> Values {
-        let int = |name: &str, value: u8| IntParameter { name: name.to_owned(), value: value.into() };
-        let format = if self.is_png { PNG } else { JPEG };
-        Values {
-            ints: vec![int(QUALITY, self.jpeg_quality), int(LEVEL, self.png_level)],
-            strs: vec![StrParameter { name: FORMAT.to_owned(), value: format.to_owned() }],
-            groups: vec![GroupState { name: "Default".to_owned(), state: true, ..GroupState::default() }],
-            ..Values::default()
-        }
-    }
-
-    /// The parameters with their bounds.
-    pub(super) fn description() -> ConfigDescription {
-        let parameters = vec![
-            parameter(FORMAT, "str", "Compression format", choice_of("Compression format", [JPEG, PNG])),
-            parameter(QUALITY, "int", "JPEG quality percentile", String::new()),
-            parameter(LEVEL, "int", "PNG compression level", String::new()),
+    /// The table of the settings.
+    pub(super) fn groups(&self) -> Vec<SettingGroup> {
+        let values = [*self, Self::default()];
+        let formats = values.map(|of| if of.is_png { PNG } else { JPEG });
+        let (qualities, levels) = (values.map(|of| of.jpeg_quality), values.map(|of| of.png_level));
+        let settings = vec![
+            Setting::choice(FORMAT, "Compression format", formats, vec![JPEG, PNG]),
+            Setting::new(QUALITY, "JPEG quality percentile", qualities.map(i32::from), [1, 100]),
+            Setting::new(LEVEL, "PNG compression level", levels.map(i32::from), [1, 9]),
         ];
-        let bound = |jpeg_quality, png_level| {
-            let mut values = Self { jpeg_quality, png_level, ..Self::default() }.values();
-            values.strs.iter_mut().for_each(|param| param.value.clear());
-            values
-        };
-        ConfigDescription {
-            groups: vec![Group { name: "Default".to_owned(), parameters, ..Group::default() }],
-            max: bound(100, 9),
-            min: bound(1, 1),
-            dflt: Self::default().values(),
-        }
+        vec![("Default", settings)]
     }
 }
 

@@ -10,7 +10,6 @@ mod confirmed_image;
 pub(crate) mod depth_image;
 pub(crate) mod page;
 mod page_image;
-pub(crate) mod parameter_description;
 mod picture_files;
 pub(crate) mod shown;
 mod topic;

@@ -10,6 +10,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
+use rcs_ros::settings::NamedValues;
 use rcs_ros::{Change, NodeError, Publisher, ReconfigureServer, RosNode};
 
 use super::compressed::CompressedOutput;
@@ -82,13 +83,8 @@ impl TopicOutput {
         self.compressed.server()
     }
 
-    /// `true` if dynamic_reconfigure's server of this name has its settings.
-    pub(crate) fn has_parameters(&self, server: &str) -> bool {
-        self.compressed.serves(server)
-    }
-
     /// Takes a user's settings of the compressed images. Returns those that apply from now on.
-    pub(crate) fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
+    pub(crate) fn reconfigure(&mut self, ros: &RosNode, request: &NamedValues) -> Option<Values> {
         self.compressed.reconfigure(ros, request)
     }
 

@@ -56,7 +56,7 @@ impl PageOperator {
         let mut cameras = self.shared.cameras();
         let camera = cameras.iter_mut().find(|camera| camera.has_parameters(name)).ok_or_else(unknown)?;
         let server = camera.servers().find(|server| &**server.name() == name).ok_or_else(unknown)?;
-        let request = parameters::request(values, server).map_err(Refusal::Invalid)?;
+        let request = parameters::request(values, server.groups()).map_err(Refusal::Invalid)?;
         camera.reconfigure(name, &request, caller);
         drop(cameras);
         self.shared.ros.events().wake();

@@ -83,7 +83,7 @@ impl ControlThread {
     /// One line that names what failed.
     pub(crate) fn start(options: &Options, file: &Path, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let calls = Arc::clone(shared.ros.calls());
-        let reader = ConfigReader::start(file.to_owned(), options.watches_config, move || calls.wake());
+        let reader = ConfigReader::start(file.to_owned(), options.node.watches_config, move || calls.wake());
         Ok(Self {
             shared: Arc::clone(shared),
             config: config.clone(),
@@ -169,7 +169,7 @@ impl ControlThread {
             }
             ServiceCall::Reconfigure { server, request, caller, reply } => {
                 let set = self.shared.cameras().iter_mut().find_map(|camera| {
-                    camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))
+                    camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))?
                 });
                 self.apply_control();
                 // Without an answer, the caller gets an error.

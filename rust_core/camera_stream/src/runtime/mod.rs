@@ -54,7 +54,7 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     // First, while little is in use.
     let _memory = rcs_memory::MemoryTrimmer::start(rcs_messages::free_unused_bytes)
         .context("cannot start the thread that gives memory back")?;
-    let shared = Arc::new(NodeState::new(ros, options.light.blackout));
+    let shared = Arc::new(NodeState::new(ros, options.node.light.blackout));
     let scene = SceneThread::start(&options, config, &shared)?;
     let control = ControlThread::start(&options, file, config, &shared)?;
     let _page = options.web.as_ref().map(|web| page::start(web, file, &shared)).transpose()?;

@@ -69,7 +69,7 @@ impl SceneThread {
     /// One line that names what failed: a topic, the renderer.
     pub(super) fn start(options: &Options, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
         let ros = &shared.ros;
-        let (rules, light_topics) = read_rules::read(ros, &options.light)?;
+        let (rules, light_topics) = read_rules::read(ros, options)?;
         let patterns = ros.subscribe("~patterns", MessageKind::Image, 1)?;
         let safety = Safety::new(rules);
         let renderer = FrameRenderer::new(options.renderer)?;
@@ -84,7 +84,7 @@ impl SceneThread {
         let plans = plan::plans(ros, config)?;
         shared.control.set_cameras(plans.iter().map(CameraPlan::name));
         let windows = Windows::open(ros, &shared.control, options, &safety, &plans)?;
-        let (model, depth_encoding) = (options.model, options.depth_encoding);
+        let (model, depth_encoding) = (options.model, options.node.depth_encoding);
         let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
         let (own_ros, control) = (Arc::clone(ros), Arc::clone(&shared.control));
         let context = Arc::new(CameraContext { ros: own_ros, control, model, depth_encoding, page });
@@ -130,7 +130,7 @@ impl SceneThread {
             self.pause_streams();
             let now = self.now();
             let lookup_to_publish = shared.cameras().iter().filter_map(CameraOutput::lookup_to_publish).max();
-            let prediction = self.options.prediction.prediction(now, lookup_to_publish);
+            let prediction = self.options.node.prediction.prediction(now, lookup_to_publish);
             self.scene.predict(prediction);
             has_news |= prediction.is_some();
             if has_news || self.scene.next_change().is_some_and(|change| change <= now) {
@@ -144,7 +144,7 @@ impl SceneThread {
 
     /// Pauses streams that nobody watches, and resumes them.
     fn pause_streams(&mut self) {
-        let is_watched = !self.options.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        let is_watched = !self.options.node.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
         self.light_topics.surfaces.update(&self.shared.ros, is_watched);
         if self.subscriptions.pause_streams(is_watched, &self.scene) {
             // It will be old when somebody watches again.

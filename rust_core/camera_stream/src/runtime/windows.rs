@@ -43,7 +43,7 @@ impl Windows {
                 bail!("window: camera {camera} has two");
             }
             let source = format!("camera {camera}");
-            let (set_mode, light_limit) = (options.set_mode, Some(safety.light_limit(&camera)));
+            let (set_mode, light_limit) = (options.node.windows.set_mode, Some(safety.light_limit(&camera)));
             let role = WindowRole::Guarded;
             let options = WindowOptions { source, monitor, set_mode, light_limit, role, ..WindowOptions::default() };
             windows.0.push(OpenWindow::open(ros, control, camera, options)?);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rcs_render::Orientation;
 use rcs_window::MonitorChoice;
 
-use rcs_node_support::key_value::{split, FIELD_SEPARATOR};
+use rcs_node_support::key_value::split;
 use rcs_node_support::node_options::InvalidOption;
 
 /// The value that stands for not giving an option.
@@ -96,14 +96,20 @@ impl<T: CameraValue> ForCamera<T> {
         texts.iter().filter_map(read).collect()
     }
 
-    fn read(text: &str, cameras: &[String]) -> Result<Option<Self>, String> {
-        let (camera, value) = match split(text, cameras) {
-            Some((key, value)) => match cameras.iter().find(|camera| camera.trim() == key) {
-                Some(camera) => (Some(camera.clone()), value),
-                None if T::is_whole(text) => (None, text),
-                None => return Err(format!("the config has no camera '{key}'; {}", cameras_text(cameras))),
+    fn read<'c>(text: &str, cameras: &'c [String]) -> Result<Option<Self>, String> {
+        let text = text.trim();
+        let named = |camera: &'c String| {
+            let rest = text.strip_prefix(camera.trim()).filter(|_| !camera.trim().is_empty())?;
+            Some((camera, rest.trim_start().strip_prefix('=')?.trim()))
+        };
+        let (camera, value) = match cameras.iter().filter_map(named).max_by_key(|(camera, _)| camera.trim().len()) {
+            Some((camera, value)) => (Some(camera.clone()), value),
+            None => match split(text).filter(|_| !T::is_whole(text)) {
+                Some((key, _)) => {
+                    return Err(format!("the config has no camera '{key}'; {}", cameras_text(cameras)));
+                }
+                None => (None, text),
             },
-            None => (None, text.trim().trim_start_matches(FIELD_SEPARATOR)),
         };
         if value.is_empty() || (value.starts_with('=') && !T::is_whole(value)) {
             return Err("not VALUE or CAMERA=VALUE".to_owned());
@@ -141,7 +147,7 @@ mod tests {
         assert_eq!(of("Left = right").as_deref(), Some("180"));
         assert_eq!(of("other").as_deref(), Some("270"));
         assert_eq!(of_camera::<Orientation>(&[], "other"), None);
-        for wrong in ["", "=90", "Left=", "45", "Left=45"] {
+        for wrong in ["", "=90", "Left=", "45", "Left=45", "Leftmost=90"] {
             assert!(ForCamera::<Orientation>::read(wrong, &cameras()).is_err(), "{wrong}");
         }
     }
@@ -166,7 +172,6 @@ mod tests {
         assert_eq!(read(&text), Ok(Some(ForCamera { camera: None, value: path.clone() })));
         let of_cam = Ok(Some(ForCamera { camera: Some("cam".to_owned()), value: path }));
         assert_eq!(read(&format!("cam={text}")), of_cam);
-        assert_eq!(read(&format!("cam{FIELD_SEPARATOR}{text}")), of_cam);
         assert!(read(&format!("{text}4")).is_err());
     }
 

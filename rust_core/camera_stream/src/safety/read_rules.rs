@@ -11,7 +11,7 @@ use rcs_node_support::user_file;
 use rcs_render::Blend;
 use rcs_ros::{RosNode, TopicSubscription};
 
-use crate::options::{ConfirmOptions, LightOptions};
+use crate::options::{ConfirmOptions, Options};
 use crate::safety::ages::limits::AgeLimits;
 use crate::safety::eyes::MaskPublishers;
 use crate::safety::names::ForCamera;
@@ -41,8 +41,9 @@ impl LightTopics {
 ///
 /// # Errors
 /// A file that cannot be read, a topic that cannot be subscribed to.
-pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, LightTopics)> {
-    let mut mask_topics = options.mask_topics.clone();
+pub(crate) fn read(ros: &RosNode, options: &Options) -> Result<(Rules, LightTopics)> {
+    let (args, light) = (&options.node.light, &options.light);
+    let mut mask_topics = light.mask_topics.clone();
     let mut masks = Vec::new();
     for ForCamera { value: topic, .. } in &mut mask_topics {
         let subscription = ros.subscribe(topic, MessageKind::Image, 1)?;
@@ -50,22 +51,22 @@ pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, Ligh
         masks.push(subscription);
     }
     let mut surfaces = SurfaceTopics::default();
-    let ConfirmOptions { surfaces: mut surface_topics, displays, settings } = options.confirm.clone();
+    let ConfirmOptions { surfaces: mut surface_topics, displays, settings } = light.confirm.clone();
     for ForCamera { value: topic, .. } in &mut surface_topics {
         *topic = surfaces.add(ros, topic)?;
     }
     let read_mask = |ForCamera { camera, value: path }: &ForCamera<PathBuf>| -> Result<_> {
         Ok(ForCamera { camera: camera.clone(), value: Arc::new(painted_mask(path)?) })
     };
-    let blend = |file: &ForCamera<PathBuf>| read_blend(file, options.blend_gamma);
+    let blend = |file: &ForCamera<PathBuf>| read_blend(file, args.blend_gamma);
     let rules = Rules {
         limits: age_limits(ros, options)?,
-        orientations: options.orientations.clone(),
-        blends: options.blends.iter().map(blend).collect::<Result<_>>()?,
-        painted_masks: options.masks.iter().map(read_mask).collect::<Result<_>>()?,
+        orientations: light.orientations.clone(),
+        blends: light.blends.iter().map(blend).collect::<Result<_>>()?,
+        painted_masks: light.masks.iter().map(read_mask).collect::<Result<_>>()?,
         mask_topics,
-        keep_out: options.keep_out.clone(),
-        is_required: options.mask_required,
+        keep_out: light.keep_out.clone(),
+        is_required: args.is_mask_required,
         confirm: ConfirmRules { surfaces: surface_topics, displays, settings },
     };
     Ok((rules, LightTopics { masks, surfaces }))
@@ -75,10 +76,11 @@ pub(crate) fn read(ros: &RosNode, options: &LightOptions) -> Result<(Rules, Ligh
 ///
 /// # Errors
 /// A topic whose name ROS does not allow.
-pub(crate) fn age_limits(ros: &RosNode, options: &LightOptions) -> Result<AgeLimits> {
+pub(crate) fn age_limits(ros: &RosNode, options: &Options) -> Result<AgeLimits> {
     let mut limits = AgeLimits::off();
-    limits.has_note = options.stale_note;
-    options.stale_timeouts.iter().cloned().try_for_each(|timeout| limits.set(timeout, |topic| ros.resolve(topic)))?;
+    limits.has_note = options.node.light.stale_note;
+    let mut timeouts = options.light.stale_timeouts.iter().cloned();
+    timeouts.try_for_each(|timeout| limits.set(timeout, |topic| ros.resolve(topic)))?;
     Ok(limits)
 }
 

@@ -69,7 +69,7 @@ impl FromStr for KeepOutFrame {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || "not FRAME=RADIUS with a radius in metres, above 0 and not above 100".to_owned();
-        let (frame, radius) = key_value::split(text, &[]).ok_or_else(wrong)?;
+        let (frame, radius) = key_value::split(text).ok_or_else(wrong)?;
         let radius_m = radius.parse::<f64>().ok().filter(|radius_m| *radius_m > 0.0 && *radius_m <= 100.0);
         match (frame.trim_start_matches('/'), radius_m) {
             ("", _) | (_, None) => Err(wrong()),
@@ -86,7 +86,7 @@ mod tests {
     fn a_keep_out_frame_has_a_radius_in_metres() {
         let parse = |text: &str| text.parse::<KeepOutFrame>();
         assert_eq!(parse("/head=0.4"), Ok(KeepOutFrame { frame: "head".to_owned(), radius_m: 0.4 }));
-        for wrong in ["head", "head=", "=1", "/=1", "head=0", "head=-1", "head=nan", "head=inf"] {
+        for wrong in ["head", "head=", "head=0.3 hand=0.2", "=1", "/=1", "head=0", "head=-1", "head=nan", "head=inf"] {
             assert!(parse(wrong).is_err(), "{wrong}");
         }
     }

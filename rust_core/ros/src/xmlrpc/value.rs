@@ -37,11 +37,17 @@ impl From<&str> for Value {
     }
 }
 
-impl From<String> for Value {
-    fn from(text: String) -> Self {
-        Self::String(text)
-    }
+/// Scalars as values.
+macro_rules! from_scalars {
+    ($($scalar:ty: $variant:ident),+) => {
+        $(impl From<$scalar> for Value {
+            fn from(scalar: $scalar) -> Self {
+                Self::$variant(scalar)
+            }
+        })+
+    };
 }
+from_scalars!(String: String, bool: Bool, i32: Int, f64: Double);
 
 impl Value {
     /// Text of a string.

@@ -36,12 +36,20 @@ impl FromStr for AgeLimit {
         match text {
             "held" => Ok(Self::Held),
             "never" => Ok(Self::Never),
-            _ => {
-                let secs = text.parse::<f64>().ok().filter(|secs| (0.0..=86_400.0).contains(secs));
-                let secs = secs.ok_or_else(|| format!("{text} is not seconds from 0 (off) to 86400, held or never"))?;
-                Ok(if secs > 0.0 { Self::After(Duration::from_secs_f64(secs)) } else { Self::Never })
-            }
+            _ => Self::of_secs(text),
         }
+    }
+}
+
+impl AgeLimit {
+    /// A limit in seconds; 0 is none.
+    ///
+    /// # Errors
+    /// One line that names the text.
+    pub(crate) fn of_secs(text: &str) -> Result<Self, String> {
+        let secs = text.parse::<f64>().ok().filter(|secs| (0.0..=86_400.0).contains(secs));
+        let secs = secs.ok_or_else(|| format!("{text} is not seconds from 0 (off) to 86400, held or never"))?;
+        Ok(if secs > 0.0 { Self::After(Duration::from_secs_f64(secs)) } else { Self::Never })
     }
 }
 
@@ -50,7 +58,7 @@ impl FromStr for StaleTimeout {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (topic, limit) =
-            key_value::split(text, &[]).map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
+            key_value::split(text).map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
         match (&topic, limit.parse()?) {
             (Some(topic), _) if topic.trim_matches('/').is_empty() => Err(format!("{text}: no topic before the =")),
             (None, AgeLimit::Held) => Err("held is for single topics: TOPIC=held".to_owned()),
