@@ -17,7 +17,6 @@ pub mod picture_file;
 mod picture_limits;
 pub mod projector;
 pub mod sizes;
-mod text;
 pub mod verification;
 mod yaml_spans;
 mod yaml_text;

@@ -15,7 +15,7 @@ use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{Mesh, Rgba, Texture, Vertex};
 
 use crate::{
-    import::{normalized, process, Imported, MaterialSpec, MeshSource, PrimitiveMesh, Triangulation},
+    import::{normalized, process, Imported, MaterialSpec, MeshSource, PlacedMesh, PrimitiveMesh, Triangulation},
     texture::{self, layered},
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
@@ -29,8 +29,11 @@ const MAX_TEXTURES: usize = 1000;
 
 /// Makes the parts of a mesh; textures are searched for beside it.
 pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh {
-    let Imported { meshes, materials: specs, placed, images } = imported;
+    let Imported { meshes, materials: specs, placed, images, passed_over } = imported;
     let mut textures = MeshTextures { source, images, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
+    let passed_over =
+        passed_over.into_iter().map(|fault| ResourceError::PassedOver { path: source.path.to_owned(), fault });
+    textures.warnings.extend(passed_over);
     let mut materials: HashMap<usize, MeshMaterial> = HashMap::new();
     let mut triangulation = Triangulation::new();
     let mut uses: HashMap<usize, usize> = HashMap::new();
@@ -55,7 +58,7 @@ pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh
             *left == 0
         });
         for triangles in processed.get(&placed.mesh).map(Vec::as_slice).unwrap_or_default() {
-            if let Some(mesh) = place(triangles, &placed.object_from_mesh, flat) {
+            if let Some(mesh) = place(triangles, placed, flat) {
                 parts.push(MeshPart { mesh: Arc::new(mesh), material: material.clone() });
             }
         }
@@ -68,7 +71,8 @@ pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh
 }
 
 /// The triangles in the file's frame; `None` when the transform makes them infinite.
-fn place(triangles: &PrimitiveMesh, object_from_mesh: &Matrix4<f32>, flat: bool) -> Option<Mesh> {
+fn place(triangles: &PrimitiveMesh, placed: &PlacedMesh, flat: bool) -> Option<Mesh> {
+    let object_from_mesh = &placed.object_from_mesh;
     let rotation = object_from_mesh.fixed_view::<3, 3>(0, 0).into_owned();
     let moved = *object_from_mesh != Matrix4::identity();
     let position = |i: usize| -> Option<[f32; 3]> {
@@ -98,7 +102,7 @@ fn place(triangles: &PrimitiveMesh, object_from_mesh: &Matrix4<f32>, flat: bool)
     }
 
     let mut welded = Welded::default();
-    let indices = if flat {
+    let mut indices: Vec<u32> = if flat {
         let corners = 0..triangles.indices.as_ref().map_or(count, Vec::len) / 3 * 3;
         let corner = |i: usize| match &triangles.indices {
             Some(indices) => indices.get(i).map(|&index| index as usize),
@@ -125,6 +129,9 @@ fn place(triangles: &PrimitiveMesh, object_from_mesh: &Matrix4<f32>, flat: bool)
             None => new_index,
         }
     };
+    if placed.is_turned {
+        indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
     Some(Mesh { vertices: welded.into_vertices(), indices })
 }
 

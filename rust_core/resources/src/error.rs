@@ -6,6 +6,7 @@ use std::{
     sync::Arc,
 };
 
+use rcs_text::xml::PassedOver;
 use thiserror::Error;
 
 /// Error of a resource.
@@ -107,6 +108,14 @@ pub enum ResourceError {
     /// A material names textures, none of them for its diffuse colour; rviz then requests one without a name.
     #[error("{0}: a material names textures, but none for its diffuse colour")]
     NoDiffuseTexture(PathBuf),
+    /// A fault of a mesh file that changes nothing.
+    #[error("{}: passed over: {fault}", path.display())]
+    PassedOver {
+        /// The file.
+        path: PathBuf,
+        /// The fault.
+        fault: PassedOver,
+    },
     /// An image that cannot be decoded.
     #[error("{}: not a readable image: {reason}", path.display())]
     BadImage {

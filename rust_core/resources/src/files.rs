@@ -117,11 +117,14 @@ fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
     }
 }
 
-/// The text of a small harmless file, such as a manifest, in any folder; `None` unless it is a regular file of at most
-/// `max_bytes`.
-pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
+/// The text of a small harmless file, such as a manifest, in any folder.
+///
+/// # Errors
+/// Not a regular file of at most `max_bytes`, in one line.
+pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Result<String, String> {
     let options = ResourceOptions { max_file_bytes: max_bytes, folders: vec![PathBuf::from("/")] };
-    String::from_utf8(options.read(path).ok()?).ok()
+    let bytes = options.read(path).map_err(|error| error.to_string())?;
+    Ok(rcs_text::decode(&bytes).into_owned())
 }
 
 /// Identity of a file's contents, to detect changes.

@@ -25,6 +25,7 @@ use std::{
 
 use percent_encoding::percent_decode_str;
 use rcs_scene::lock;
+use rcs_text::xml;
 
 use crate::{files::read_small_text, ResourceError};
 
@@ -201,14 +202,17 @@ fn package_name(folder: &Path) -> Option<String> {
         return None;
     }
     let named = read_small_text(&manifest, MAX_MANIFEST_BYTES).and_then(|text| {
-        let document = roxmltree::Document::parse(&text).ok()?;
-        let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
-        Some(name.text()?.trim().to_owned())
+        let document = xml::parse(&text).map_err(|error| error.to_string())?;
+        let name = document.elements.first().and_then(|package| package.child("name"));
+        Ok(name.ok_or("no package name in it")?.text.trim().to_owned())
     });
-    if named.is_none() {
-        log::warn!("{}: no package name in it, using the folder's name", manifest.display());
+    match named {
+        Ok(name) => Some(name),
+        Err(reason) => {
+            log::warn!("{}: {reason}; using the folder's name", manifest.display());
+            folder_name()
+        }
     }
-    named.or_else(folder_name)
 }
 
 /// All packages in a folder.

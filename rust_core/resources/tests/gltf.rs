@@ -50,6 +50,16 @@ fn nodes_keep_their_rotation_where_there_are_several_roots() {
     assert_eq!(positions(&mesh.parts[0]), [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]]);
 }
 
+/// As the specification of glTF 2.0 demands (3.7.4).
+#[test]
+fn mirrored_nodes_turn_their_triangles() {
+    let mirrored = read(&changed("\"translation\": [1,0,0]", "\"translation\": [1,0,0], \"scale\": [1,1,-1]"));
+    let [root, child] = mirrored.parts.as_slice() else { panic!("two parts are expected") };
+    assert_eq!(positions(root), positions(&read(&text()).parts[0]));
+    let [a, b, c] = positions(&read(&text()).parts[1])[..] else { panic!("a triangle is expected") };
+    assert_eq!(positions(child), [a, c, b]);
+}
+
 #[test]
 fn a_matrix_is_read_column_by_column() {
     let matrix = "\"matrix\": [0,1,0,0, -1,0,0,0, 0,0,1,0, 1,0,0,1]";

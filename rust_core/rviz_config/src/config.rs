@@ -133,16 +133,9 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 ///
 /// # Errors
 ///
-/// [`ConfigError`] for bytes that are no text in UTF-8, and as of [`parse`].
+/// [`ConfigError`] as of [`parse`].
 pub fn parse_bytes(bytes: &[u8], source_name: &str) -> Result<Config, ConfigError> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => parse(text, source_name),
-        Err(error) => {
-            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
-            let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-            Err(ConfigError::new(format_args!("{source_name}:{line}"), "not UTF-8 text"))
-        }
-    }
+    parse(&rcs_text::decode(bytes), source_name)
 }
 
 /// Reads the text of a `.rviz` file; `source_name` names it in errors and in [`Config::source`].

@@ -7,6 +7,7 @@
 //! Aliases share their value. A few lines of them can describe a tree of astronomic size or depth, so each value
 //! carries its height and its expanded size, and a text that passes [`MAX_DEPTH`] or [`MAX_VALUES`] is refused.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
@@ -150,6 +151,22 @@ fn count_lines(text: &str) -> usize {
     breaks + 1
 }
 
+/// The text with spaces for tabs between a plain key's colon and its value, where only yaml-cpp, with which rviz reads,
+/// takes tabs.
+fn spaces_after_colons(text: &str) -> Cow<'_, str> {
+    if !text.contains(":\t") {
+        return text.into();
+    }
+    let line = |line: &str| match line.split_once(":\t") {
+        Some((key, value)) if !key.contains(['"', '\'', '#']) => {
+            let value_after = value.trim_start_matches('\t');
+            format!("{key}: {}{value_after}", " ".repeat(value.len() - value_after.len()))
+        }
+        _ => line.to_owned(),
+    };
+    text.split_inclusive('\n').map(line).collect::<String>().into()
+}
+
 fn error_at(at: Marker, reason: impl Into<String>) -> SyntaxError {
     SyntaxError { line: at.line(), column: at.col() + 1, reason: reason.into() }
 }
@@ -159,7 +176,8 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // The parser ends a last line that has no break, and may place what follows from its end on the line after.
     let last_line = count_lines(text);
-    let mut parser = Parser::new_from_str(text);
+    let text = spaces_after_colons(text);
+    let mut parser = Parser::new_from_str(&text);
     let mut open: Vec<Open> = Vec::new();
     let mut anchors: HashMap<usize, Rc<Node>> = HashMap::new();
     while let Some(event) = parser.next_event() {

@@ -62,12 +62,12 @@ pub fn read_once(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     read(path, max_bytes)
 }
 
-/// Reads a text file of at most `max_bytes` bytes.
+/// Reads a text file of at most `max_bytes` bytes, in any encoding that [`rcs_text::decode`] knows.
 ///
 /// # Errors
-/// As [`read`], and [`ErrorKind::InvalidData`] if it is not UTF-8.
+/// As [`read`].
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
-    String::from_utf8(read(path, max_bytes)?).map_err(|_| Error::new(ErrorKind::InvalidData, "not UTF-8 text"))
+    Ok(rcs_text::decode(&read(path, max_bytes)?).into_owned())
 }
 
 /// The contents of an open file of about `len` bytes; `None` for more than `max_bytes`.
@@ -170,12 +170,12 @@ mod tests {
     }
 
     #[test]
-    fn a_text_is_utf_8() {
+    fn a_text_may_have_any_encoding() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         std::fs::write(&path, "text").unwrap();
         assert_eq!(read_text(&path, 4).unwrap(), "text");
-        std::fs::write(&path, b"\xff").unwrap();
-        assert_eq!(read_text(&path, 4).unwrap_err().to_string(), "not UTF-8 text");
+        std::fs::write(&path, b"\xff\xfe\xe9\0").unwrap();
+        assert_eq!(read_text(&path, 4).unwrap(), "é");
     }
 }

@@ -248,8 +248,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
         let read = rcs_user_files::read_once(&path, MAX_PARAMETER_BYTES);
         let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;
-        let text = String::from_utf8_lossy(&bytes).into_owned();
-        Ok((name.trim_start_matches('/').to_owned(), text.into()))
+        Ok((name.trim_start_matches('/').to_owned(), rcs_text::decode(&bytes).into()))
     };
     given.iter().map(read).collect()
 }

@@ -61,6 +61,9 @@ impl RobotDescription {
                 for fault in &robot.left_out {
                     log::warn!("parameter {name}: {fault}");
                 }
+                for fault in &robot.passed_over {
+                    log::warn!("parameter {name}: passed over: {fault}");
+                }
                 statuses.set(Level::Ok, STATUS, words.good);
                 Some(robot)
             }

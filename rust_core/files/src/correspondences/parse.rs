@@ -7,7 +7,6 @@ use nalgebra::{Point2, Point3};
 use rcs_calibration::Sample;
 
 use super::{PointsError, RowProblem};
-use crate::text::without_byte_order_mark;
 
 /// Maximum coordinate, pixels and metres: the squares of larger ones lose significant digits.
 const FARTHEST: f64 = 1e6;
@@ -39,7 +38,8 @@ struct CsvHeader {
 
 /// Parses a file with required columns; missing pixels are zero.
 pub(super) fn parse(path: &Path, text: &[u8], needed: Range<usize>) -> Result<Parsed, PointsError> {
-    let text = without_byte_order_mark(text);
+    let text = rcs_text::decode(text);
+    let text = text.as_bytes();
     let lines = text.split(|byte| *byte == b'\n').enumerate().map(|(index, line)| (index + 1, line));
     // Blank lines and comments are skipped.
     let mut lines = lines.filter(|(_, line)| !matches!(line.trim_ascii_start().first(), None | Some(b'#')));

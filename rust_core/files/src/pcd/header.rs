@@ -23,8 +23,6 @@ use std::fmt;
 
 use rcs_messages::sensor_msgs::PointField;
 
-use crate::text::without_byte_order_mark;
-
 /// Type of a field's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PcdType {
@@ -183,7 +181,7 @@ impl PcdHeader {
     /// [`HeaderError`] with the invalid line or the missing entry.
     pub(super) fn parse(file: &[u8]) -> Result<Self, HeaderError> {
         let mut entries = Entries::default();
-        let mut offset = file.len() - without_byte_order_mark(file).len();
+        let mut offset = if file.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         for line_number in 1.. {
             let rest = file.get(offset..).unwrap_or(&[]);
             if rest.is_empty() {

@@ -52,7 +52,7 @@ impl ProjectorFile {
     /// # Errors
     /// [`FileError`] with the file and, where there is one, key and line.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        Self::parse(path, &read_text(path)?)
+        Self::parse(path, &rcs_text::decode(&read(path)?))
     }
 
     /// Parses the text of a file; `path` is for errors. The first of several YAML documents counts, because
@@ -96,15 +96,19 @@ impl ProjectorFile {
     }
 }
 
-/// Reads the text of a file.
-pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
+/// Reads the bytes of a file, which are text.
+fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     let bytes = rcs_user_files::read(path, MOST_BYTES).map_err(|error| FileError::new(path, error))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
-        let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is not text in UTF-8" };
-        let problem = format!("the file: {what}: write the projector's size, K and D as text");
-        FileError::new(path, problem)
-    })
+    if bytes.starts_with(b"MATLAB 5.0") {
+        let problem = "the file: it seems to be a MAT-file of MATLAB: write the projector's size, K and D as text";
+        return Err(FileError::new(path, problem));
+    }
+    Ok(bytes)
+}
+
+/// Reads the text of a file that is to be written again, byte for byte.
+pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
+    String::from_utf8(read(path)?).map_err(|_| FileError::new(path, "the file: it is not text in UTF-8"))
 }
 
 /// The text up to its YAML, and the YAML: a byte order mark, and the directive that OpenCV writes, which is not YAML;

@@ -3,10 +3,8 @@
 //! A matrix is an element with `rows`, `cols`, `dt` and `data`; numbers of a list are separated by spaces, other values
 //! are in elements `_`, texts in quotes.
 
-use roxmltree::{Document, Node};
+use rcs_text::xml::{self, Element};
 use serde_yaml_ng::{Mapping, Value};
-
-use crate::yaml_text::one_line;
 
 /// Name of the root element.
 const ROOT: &str = "opencv_storage";
@@ -18,10 +16,9 @@ const DEEPEST: usize = 8;
 /// # Errors
 /// Not XML, or another kind of XML.
 pub(super) fn values(text: &str) -> Result<Mapping, String> {
-    let document = Document::parse(text)
-        .map_err(|error| format!("it is not XML as OpenCV writes it: {}", one_line(&error.to_string())))?;
-    let root = document.root_element();
-    match root.tag_name().name() {
+    let document = xml::parse(text).map_err(|error| format!("it is not XML as OpenCV writes it: {error}"))?;
+    let root = document.elements.first().ok_or("it is not XML as OpenCV writes it: no element in it")?;
+    match root.name {
         ROOT => Ok(children(root, 0)),
         "ProjectorCameraEnsemble" => Err("it seems to be a calibration of the RoomAlive Toolkit, which is not read: \
                                           write its projector's size, K and D into a projector file"
@@ -30,18 +27,16 @@ pub(super) fn values(text: &str) -> Result<Mapping, String> {
     }
 }
 
-fn children(node: Node<'_, '_>, depth: usize) -> Mapping {
-    let elements = node.children().filter(Node::is_element);
-    elements.map(|child| (child.tag_name().name().into(), value(child, depth + 1))).collect()
+fn children(element: &Element<'_>, depth: usize) -> Mapping {
+    element.elements.iter().map(|child| (child.name.into(), value(child, depth + 1))).collect()
 }
 
-fn value(node: Node<'_, '_>, depth: usize) -> Value {
-    let mut elements = node.children().filter(Node::is_element).peekable();
-    match elements.peek() {
+fn value(element: &Element<'_>, depth: usize) -> Value {
+    match element.elements.first() {
         Some(_) if depth >= DEEPEST => Value::Null,
-        Some(first) if first.has_tag_name("_") => elements.map(|item| value(item, depth + 1)).collect(),
-        Some(_) => children(node, depth).into(),
-        None => text_value(node.text().unwrap_or_default().trim()),
+        Some(first) if first.name == "_" => element.elements.iter().map(|item| value(item, depth + 1)).collect(),
+        Some(_) => children(element, depth).into(),
+        None => text_value(element.text.trim()),
     }
 }
 

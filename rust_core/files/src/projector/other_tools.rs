@@ -408,12 +408,9 @@ mod tests {
             assert!(error.starts_with("calibration: the file: ") && error.contains(expected), "{error}");
         }
         let folder = tempfile::tempdir().unwrap();
-        for (bytes, expected) in [(&b"MATLAB 5.0 MAT-file\xff"[..], "a MAT-file of MATLAB"), (b"\xff\xfe", "not text")]
-        {
-            let path = folder.path().join("calibration.mat");
-            std::fs::write(&path, bytes).unwrap();
-            let error = ProjectorFile::read(&path).unwrap_err().to_string();
-            assert!(error.contains(expected), "{error}");
-        }
+        let path = folder.path().join("calibration.mat");
+        std::fs::write(&path, b"MATLAB 5.0 MAT-file\xff").unwrap();
+        let error = ProjectorFile::read(&path).unwrap_err().to_string();
+        assert!(error.contains("a MAT-file of MATLAB"), "{error}");
     }
 }

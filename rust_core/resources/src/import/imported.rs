@@ -6,6 +6,7 @@ use std::{
 };
 
 use nalgebra::Matrix4;
+use rcs_text::xml::PassedOver;
 
 use crate::{MeshFault, ResourceOptions};
 
@@ -39,13 +40,16 @@ pub(crate) struct Imported {
     pub(crate) placed: Vec<PlacedMesh>,
     /// Images within the file, by their names in its materials.
     pub(crate) images: HashMap<String, Vec<u8>>,
+    /// Faults of the file that were passed over.
+    pub(crate) passed_over: Vec<PassedOver>,
 }
 
 impl Imported {
     /// A file that has each mesh once, untransformed.
     pub(super) fn untransformed(meshes: Vec<Polygons>, materials: Vec<MaterialSpec>) -> Self {
-        let placed = (0..meshes.len()).map(|mesh| PlacedMesh { mesh, object_from_mesh: Matrix4::identity() }).collect();
-        Self { meshes, materials, placed, images: HashMap::new() }
+        let placed = |mesh| PlacedMesh { mesh, object_from_mesh: Matrix4::identity(), is_turned: false };
+        let placed = (0..meshes.len()).map(placed).collect();
+        Self { meshes, materials, placed, ..Self::default() }
     }
 }
 
@@ -55,6 +59,8 @@ pub(crate) struct PlacedMesh {
     /// Index into [`Imported::meshes`].
     pub(crate) mesh: usize,
     pub(crate) object_from_mesh: Matrix4<f32>,
+    /// The front of each triangle is its back here.
+    pub(crate) is_turned: bool,
 }
 
 /// The faces of a mesh.
@@ -114,11 +120,6 @@ impl MaterialSpec {
     /// Assimp's material for a file without materials: grey 0.6.
     pub(crate) const DEFAULT: Self =
         Self { diffuse: [0.6; 3], emissive: [0.0; 3], flat: false, diffuse_texture: String::new(), texture_count: 0 };
-}
-
-/// Strips the byte order mark that Windows tools put before UTF-8.
-pub(super) fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// Refuses counts above a limit.

@@ -5,12 +5,10 @@
 //! normals; an invalid index refuses the file if it is a vertex's, and drops the whole mesh's normals or texture
 //! coordinates if it is one of those. Vertex colours are not used. `l` and `p` statements are lines and points.
 
-use std::{borrow::Cow, collections::HashMap};
+use std::collections::HashMap;
 
 use super::{
-    imported::{
-        check_count, without_byte_order_mark, Faces, Imported, MeshSource, Polygons, MAX_MATERIALS, MAX_MESHES,
-    },
+    imported::{check_count, Faces, Imported, MeshSource, Polygons, MAX_MATERIALS, MAX_MESHES},
     lenient_float::{leading_f32, three},
     mtl::{self, NamedMaterial, DEFAULT_MATERIAL},
 };
@@ -30,6 +28,10 @@ struct ObjReader<'a> {
     meshes: Vec<ObjMesh>,
     objects: Objects,
     corners: usize,
+    /// Line in the file, from 1.
+    number: usize,
+    /// The highest vertex index of a face, and its line.
+    last_vertex: Option<(usize, usize)>,
     library_bytes: u64,
 }
 
@@ -47,15 +49,11 @@ struct Objects {
 #[derive(Default)]
 struct ObjMesh {
     /// The mesh without its faces.
-    polygons: Polygons,
+    corners: Vec<ObjCorner>,
     face_sizes: Vec<u32>,
     /// Index of the object in which it begins.
     object: usize,
     material: Option<usize>,
-    has_normals: bool,
-    has_uvs: bool,
-    bad_normals: bool,
-    bad_uvs: bool,
 }
 
 /// The primitive of a statement with corners.
@@ -76,7 +74,7 @@ struct ObjCorner {
 
 /// Reads an OBJ file and its material libraries.
 pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, MeshFault> {
-    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
+    let text = rcs_text::decode(bytes);
     let mut reader = ObjReader {
         source,
         positions: Vec::new(),
@@ -87,6 +85,8 @@ pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, Mes
         meshes: Vec::new(),
         objects: Objects::default(),
         corners: 0,
+        number: 0,
+        last_vertex: None,
         library_bytes: 0,
     };
     let mut joined = String::new();
@@ -97,6 +97,7 @@ pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, Mes
             joined.push(' ');
             continue;
         }
+        reader.number = number + 1;
         let result = if joined.is_empty() {
             reader.line(line)
         } else {
@@ -110,7 +111,7 @@ pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, Mes
         check_count(reader.meshes.len(), MAX_MESHES, "meshes")?;
         check_count(reader.materials.len(), MAX_MATERIALS, "materials")?;
     }
-    Ok(reader.finish())
+    reader.finish()
 }
 
 impl ObjReader<'_> {
@@ -129,7 +130,8 @@ impl ObjReader<'_> {
                 let v = words.next().and_then(leading_f32).unwrap_or(0.0);
                 self.uvs.push([u, v].map(|value| if value.is_finite() { value } else { 0.0 }));
             }
-            "f" => self.corners(ObjPrimitive::Polygon, rest)?,
+            // `fo` is the old name.
+            "f" | "fo" => self.corners(ObjPrimitive::Polygon, rest)?,
             "l" => self.corners(ObjPrimitive::Line, rest)?,
             "p" => self.corners(ObjPrimitive::Point, rest)?,
             "o" => self.object(rest.split_ascii_whitespace().next().unwrap_or_default()),
@@ -167,34 +169,23 @@ impl ObjReader<'_> {
             self.begin_object("defaultobject");
         }
         let Some(mesh) = self.meshes.last_mut() else { return Ok(()) };
-        let mut push = |corner: &ObjCorner| -> Result<(), String> {
-            let position = self.positions.get(corner.position).ok_or("a vertex index is out of range")?;
-            mesh.polygons.positions.push(*position);
-            mesh.has_normals |= corner.normal.is_some();
-            mesh.has_uvs |= corner.uv.is_some();
-            let normal = corner.normal.map(|index| self.normals.get(index));
-            mesh.bad_normals |= normal == Some(None);
-            mesh.polygons.normals.push(normal.flatten().copied().unwrap_or_default());
-            let uv = corner.uv.map(|index| self.uvs.get(index));
-            mesh.bad_uvs |= uv == Some(None);
-            mesh.polygons.uvs.push(uv.flatten().copied().unwrap_or_default());
-            Ok(())
-        };
         self.corners += corners.len();
+        let last = corners.iter().map(|corner| corner.position).max().unwrap_or(0);
+        if self.last_vertex.is_none_or(|(known, _)| last > known) {
+            self.last_vertex = Some((last, self.number));
+        }
         match kind {
             ObjPrimitive::Polygon => {
-                corners.iter().try_for_each(&mut push)?;
                 mesh.face_sizes.push(corners.len() as u32);
+                mesh.corners.extend(corners);
             }
             ObjPrimitive::Line => {
-                for pair in corners.windows(2) {
-                    pair.iter().try_for_each(&mut push)?;
-                    mesh.face_sizes.push(2);
-                }
+                mesh.face_sizes.extend(corners.windows(2).map(|_| 2));
+                mesh.corners.extend(corners.windows(2).flatten());
             }
             ObjPrimitive::Point => {
-                corners.iter().try_for_each(&mut push)?;
                 mesh.face_sizes.extend(corners.iter().map(|_| 1));
+                mesh.corners.extend(corners);
             }
         }
         Ok(())
@@ -285,9 +276,8 @@ impl ObjReader<'_> {
             }
         };
         self.library_bytes = self.library_bytes.saturating_add(bytes.len() as u64);
-        let text: Cow<'_, str> = String::from_utf8_lossy(without_byte_order_mark(&bytes));
         let (current, meshes) = (&mut self.current_material, &mut self.meshes);
-        mtl::read(&text, &mut self.materials, |index, is_new| {
+        mtl::read(&rcs_text::decode(&bytes), &mut self.materials, |index, is_new| {
             *current = Some(index);
             if is_new {
                 if let Some(mesh) = meshes.last_mut() {
@@ -297,22 +287,36 @@ impl ObjReader<'_> {
         });
     }
 
-    fn finish(mut self) -> Imported {
+    /// The meshes, whose faces may stand before their vertices.
+    fn finish(mut self) -> Result<Imported, MeshFault> {
+        if let Some((_, line)) = self.last_vertex.filter(|(last, _)| *last >= self.positions.len()) {
+            return Err(MeshFault::Line { line, what: "a vertex index is out of range".to_owned() });
+        }
         let mut meshes = Vec::new();
         self.meshes.sort_by_key(|mesh| mesh.object);
-        for mut mesh in self.meshes {
+        for mesh in self.meshes {
             if mesh.face_sizes.is_empty() {
                 continue;
             }
-            if !mesh.has_normals || mesh.bad_normals {
-                mesh.polygons.normals.clear();
-            }
-            if !mesh.has_uvs || mesh.bad_uvs {
-                mesh.polygons.uvs.clear();
-            }
-            let faces = Faces::Sizes(mesh.face_sizes);
-            meshes.push(Polygons { material: mesh.material.unwrap_or(0), faces, ..mesh.polygons });
+            let corners = &mesh.corners;
+            meshes.push(Polygons {
+                positions: corners.iter().map(|corner| self.positions[corner.position]).collect(),
+                normals: of_corners(&self.normals, corners.iter().map(|corner| corner.normal)),
+                uvs: of_corners(&self.uvs, corners.iter().map(|corner| corner.uv)),
+                corners: None,
+                faces: Faces::Sizes(mesh.face_sizes),
+                material: mesh.material.unwrap_or(0),
+            });
         }
-        Imported::untransformed(meshes, self.materials.into_iter().map(|material| material.spec).collect())
+        Ok(Imported::untransformed(meshes, self.materials.into_iter().map(|material| material.spec).collect()))
     }
+}
+
+/// Values of corners, if at least one has one; none if one's index is out of range.
+fn of_corners<T: Copy + Default>(values: &[T], indices: impl Iterator<Item = Option<usize>> + Clone) -> Vec<T> {
+    if indices.clone().all(|index| index.is_none()) {
+        return Vec::new();
+    }
+    let value = |index: Option<usize>| index.map_or(Some(T::default()), |index| values.get(index).copied());
+    indices.map(value).collect::<Option<_>>().unwrap_or_default()
 }

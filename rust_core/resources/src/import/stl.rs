@@ -6,7 +6,7 @@
 //! ignored.
 
 use super::{
-    imported::{without_byte_order_mark, Faces, Imported, Polygons},
+    imported::{Faces, Imported, Polygons},
     lenient_float::three,
 };
 use crate::MeshFault;
@@ -22,9 +22,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Imported, MeshFault> {
     if needed == Some(size) {
         return read_binary(bytes);
     }
-    let text = without_byte_order_mark(bytes);
-    if is_text(text) {
-        return read_text(text);
+    let text = rcs_text::decode(bytes);
+    if is_text(text.as_bytes()) {
+        return read_text(&text);
     }
     match (announced, needed) {
         (Some(0), _) | (None, _) | (_, None) => Err(MeshFault::NotStl),
@@ -73,8 +73,7 @@ fn read_binary(bytes: &[u8]) -> Result<Imported, MeshFault> {
     Ok(Imported::untransformed(vec![mesh], Vec::new()))
 }
 
-fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
-    let text = String::from_utf8_lossy(bytes);
+fn read_text(text: &str) -> Result<Imported, MeshFault> {
     let mut solids = Vec::new();
     let mut solid = empty_solid();
     let mut normal = [0.0; 3];
@@ -107,10 +106,9 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
                     if !solid.positions.is_empty() {
                         solids.push(std::mem::replace(&mut solid, empty_solid()));
                     }
-                    break;
+                    skip_name(&mut words);
                 }
-                // The solid's name follows, which may be any words.
-                "solid" => break,
+                "solid" => skip_name(&mut words),
                 _ => {}
             }
         }
@@ -119,6 +117,11 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
         solids.push(solid);
     }
     Ok(Imported::untransformed(solids, Vec::new()))
+}
+
+/// Skips a solid's name, which may be any words, up to the statement after it on the same line.
+fn skip_name<'a>(words: &mut std::iter::Peekable<impl Iterator<Item = &'a str>>) {
+    while words.next_if(|word| !matches!(*word, "facet" | "solid")).is_some() {}
 }
 
 fn empty_solid() -> Polygons {

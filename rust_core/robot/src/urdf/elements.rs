@@ -1,10 +1,10 @@
 //! Elements of a description: materials, links with their shapes, joints.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use rcs_text::xml::Element;
 
 use super::attribute_values::{number, numbers, vector};
 use super::model::{Collision, Joint, JointKind, JointLimits, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
-use super::xml::Element;
 
 /// An element as far as it could be read, and the error that ended it.
 pub(super) struct Partial<T> {
@@ -15,35 +15,43 @@ pub(super) struct Partial<T> {
 type Read<T> = Result<T, UrdfError>;
 
 /// Error of an element.
-pub(super) fn error_at(element: &Element, reason: impl Into<String>) -> UrdfError {
-    UrdfError::new(element.line, element.describe(), reason)
+pub(super) fn error_at(element: &Element<'_>, reason: impl Into<String>) -> UrdfError {
+    UrdfError::new(element.line, describe(element), reason)
+}
+
+/// Name in errors, such as `link "base"`.
+fn describe(element: &Element<'_>) -> String {
+    match element.attribute("name") {
+        Some(name) => format!("{} \"{name}\"", element.name),
+        None => element.name.to_owned(),
+    }
 }
 
 /// A required attribute.
-fn needed<'a>(element: &'a Element, name: &str) -> Read<&'a str> {
+fn needed<'a>(element: &'a Element<'_>, name: &str) -> Read<&'a str> {
     element.attribute(name).ok_or_else(|| error_at(element, format!("it has no attribute {name}")))
 }
 
-fn bad(element: &Element, name: &str, text: &str, wanted: &str) -> UrdfError {
+fn bad(element: &Element<'_>, name: &str, text: &str, wanted: &str) -> UrdfError {
     error_at(element, format!("{name}=\"{text}\" is not {wanted}"))
 }
 
-fn needed_number(element: &Element, name: &str) -> Read<f64> {
+fn needed_number(element: &Element<'_>, name: &str) -> Read<f64> {
     let text = needed(element, name)?;
     number(text).ok_or_else(|| bad(element, name, text, "a number"))
 }
 
-fn optional_number(element: &Element, name: &str) -> Read<Option<f64>> {
+fn optional_number(element: &Element<'_>, name: &str) -> Read<Option<f64>> {
     element.attribute(name).map(|text| number(text).ok_or_else(|| bad(element, name, text, "a number"))).transpose()
 }
 
-fn optional_vector(element: &Element, name: &str) -> Read<Option<[f64; 3]>> {
+fn optional_vector(element: &Element<'_>, name: &str) -> Read<Option<[f64; 3]>> {
     let read = |text| vector(text).ok_or_else(|| bad(element, name, text, "three numbers"));
     element.attribute(name).map(read).transpose()
 }
 
 /// The `<origin>` of an element: its pose in the frame around it.
-fn origin(parent: &Element) -> Read<Isometry3<f64>> {
+fn origin(parent: &Element<'_>) -> Read<Isometry3<f64>> {
     let Some(element) = parent.child("origin") else { return Ok(Isometry3::identity()) };
     let [x, y, z] = optional_vector(element, "xyz")?.unwrap_or_default();
     let [roll, pitch, yaw] = optional_vector(element, "rpy")?.unwrap_or_default();
@@ -52,7 +60,7 @@ fn origin(parent: &Element) -> Read<Isometry3<f64>> {
 }
 
 /// A material of the robot, which must have a colour or a texture. One without is black.
-pub(super) fn material(element: &Element) -> Partial<UrdfMaterial> {
+pub(super) fn material(element: &Element<'_>) -> Partial<UrdfMaterial> {
     let defined = defined_material(element)
         .and_then(|material| material.ok_or_else(|| error_at(element, "it has neither a colour nor a texture")));
     match defined {
@@ -68,7 +76,7 @@ pub(super) fn material(element: &Element) -> Partial<UrdfMaterial> {
 }
 
 /// A material with a colour or a texture; `None` for a reference by name.
-fn defined_material(element: &Element) -> Read<Option<UrdfMaterial>> {
+fn defined_material(element: &Element<'_>) -> Read<Option<UrdfMaterial>> {
     let texture = element.child("texture").and_then(|texture| texture.attribute("filename"));
     let color = element.child("color").and_then(|color| Some((color, color.attribute("rgba")?)));
     let rgba = match color {
@@ -94,10 +102,10 @@ fn defined_material(element: &Element) -> Read<Option<UrdfMaterial>> {
 }
 
 /// The shape in `<geometry>`.
-fn shape(parent: &Element) -> Read<UrdfShape> {
+fn shape(parent: &Element<'_>) -> Read<UrdfShape> {
     let geometry = parent.child("geometry").ok_or_else(|| error_at(parent, "it has no geometry"))?;
-    let element = geometry.first_child().ok_or_else(|| error_at(geometry, "it is empty"))?;
-    Ok(match element.name.as_str() {
+    let element = geometry.elements.first().ok_or_else(|| error_at(geometry, "it is empty"))?;
+    Ok(match element.name {
         "sphere" => UrdfShape::Sphere { radius_m: needed_number(element, "radius")? },
         "box" => {
             let text = needed(element, "size")?;
@@ -116,7 +124,7 @@ fn shape(parent: &Element) -> Read<UrdfShape> {
     })
 }
 
-fn visual(element: &Element) -> Read<Visual> {
+fn visual(element: &Element<'_>) -> Read<Visual> {
     let link_from_shape = origin(element)?;
     let shape = shape(element)?;
     let (material_name, material) = match element.child("material") {
@@ -130,7 +138,7 @@ fn visual(element: &Element) -> Read<Visual> {
     Ok(Visual { link_from_shape, shape, material_name, material })
 }
 
-fn check_inertial(element: &Element) -> Read<()> {
+fn check_inertial(element: &Element<'_>) -> Read<()> {
     let Some(inertial) = element.child("inertial") else { return Ok(()) };
     origin(inertial)?;
     let part = |name| inertial.child(name).ok_or_else(|| error_at(inertial, format!("it has no {name}")));
@@ -143,15 +151,15 @@ fn check_inertial(element: &Element) -> Read<()> {
 }
 
 /// A link up to the first error.
-pub(super) fn link(element: &Element) -> Partial<Link> {
+pub(super) fn link(element: &Element<'_>) -> Partial<Link> {
     let mut value = Link::default();
     let fault = read_link(element, &mut value).err();
     // Errors name the innermost element; the link's name helps as much.
-    let fault = fault.map(|fault| UrdfError { element: format!("{}: {}", element.describe(), fault.element), ..fault });
+    let fault = fault.map(|fault| UrdfError { element: format!("{}: {}", describe(element), fault.element), ..fault });
     Partial { value, fault }
 }
 
-fn read_link(element: &Element, link: &mut Link) -> Read<()> {
+fn read_link(element: &Element<'_>, link: &mut Link) -> Read<()> {
     needed(element, "name")?;
     check_inertial(element)?;
     for child in element.children("visual") {
@@ -166,14 +174,14 @@ fn read_link(element: &Element, link: &mut Link) -> Read<()> {
 }
 
 /// A joint with its name.
-pub(super) fn joint(element: &Element) -> Read<(String, Joint)> {
+pub(super) fn joint(element: &Element<'_>) -> Read<(String, Joint)> {
     let name = needed(element, "name")?.to_owned();
     let whose = |fault: UrdfError| UrdfError { element: format!("joint \"{name}\": {}", fault.element), ..fault };
     let joint = read_joint(element).map_err(whose)?;
     Ok((name, joint))
 }
 
-fn read_joint(element: &Element) -> Read<Joint> {
+fn read_joint(element: &Element<'_>) -> Read<Joint> {
     let parent_from_child_at_zero = origin(element)?;
     let link = |name| element.child(name).and_then(|child| child.attribute("link")).unwrap_or_default().to_owned();
     let text = needed(element, "type")?;
@@ -209,7 +217,7 @@ fn read_joint(element: &Element) -> Read<Joint> {
 }
 
 /// Limits narrowed to those of the safety controller.
-fn softened(limits: JointLimits, joint: &Element) -> JointLimits {
+fn softened(limits: JointLimits, joint: &Element<'_>) -> JointLimits {
     let soft = |name| number(joint.child("safety_controller")?.attribute(name)?);
     match (soft("soft_lower_limit"), soft("soft_upper_limit")) {
         (Some(lower), Some(upper)) if lower < upper => {
@@ -220,7 +228,7 @@ fn softened(limits: JointLimits, joint: &Element) -> JointLimits {
 }
 
 /// Checks the parts of a joint that are not used here, but that urdfdom refuses a robot for.
-fn check_joint_extras(element: &Element) -> Read<()> {
+fn check_joint_extras(element: &Element<'_>) -> Read<()> {
     if let Some(safety) = element.child("safety_controller") {
         for name in ["soft_lower_limit", "soft_upper_limit", "k_position"] {
             optional_number(safety, name)?;

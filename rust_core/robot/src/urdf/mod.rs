@@ -9,6 +9,5 @@ mod attribute_values;
 mod elements;
 mod model;
 mod parse;
-mod xml;
 
 pub use model::{Collision, Joint, JointKind, JointLimits, Link, Robot, UrdfError, UrdfMaterial, UrdfShape, Visual};

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Vector3};
+use rcs_text::xml::PassedOver;
 use thiserror::Error;
 
 /// A robot.
@@ -15,6 +16,8 @@ pub struct Robot {
     pub joints: BTreeMap<String, Joint>,
     /// Errors of the parts that were left out.
     pub left_out: Vec<UrdfError>,
+    /// Faults of the text that change nothing.
+    pub passed_over: Vec<PassedOver>,
 }
 
 /// A link.

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use rcs_text::xml::{self, Element};
+
 use super::elements::{self, error_at, Partial};
 use super::model::{Robot, UrdfError, UrdfMaterial, Visual};
-use super::xml::{self, Element};
 
 impl Robot {
     /// Parses a description.
@@ -18,8 +19,8 @@ impl Robot {
 }
 
 fn parse(text: &str) -> Result<Robot, UrdfError> {
-    let document = xml::parse(text)?;
-    let root = document.iter().find(|element| element.name == "robot");
+    let document = xml::parse(text).map_err(|error| UrdfError::new(error.line, "XML", error.what))?;
+    let root = document.elements.iter().find(|element| element.name == "robot");
     let root = root.ok_or_else(|| UrdfError::new(1, "robot", "there is no element of that name"))?;
     if root.attribute("name").is_none() {
         return Err(error_at(root, "it has no name"));
@@ -27,7 +28,7 @@ fn parse(text: &str) -> Result<Robot, UrdfError> {
     if root.attribute("version").is_some_and(|version| version.trim() != "1.0") {
         return Err(error_at(root, "only version 1.0 is known"));
     }
-    let mut robot = Robot::default();
+    let mut robot = Robot { passed_over: document.passed_over, ..Robot::default() };
     let mut materials: BTreeMap<String, Arc<UrdfMaterial>> = BTreeMap::new();
     for element in root.children("material") {
         let Partial { value: material, fault } = elements::material(element);
@@ -63,7 +64,7 @@ fn parse(text: &str) -> Result<Robot, UrdfError> {
 /// Resolves a visual's material; the first definition of a name serves all later visuals.
 fn assign_material(
     visual: &mut Visual,
-    link: &Element,
+    link: &Element<'_>,
     materials: &mut BTreeMap<String, Arc<UrdfMaterial>>,
 ) -> Option<UrdfError> {
     if visual.material_name.is_empty() {
@@ -83,7 +84,7 @@ fn assign_material(
 }
 
 /// Checks that the joints connect existing links into one tree.
-fn check_tree(robot: &Robot, root: &Element) -> Result<(), UrdfError> {
+fn check_tree(robot: &Robot, root: &Element<'_>) -> Result<(), UrdfError> {
     let mut children: BTreeSet<&str> = BTreeSet::new();
     for (name, joint) in &robot.joints {
         let error = |reason: String| UrdfError::new(joint.line, format!("joint \"{name}\""), reason);

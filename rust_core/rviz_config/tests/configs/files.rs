@@ -349,13 +349,27 @@ fn files_that_cannot_be_read_are_errors_that_name_them() {
         let error = rcs_rviz_config::load(endless).unwrap_err().to_string();
         assert_eq!(error, format!("{}: cannot be read: {problem}", endless.display()));
     }
-    std::fs::write(&path, b"Visualization Manager:\n  Name: \xff\n").unwrap();
-    let bytes = rcs_rviz_config::load(&path).unwrap_err();
-    assert_eq!(bytes.to_string(), format!("{}:2: not UTF-8 text", path.display()));
-    std::fs::write(&path, PROJECTOR.replace('\n', "\r\n")).unwrap();
-    let config = rcs_rviz_config::load(&path).unwrap();
-    assert_eq!(config.source, path.display().to_string());
-    assert_eq!(config.displays, parse(PROJECTOR, "t").unwrap().displays);
+}
+
+#[test]
+fn any_encoding_end_of_line_and_separator_that_rviz_reads_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rviz");
+    let utf_16: Vec<u8> = PROJECTOR.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [
+        PROJECTOR.replace('\n', "\r\n").into_bytes(),
+        PROJECTOR.replace('\n', "\r").into_bytes(),
+        PROJECTOR.replace(": ", ":\t").into_bytes(),
+        [b"# V\xe9lo\n", PROJECTOR.as_bytes()].concat(),
+        [&b"\xff\xfe"[..], &utf_16].concat(),
+        utf_16,
+    ] {
+        std::fs::write(&path, bytes).unwrap();
+        let config = rcs_rviz_config::load(&path).unwrap();
+        assert_eq!(config.source, path.display().to_string());
+        assert_eq!(config.displays.len(), parse(PROJECTOR, "t").unwrap().displays.len());
+        assert_eq!(config.global, parse(PROJECTOR, "t").unwrap().global);
+    }
 }
 
 #[test]

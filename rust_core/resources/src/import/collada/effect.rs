@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use percent_encoding::percent_decode_str;
 
-use super::dom::{attribute, child, children, floats, text, Node};
+use super::dom::{attribute, floats, text, Node};
 use crate::import::imported::MaterialSpec;
 
 /// Materials in the order of their ids, as Assimp numbers them.
@@ -36,21 +36,21 @@ const CHANNELS: [(&str, f32); 7] = [
 ];
 
 /// Reads `library_materials` with its effects and images.
-pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
+pub(super) fn read_materials(root: Node<'_>) -> Materials {
     let mut images = HashMap::new();
-    let mut effects: HashMap<&str, Node<'_, '_>> = HashMap::new();
+    let mut effects: HashMap<&str, Node<'_>> = HashMap::new();
     let mut effect_of: BTreeMap<&str, &str> = BTreeMap::new();
-    for library in root.children() {
-        match library.tag_name().name() {
+    for library in root.elements.iter() {
+        match library.name {
             "library_images" => read_images(library, &mut images),
             "library_effects" => {
-                for effect in children(library, "effect") {
+                for effect in library.children("effect") {
                     effects.insert(attribute(effect, "id"), effect);
                 }
             }
             "library_materials" => {
-                for material in children(library, "material") {
-                    let effect = children(material, "instance_effect").last();
+                for material in library.children("material") {
+                    let effect = material.children("instance_effect").last();
                     let url = effect.map(|effect| attribute(effect, "url")).unwrap_or_default();
                     effect_of.insert(attribute(material, "id"), url.trim_start_matches('#'));
                 }
@@ -59,7 +59,7 @@ pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
         }
     }
     for effect in effects.values() {
-        for profile in children(*effect, "profile_COMMON") {
+        for profile in effect.children("profile_COMMON") {
             read_images(profile, &mut images);
         }
     }
@@ -67,31 +67,31 @@ pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
     for (id, effect) in effect_of {
         if let Some(effect) = effects.get(effect) {
             materials.by_id.insert(id.to_owned(), materials.specs.len());
-            materials.specs.push(read_effect(*effect, &images));
+            materials.specs.push(read_effect(effect, &images));
         }
     }
     materials
 }
 
 /// File names by image id: the text of `init_from`, or in COLLADA 1.5 of the `ref` in it.
-fn read_images<'a>(parent: Node<'a, '_>, images: &mut HashMap<&'a str, String>) {
-    for image in children(parent, "image") {
-        let from = child(image, "init_from");
-        let name = from.map(|from| text(child(from, "ref").unwrap_or(from))).unwrap_or_default();
+fn read_images<'a>(parent: Node<'a>, images: &mut HashMap<&'a str, String>) {
+    for image in parent.children("image") {
+        let from = image.child("init_from");
+        let name = from.map(|from| text(from.child("ref").unwrap_or(from))).unwrap_or_default();
         let name = name.strip_prefix("file://").unwrap_or(name);
         images.insert(attribute(image, "id"), percent_decode_str(name).decode_utf8_lossy().into_owned());
     }
 }
 
-fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> MaterialSpec {
+fn read_effect(effect: Node<'_>, images: &HashMap<&str, String>) -> MaterialSpec {
     let mut channels =
         CHANNELS.map(|(_, grey)| EffectChannel { color: [grey, grey, grey, 1.0], texture: String::new() });
     let mut flat = false;
     // Targets of parameters: a sampler's surface, a surface's image.
     let mut parameters: HashMap<&str, &str> = HashMap::new();
 
-    for node in children(effect, "profile_COMMON").flat_map(|profile| profile.descendants()) {
-        match node.tag_name().name() {
+    for node in effect.children("profile_COMMON").flat_map(|profile| profile.descendants()) {
+        match node.name {
             "newparam" => {
                 if let Some(target) = parameter_target(node) {
                     parameters.insert(attribute(node, "sid"), target);
@@ -124,9 +124,9 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
 
 impl EffectChannel {
     /// Reads the `color` or `texture` in an element; a texture's colour is white.
-    fn read(&mut self, node: Node<'_, '_>) {
+    fn read(&mut self, node: Node<'_>) {
         for child in node.descendants().skip(1) {
-            match child.tag_name().name() {
+            match child.name {
                 "color" => self.color.iter_mut().zip(floats(child)).for_each(|(channel, value)| *channel = value),
                 "texture" => {
                     attribute(child, "texture").clone_into(&mut self.texture);
@@ -139,15 +139,15 @@ impl EffectChannel {
 }
 
 /// The target of a `newparam`: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.
-fn parameter_target<'a>(parameter: Node<'a, '_>) -> Option<&'a str> {
+fn parameter_target<'a>(parameter: Node<'a>) -> Option<&'a str> {
     parameter
         .descendants()
-        .filter_map(|node| match node.tag_name().name() {
+        .filter_map(|node| match node.name {
             "init_from" | "source" => Some(text(node)),
             "instance_image" => Some(attribute(node, "url").trim_start_matches('#')),
             _ => None,
         })
-        .next_back()
+        .last()
 }
 
 /// The file of a texture's image, followed through samplers and surfaces; `name.jpg` when there is no such image.

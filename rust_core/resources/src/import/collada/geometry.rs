@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use super::{
-    dom::{attribute, children, fault, number, Node},
+    dom::{attribute, fault, number, Node},
     source::{indices_per_corner, read_inputs, ColladaInput, Semantic, Sources},
 };
 use crate::{
@@ -42,17 +42,17 @@ pub(super) struct Group {
 pub(super) type Geometries = HashMap<String, ColladaGeometry>;
 
 /// Reads `library_geometries`; of two geometries with one id the first counts.
-pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<Geometries, MeshFault> {
+pub(super) fn read_geometries(root: Node<'_>, max_corners: usize) -> Result<Geometries, MeshFault> {
     let mut sources = Sources::default();
     let mut geometries = Geometries::new();
-    for library in children(root, "library_geometries") {
-        for geometry in children(library, "geometry") {
+    for library in root.children("library_geometries") {
+        for geometry in library.children("geometry") {
             let id = attribute(geometry, "id");
             if geometries.contains_key(id) {
                 continue;
             }
             let mut read = ColladaGeometry { max_corners, ..ColladaGeometry::default() };
-            for mesh in children(geometry, "mesh") {
+            for mesh in geometry.children("mesh") {
                 read.read_mesh(mesh, &mut sources)?;
             }
             geometries.insert(id.to_owned(), read);
@@ -62,11 +62,11 @@ pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<
 }
 
 impl ColladaGeometry {
-    fn read_mesh<'a>(&mut self, mesh: Node<'a, '_>, sources: &mut Sources<'a>) -> Result<(), MeshFault> {
+    fn read_mesh<'a>(&mut self, mesh: Node<'a>, sources: &mut Sources<'a>) -> Result<(), MeshFault> {
         let mut vertices_id = "";
         let mut vertices: Vec<ColladaInput<'a>> = Vec::new();
-        for element in mesh.children() {
-            match element.tag_name().name() {
+        for element in mesh.elements.iter() {
+            match element.name {
                 "source" => sources.read(element),
                 "vertices" => {
                     vertices_id = attribute(element, "id");
@@ -83,7 +83,7 @@ impl ColladaGeometry {
 
     fn read_primitives(
         &mut self,
-        element: Node<'_, '_>,
+        element: Node<'_>,
         vertices: &[ColladaInput<'_>],
         vertices_id: &str,
         sources: &Sources<'_>,
@@ -95,20 +95,20 @@ impl ColladaGeometry {
             return Err(fault(element, "its VERTEX input is not the geometry's <vertices>"));
         }
         let announced = number(element, "count").unwrap_or(0);
-        let counts: Vec<usize> = children(element, "vcount")
-            .flat_map(|vcount| vcount.text().unwrap_or_default().split_ascii_whitespace())
+        let counts: Vec<usize> = element
+            .children("vcount")
+            .flat_map(|vcount| vcount.text.split_ascii_whitespace())
             .take(announced)
             .map_while(|word| word.parse().ok())
             .collect();
         let mut face_count = 0;
-        for p in children(element, "p").take_while(|_| announced > 0) {
+        for p in element.children("p").take_while(|_| announced > 0) {
             let vertex_channels = vertex_input.map(|input| sources.channels(vertices, Some(input.offset)));
             let mut channels = vertex_channels.transpose().map_err(|what| fault(p, what))?.unwrap_or_default();
             channels.extend(sources.channels(&inputs, None).map_err(|what| fault(p, what))?);
             // Some exporters write negative indices; they count as 0.
             let indices: Vec<u32> = p
-                .text()
-                .unwrap_or_default()
+                .text
                 .split_ascii_whitespace()
                 .map_while(|word| word.parse::<i64>().ok())
                 .map(|index| u32::try_from(index.max(0)).unwrap_or(u32::MAX))
@@ -116,7 +116,7 @@ impl ColladaGeometry {
             // A strip has three corners for each of its indices.
             let possible = self.positions.len().saturating_add(indices.len() / per_corner);
             check_count(possible, self.max_corners, "corners")?;
-            let faces = PrimitiveFaces::of(element.tag_name().name(), indices.len() / per_corner, announced, &counts)
+            let faces = PrimitiveFaces::of(element.name, indices.len() / per_corner, announced, &counts)
                 .filter(|_| indices.len().is_multiple_of(per_corner))
                 .ok_or_else(|| fault(p, format!("{} indices do not fit the primitives announced", indices.len())))?;
             for corner in faces.corners {

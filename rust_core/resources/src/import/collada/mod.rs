@@ -13,20 +13,25 @@ mod geometry;
 mod scene;
 mod source;
 
-use dom::parse;
+use rcs_text::xml::PassedOver;
 
-use super::imported::{without_byte_order_mark, Imported};
+use super::imported::Imported;
 use crate::MeshFault;
 
 /// Reads a COLLADA file of at most `max_corners` corners.
 pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
-    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
-    parse(&text, |root| {
-        if root.tag_name().name() != "COLLADA" {
-            return Err(dom::fault(root, "the root element is not <COLLADA>"));
-        }
-        let materials = effect::read_materials(root);
-        let geometries = geometry::read_geometries(root, max_corners)?;
-        scene::build(root, &geometries, materials, max_corners)
-    })
+    let text = rcs_text::decode(bytes);
+    let document = rcs_text::xml::parse(&text).map_err(|error| MeshFault::Xml(error.to_string()))?;
+    let root = document.elements.first().ok_or_else(|| MeshFault::Xml("no element in it".to_owned()))?;
+    if root.name != "COLLADA" {
+        return Err(dom::fault(root, "the root element is not <COLLADA>"));
+    }
+    let materials = effect::read_materials(root);
+    let geometries = geometry::read_geometries(root, max_corners)?;
+    let imported = scene::build(root, &geometries, materials, max_corners)?;
+    let mut passed_over = document.passed_over;
+    let hole = root.descendants().find(|element| element.name == "ph");
+    passed_over
+        .extend(hole.map(|hole| PassedOver { line: hole.line, what: "polygons with holes, which are left out" }));
+    Ok(Imported { passed_over, ..imported })
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::{Matrix4, Vector3};
 
 use super::{
-    dom::{attribute, child, children, fault, floats, reference, Node},
+    dom::{attribute, fault, floats, reference, Node},
     effect::Materials,
     geometry::Geometries,
 };
@@ -29,14 +29,14 @@ struct SceneNode {
     children: Vec<SceneNode>,
 }
 
-struct SceneBuilder<'a, 'i> {
+struct SceneBuilder<'a> {
     geometries: &'a Geometries,
     /// Geometry ids by the id of the controller that skins them.
     skinned: HashMap<&'a str, &'a str>,
     materials: &'a Materials,
     /// `library_nodes` and visual scenes by id.
-    library: HashMap<&'a str, Node<'a, 'i>>,
-    root: Node<'a, 'i>,
+    library: HashMap<&'a str, Node<'a>>,
+    root: Node<'a>,
     /// Indices of meshes by geometry, group and material id; each is made once.
     made: HashMap<(&'a str, usize, &'a str), usize>,
     imported: Imported,
@@ -49,22 +49,23 @@ struct SceneBuilder<'a, 'i> {
 
 /// Builds the meshes and instances of the scene that the file instances.
 pub(super) fn build(
-    root: Node<'_, '_>,
+    root: Node<'_>,
     geometries: &Geometries,
     materials: Materials,
     max_corners: usize,
 ) -> Result<Imported, MeshFault> {
     let mut library = HashMap::new();
-    for group in root.children() {
-        let name = match group.tag_name().name() {
+    for group in root.elements.iter() {
+        let name = match group.name {
             "library_nodes" => "node",
             "library_visual_scenes" => "visual_scene",
             _ => continue,
         };
-        library.extend(children(group, name).map(|node| (attribute(node, "id"), node)));
+        library.extend(group.children(name).map(|node| (attribute(node, "id"), node)));
     }
-    let instance = child(root, "scene")
-        .and_then(|scene| child(scene, "instance_visual_scene"))
+    let instance = root
+        .child("scene")
+        .and_then(|scene| scene.child("instance_visual_scene"))
         .ok_or_else(|| fault(root, "it has no <scene> with an <instance_visual_scene>"))?;
     let url = reference(instance, "url")?;
     let scene = *library.get(url).ok_or_else(|| fault(instance, format!("there is no visual scene {url:?}")))?;
@@ -95,18 +96,19 @@ pub(super) fn build(
 }
 
 /// Metres in a unit of the file.
-fn unit_metres(root: Node<'_, '_>) -> f32 {
-    let unit = children(root, "asset").flat_map(|asset| children(asset, "unit")).last();
+fn unit_metres(root: Node<'_>) -> f32 {
+    let unit = root.children("asset").flat_map(|asset| asset.children("unit")).last();
     let metres = unit.and_then(|unit| unit.attribute("meter")).and_then(leading_f32);
     metres.filter(|metres| metres.is_finite()).unwrap_or(1.0)
 }
 
 /// Geometry ids by the ids of controllers' skins; rviz draws the geometry undeformed.
-fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
-    let controllers = children(root, "library_controllers")
-        .flat_map(|library| library.children().filter(|controller| controller.tag_name().name() == "controller"));
-    let skin = |controller: Node<'a, '_>| {
-        let skin = controller.children().find(|node| node.tag_name().name() == "skin")?;
+fn skinned<'a>(root: Node<'a>) -> HashMap<&'a str, &'a str> {
+    let controllers = root
+        .children("library_controllers")
+        .flat_map(|library| library.elements.iter().filter(|controller| controller.name == "controller"));
+    let skin = |controller: Node<'a>| {
+        let skin = controller.elements.iter().find(|node| node.name == "skin")?;
         let source = skin.attribute("source")?.trim_start_matches('#');
         Some((controller.attribute("id")?, source))
     };
@@ -116,38 +118,38 @@ fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
 /// Lists a node's meshes, then its children's.
 fn flatten(placing: &SceneNode, root_from_parent: &Matrix4<f32>, placed: &mut Vec<PlacedMesh>) {
     let object_from_mesh = root_from_parent * placing.parent_from_node;
-    placed.extend(placing.meshes.iter().map(|&mesh| PlacedMesh { mesh, object_from_mesh }));
+    placed.extend(placing.meshes.iter().map(|&mesh| PlacedMesh { mesh, object_from_mesh, is_turned: false }));
     for child in &placing.children {
         flatten(child, &object_from_mesh, placed);
     }
 }
 
-impl<'a, 'i> SceneBuilder<'a, 'i> {
-    fn node(&mut self, node: Node<'a, 'i>, depth: usize) -> Result<SceneNode, MeshFault> {
+impl<'a> SceneBuilder<'a> {
+    fn node(&mut self, node: Node<'a>, depth: usize) -> Result<SceneNode, MeshFault> {
         self.nodes += 1;
         check_count(self.nodes, MAX_NODES, "nodes")?;
         if depth > MAX_DEPTH {
             return Err(fault(node, "nodes nest too deeply, or contain themselves"));
         }
         let mut placing = SceneNode { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
-        for element in node.children() {
+        for element in node.elements.iter() {
             if let Some(step) = transform_step(element) {
                 placing.parent_from_node *= step;
             }
         }
         // Children before instanced nodes before own meshes: the order in which Assimp makes meshes.
-        for element in children(node, "node") {
+        for element in node.children("node") {
             placing.children.push(self.node(element, depth + 1)?);
         }
-        for element in children(node, "instance_node") {
+        for element in node.children("instance_node") {
             let url = reference(element, "url")?;
             match self.library.get(url).copied().or_else(|| find_node(self.root, url)) {
                 Some(target) => placing.children.push(self.node(target, depth + 1)?),
                 None => log::debug!("COLLADA node {url:?} does not exist, its instance is skipped"),
             }
         }
-        for element in node.children() {
-            if matches!(element.tag_name().name(), "instance_geometry" | "instance_controller") {
+        for element in node.elements.iter() {
+            if matches!(element.name, "instance_geometry" | "instance_controller") {
                 self.instance(element, &mut placing.meshes)?;
             }
         }
@@ -155,7 +157,7 @@ impl<'a, 'i> SceneBuilder<'a, 'i> {
     }
 
     /// Makes the meshes of a geometry's instance, one for each group.
-    fn instance(&mut self, element: Node<'a, 'i>, meshes: &mut Vec<usize>) -> Result<(), MeshFault> {
+    fn instance(&mut self, element: Node<'a>, meshes: &mut Vec<usize>) -> Result<(), MeshFault> {
         let url = reference(element, "url")?;
         let mut id = url;
         let mut hops = 0;
@@ -202,27 +204,28 @@ impl<'a, 'i> SceneBuilder<'a, 'i> {
 }
 
 /// Material ids by symbol, in the order of the symbols.
-fn bound_materials<'a>(instance: Node<'a, '_>) -> BTreeMap<&'a str, &'a str> {
-    children(instance, "bind_material")
-        .filter_map(|bind| bind.children().find(|node| node.tag_name().name() == "technique_common"))
-        .flat_map(|technique| technique.children().filter(|node| node.tag_name().name() == "instance_material"))
+fn bound_materials<'a>(instance: Node<'a>) -> BTreeMap<&'a str, &'a str> {
+    instance
+        .children("bind_material")
+        .filter_map(|bind| bind.elements.iter().find(|node| node.name == "technique_common"))
+        .flat_map(|technique| technique.elements.iter().filter(|node| node.name == "instance_material"))
         .map(|material| (attribute(material, "symbol"), attribute(material, "target").trim_start_matches('#')))
         .collect()
 }
 
 /// Finds a node of the scene by id or name.
-fn find_node<'a, 'i>(scene: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+fn find_node<'a>(scene: Node<'a>, name: &str) -> Option<Node<'a>> {
     scene.descendants().find(|node| {
-        matches!(node.tag_name().name(), "node" | "visual_scene")
-            && (attribute(*node, "id") == name || attribute(*node, "name") == name)
+        matches!(node.name, "node" | "visual_scene")
+            && (attribute(node, "id") == name || attribute(node, "name") == name)
     })
 }
 
 /// A transform element's matrix; `None` for other elements, and for `skew`, which Assimp ignores.
-fn transform_step(element: Node<'_, '_>) -> Option<Matrix4<f32>> {
+fn transform_step(element: Node<'_>) -> Option<Matrix4<f32>> {
     let mut numbers = floats(element);
     let mut vector = || Some(Vector3::new(numbers.next()?, numbers.next()?, numbers.next()?));
-    match element.tag_name().name() {
+    match element.name {
         "translate" => Some(Matrix4::new_translation(&vector()?)),
         "scale" => Some(Matrix4::new_nonuniform_scaling(&vector()?)),
         "rotate" => {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::dom::{attribute, children, fault, floats, number, reference, Node};
+use super::dom::{attribute, fault, floats, number, reference, Node};
 use crate::MeshFault;
 
 /// Most indices of a corner; a file with more is damaged.
@@ -61,9 +61,9 @@ pub(super) struct InputChannel<'a> {
 
 impl<'a> Sources<'a> {
     /// Reads a `<source>`.
-    pub(super) fn read(&mut self, source: Node<'a, '_>) {
+    pub(super) fn read(&mut self, source: Node<'a>) {
         for node in source.descendants() {
-            match node.tag_name().name() {
+            match node.name {
                 "float_array" => {
                     let count = number(node, "count").unwrap_or(0);
                     self.arrays.insert(attribute(node, "id"), floats(node).take(count).collect());
@@ -76,7 +76,7 @@ impl<'a> Sources<'a> {
                         offset: number(node, "offset").unwrap_or(0),
                         components: [0; 3],
                     };
-                    for (i, param) in children(node, "param").enumerate() {
+                    for (i, param) in node.children("param").enumerate() {
                         let component = match attribute(param, "name") {
                             "X" | "R" | "S" | "U" => 0,
                             "Y" | "G" | "T" | "V" => 1,
@@ -130,9 +130,9 @@ impl InputChannel<'_> {
 }
 
 /// Reads the inputs of an element, without unknown semantics.
-pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<ColladaInput<'a>>, MeshFault> {
+pub(super) fn read_inputs<'a>(element: Node<'a>) -> Result<Vec<ColladaInput<'a>>, MeshFault> {
     let mut inputs = Vec::new();
-    for input in children(element, "input") {
+    for input in element.children("input") {
         let set = number(input, "set").unwrap_or(0);
         let semantic = match attribute(input, "semantic") {
             "POSITION" => Semantic::Position,
@@ -151,7 +151,7 @@ pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<ColladaInput<
 }
 
 /// Number of indices of a corner, including those of unused inputs such as colours.
-pub(super) fn indices_per_corner(element: Node<'_, '_>) -> usize {
+pub(super) fn indices_per_corner(element: Node<'_>) -> usize {
     let offset = |input| number(input, "offset").unwrap_or(0).min(MAX_INDICES - 1);
-    children(element, "input").map(|input| offset(input) + 1).max().unwrap_or(1)
+    element.children("input").map(|input| offset(input) + 1).max().unwrap_or(1)
 }

@@ -19,9 +19,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-use super::imported::{
-    check_count, without_byte_order_mark, Faces, Imported, MeshSource, PlacedMesh, Polygons, MAX_MESHES,
-};
+use super::imported::{check_count, Faces, Imported, MeshSource, PlacedMesh, Polygons, MAX_MESHES};
 use crate::MeshFault;
 use buffers::GltfBuffers;
 use json::{fault, GltfNode, GltfPrimitive, GltfRoot};
@@ -43,8 +41,7 @@ pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, Mes
     let (text, binary) = if bytes.starts_with(GLB_MAGIC) { chunks(bytes)? } else { (bytes, &[][..]) };
     // Strings hold few such bytes.
     check_count(text.iter().filter(|byte| matches!(byte, b',' | b'{')).count(), MAX_JSON_VALUES, "JSON values")?;
-    let root: GltfRoot =
-        serde_json::from_slice(without_byte_order_mark(text)).map_err(|error| fault(error.to_string()))?;
+    let root: GltfRoot = serde_json::from_str(&rcs_text::decode(text)).map_err(|error| fault(error.to_string()))?;
     if !root.asset.version.starts_with('2') {
         return Err(fault(format!("glTF {:?} is not supported, only 2.0", root.asset.version)));
     }
@@ -122,7 +119,9 @@ impl<'a> GltfReader<'a> {
         if let Some(mesh) = node.mesh {
             let meshes = self.mesh(mesh)?;
             check_count(self.imported.placed.len() + meshes.len(), MAX_MESHES, "meshes")?;
-            let placed = meshes.map(|mesh| PlacedMesh { mesh, object_from_mesh: *object_from_node });
+            // The specification (3.7.4, Instantiation) turns the triangles of mirrored nodes.
+            let is_turned = object_from_node.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+            let placed = meshes.map(|mesh| PlacedMesh { mesh, object_from_mesh: *object_from_node, is_turned });
             self.imported.placed.extend(placed);
         }
         node.children

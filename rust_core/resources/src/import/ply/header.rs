@@ -12,10 +12,7 @@
 //! ```
 
 use crate::{
-    import::{
-        imported::{check_count, without_byte_order_mark},
-        scalar::ScalarType,
-    },
+    import::{imported::check_count, scalar::ScalarType},
     MeshFault,
 };
 
@@ -131,14 +128,18 @@ pub(super) struct PlyHeader<'a> {
 impl<'a> PlyHeader<'a> {
     /// Reads the header at the beginning of a file.
     pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, MeshFault> {
-        let mut rest = without_byte_order_mark(bytes);
+        let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        // Of a file whose lines end with CR alone, the first byte of the body may be any.
+        let first_end = rest.iter().position(|byte| matches!(byte, b'\r' | b'\n')).unwrap_or(0);
+        let is_cr = rest.get(first_end) == Some(&b'\r') && rest.get(first_end + 1) != Some(&b'\n');
+        let line_end = if is_cr { b'\r' } else { b'\n' };
         let (mut encoding, mut elements, mut texture) = (None, Vec::<PlyElement>::new(), String::new());
         let mut properties = 0;
         for line in 1.. {
             if rest.is_empty() {
                 break;
             }
-            let end = rest.iter().position(|&byte| byte == b'\n').map_or(rest.len(), |end| end + 1);
+            let end = rest.iter().position(|&byte| byte == line_end).map_or(rest.len(), |end| end + 1);
             let (text, after) = rest.split_at(end);
             rest = after;
             let bad = |what: String| MeshFault::Line { line, what };

@@ -13,11 +13,16 @@ mod header;
 use super::imported::{check_count, strip_triangles, Faces, Imported, MaterialSpec, Polygons};
 use crate::MeshFault;
 use body::Body;
-use header::{ElementKind, ListRole, PlyElement, PlyHeader, PlyProperty, ScalarRole};
+use header::{ElementKind, ListRole, PlyElement, PlyEncoding, PlyHeader, PlyProperty, ScalarRole};
 
 /// Reads a PLY file of at most `max_corners` corners.
 pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
-    let header = PlyHeader::parse(bytes)?;
+    let decoded;
+    let mut header = PlyHeader::parse(bytes)?;
+    if header.encoding == PlyEncoding::Text {
+        decoded = rcs_text::decode(bytes);
+        header = PlyHeader::parse(decoded.as_bytes())?;
+    }
     let mut body = Body::new(header.encoding, header.body, header.body_line);
     let mut reader = PlyReader { mesh: Polygons::default(), sizes: Vec::new(), corners: Vec::new(), max_corners };
     for element in &header.elements {

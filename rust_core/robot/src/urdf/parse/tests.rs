@@ -96,6 +96,28 @@ fn unknown_elements_are_skipped() {
 }
 
 #[test]
+fn what_urdfdom_passes_over_is_noted() {
+    for (inside, after, noted) in [
+        ("<gazebo>a & b</gazebo>", "", Some(3)),
+        ("<gazebo>&nbsp;</gazebo>", "", Some(3)),
+        ("<gazebo a=\"x & y\"/>", "", Some(3)),
+        ("<gazebo a=b/>", "", Some(3)),
+        ("<gazebo a=\"<x>\"/>", "", None),
+        ("<!-- a -- b -->", "", Some(3)),
+        ("", "\n<!-- not closed", Some(4)),
+    ] {
+        let text = format!("\n<robot name=\"r\">\n{inside}<link name=a/></robot>{after}");
+        let robot = parse(&text.replace("name=a", "name='a'")).unwrap();
+        assert!(robot.links.contains_key("a"));
+        assert_eq!(robot.passed_over.first().map(|fault| fault.line), noted, "{text}");
+        assert!(parse(&text).unwrap().links.contains_key("a"));
+    }
+    for refused in ["<gazebo><!-- a </gazebo>", "<gazebo></gazeb>", "<gazebo>", "<gazebo>a < b</gazebo>"] {
+        assert!(robot(&format!("<link name='a'/>{refused}")).is_err(), "{refused}");
+    }
+}
+
+#[test]
 fn joints_have_axis_and_largest_effort() {
     let robot = robot(
         "<link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>
