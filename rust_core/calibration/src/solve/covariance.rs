@@ -9,10 +9,11 @@
 use nalgebra::{DMatrix, DVector, Point2, SVector};
 use rayon::prelude::*;
 
-use super::adjust::{inverse_of_positive, Adjusted};
+use super::adjust::Adjusted;
 use super::cells::{over_scans, sums_of, ScanSums};
 use super::correlation::{correlation, shared_slopes, Correlation, CorrelationTable};
 use super::input::Observations;
+use super::levenberg_marquardt::inverse_of_positive;
 use super::model::{Free, SolverState};
 use super::normal_equations::NormalEquations;
 
