@@ -39,7 +39,6 @@ impl Keystone {
             // A large skew leaves no solution without one.
             Err(
                 Refusal::Moved { .. }
-                | Refusal::TwoPoses { .. }
                 | Refusal::FewInliers { .. }
                 | Refusal::Inconsistent(_)
                 | Refusal::NoSolution(_)

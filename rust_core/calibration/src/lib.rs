@@ -39,7 +39,7 @@ pub use reprojection::ReprojectionError;
 pub use sample::Sample;
 pub use solve::{
     solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Skew, Solution,
-    SolveOptions, SuspectedMotion,
+    SolveOptions,
 };
 pub use verification::{
     ErrorStatistics, LightMap, PoseRefinement, RefinedPose, RefinementProblem, VerificationPlan, VerificationProblem,

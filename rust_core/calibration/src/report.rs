@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::statistics::{quantile, root_mean_square};
-use crate::{keystone, Sample, Solution, SuspectedMotion};
+use crate::{keystone, Sample, Solution};
 
 /// Cells of the projector's image along u and v, each covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
@@ -47,7 +47,6 @@ const ENOUGH_SCANS: usize = 5;
 struct Advice {
     fit: &'static str,
     inliers: &'static str,
-    motion: &'static str,
     certainty: &'static str,
     picture: &'static str,
     depth: &'static str,
@@ -58,7 +57,6 @@ struct Advice {
 const SCAN_ADVICE: Advice = Advice {
     fit: "keep camera, projector and scene at rest, and check that the depth is registered to the image",
     inliers: "remove mirrors and glossy objects, darken the room",
-    motion: "the camera may have moved",
     certainty: "add scans of objects at more different depths, from other camera poses",
     picture: "move the camera, or put objects at the dark sides",
     depth: "put objects nearer to the projector and farther off",
@@ -68,7 +66,6 @@ const SCAN_ADVICE: Advice = Advice {
 const BOARD_ADVICE: Advice = Advice {
     fit: "keep camera and projector fixed to each other, and the board flat and at rest",
     inliers: "use a flat board, avoid reflections on it, darken the room",
-    motion: "the board may have moved",
     certainty: "add poses of the board at more different distances and tilts",
     picture: "hold the board at the dark sides, too",
     depth: "hold the board nearer to the projector and farther off, too",
@@ -183,10 +180,6 @@ impl Report {
         if share < GOOD_INLIERS {
             let agreeing = format!("only {:.0} % of the points agree with the solution", 100.0 * share);
             self.say(share < AGAIN_INLIERS, format!("{agreeing}: {}", advice.inliers));
-        }
-        if let Some(SuspectedMotion { scan, apart_px }) = self.solution.motion {
-            let motion = format!("some samples of scan {scan} are {apart_px:.2} px off the others");
-            self.say(false, format!("{}: {motion}: scan again with everything at rest", advice.motion));
         }
     }
 

@@ -41,20 +41,6 @@ pub enum ScanFailure {
     /// The projector distorts its picture; the reason.
     #[error("{0}")]
     Keystone(String),
-    /// Stripes that the projector's picture does not have.
-    #[error(
-        "{:.0} % of the lit pixels see stripes that no picture of {}x{} pixels has: is another picture, a scaled one, \
-         or one of another size shown on {screen}?",
-        100.0 * share, size_px[0], size_px[1]
-    )]
-    OtherPicture {
-        /// The share of lit pixels.
-        share: f64,
-        /// The projector's width and height, pixels.
-        size_px: [u32; 2],
-        /// The screen's name.
-        screen: String,
-    },
     /// The camera's image does not settle within these seconds.
     #[error("the camera's image does not settle within {0:.0} s: is something moving, or a lamp flickering?")]
     Restless(f64),

@@ -97,25 +97,20 @@ impl ScanImages<'_> {
     }
 }
 
-/// Checks by the coarse stripes that the picture is neither mirrored nor another one, and warns if it is cut off.
-/// `screen` is the screen's name in messages.
+/// Checks by the coarse stripes that the picture is not mirrored, and warns if it is cut off.
 ///
 /// # Errors
-/// [`ScanFailure::Mirrored`] and [`ScanFailure::OtherPicture`].
+/// [`ScanFailure::Mirrored`].
 pub(crate) fn check_orientation(
     pictures: &[PatternPicture],
     light: &Illumination,
     camera_px: [u32; 2],
     projector_px: [u32; 2],
-    screen: &str,
     warn: &mut dyn FnMut(&str),
 ) -> Result<(), ScanFailure> {
     match orientation::judge(pictures, &light.lit, camera_px, projector_px) {
         PictureOrientation::Right => Ok(()),
         PictureOrientation::Mirrored => Err(ScanFailure::Mirrored),
-        PictureOrientation::OtherPicture(share) => {
-            Err(ScanFailure::OtherPicture { share, size_px: projector_px, screen: screen.to_owned() })
-        }
         PictureOrientation::Cut(axis, [first, last]) => {
             let lines = if axis == Axis::X { "columns" } else { "rows" };
             warn(&format!(

@@ -16,8 +16,6 @@ pub(crate) const BITS: u32 = 4;
 const MIN_PIXELS: usize = 100;
 /// The least share of variance that the fit must explain.
 const MIN_EXPLAINED: f64 = 0.2;
-/// Limit of the share of pixels with places outside of the picture.
-const MAX_OUTSIDE: f64 = 0.05;
 /// The share of the picture that may be missing at an edge without a warning.
 const MARGIN: f64 = 0.2;
 /// Width of the image's edge, as a share of it: lit pixels there mean that more is lit than is seen.
@@ -30,8 +28,6 @@ pub(crate) enum PictureOrientation {
     Right,
     /// Mirrored.
     Mirrored,
-    /// This share of pixels sees stripes that the projector's picture does not have.
-    OtherPicture(f64),
     /// Columns (x) or rows (y) from the first to the second are not seen though the camera sees all of the light.
     Cut(Axis, [u32; 2]),
 }
@@ -64,7 +60,7 @@ pub(crate) fn judge(
     if bits_x.is_empty() || bits_y.is_empty() {
         return PictureOrientation::Right;
     }
-    // The middle of the columns or rows with the pixel's code, and half of their number.
+    // The middle of the columns or rows with the pixel's code.
     let place = |bits: &[(Stripes, &[u8], &[u8])], pixel: usize| {
         let contrast = f64::from(white[pixel]) - f64::from(black[pixel]);
         let mut code = CoarseCode::default();
@@ -73,24 +69,14 @@ pub(crate) fn judge(
         }
         bits.first().map(|(first, ..)| code.place_px(first))
     };
-    let mut matches = Vec::new();
-    let mut outside = 0;
-    for pixel in lit {
-        let (Some(u), Some(v)) = (place(&bits_x, *pixel), place(&bits_y, *pixel)) else { continue };
-        let is_outside = |(middle, half): (f64, f64), axis: Axis| middle - half > f64::from(projector_px[axis.index()]);
-        if is_outside(u, Axis::X) || is_outside(v, Axis::Y) {
-            outside += 1;
-            continue;
-        }
+    let coarse_match = |pixel: &usize| {
+        let projector = [place(&bits_x, *pixel)?, place(&bits_y, *pixel)?];
         let (x, y) = (*pixel as u32 % camera_px[0], *pixel as u32 / camera_px[0]);
-        matches.push(CoarseMatch { camera: [f64::from(x), f64::from(y)], projector: [u.0, v.0] });
-    }
-    if matches.len() + outside < MIN_PIXELS {
+        Some(CoarseMatch { camera: [f64::from(x), f64::from(y)], projector })
+    };
+    let matches: Vec<CoarseMatch> = lit.iter().filter_map(coarse_match).collect();
+    if matches.len() < MIN_PIXELS {
         return PictureOrientation::Right;
-    }
-    let outside = outside as f64 / (matches.len() + outside) as f64;
-    if outside > MAX_OUTSIDE {
-        return PictureOrientation::OtherPicture(outside);
     }
     if determinant(&matches).is_some_and(|determinant| determinant < 0.0) {
         return PictureOrientation::Mirrored;
@@ -207,12 +193,6 @@ mod tests {
         assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, 47.0 - y)), PictureOrientation::Right);
         assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, y)), PictureOrientation::Mirrored);
         assert_eq!(judged(PROJECTOR_PX, |x, y| right(x, 47.0 - y)), PictureOrientation::Mirrored);
-    }
-
-    #[test]
-    fn places_beyond_the_picture_are_noticed() {
-        let right = |x: f64, y: f64| [2.6 * x - 20.0, 2.2 * y - 12.0];
-        assert!(matches!(judged([80, 80], right), PictureOrientation::OtherPicture(share) if share > 0.2));
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl PreviewAxis {
     }
 
     fn place_px(&self, pixel: usize) -> Option<f32> {
-        self.last.map(|last| self.codes[pixel].place_px(&last).0 as f32)
+        self.last.map(|last| self.codes[pixel].place_px(&last) as f32)
     }
 }
 

@@ -1,9 +1,9 @@
 //! A live scan.
 //!
 //! 1. Black and white alternate ([`crate::measure_light`]): delay, exposure, stability.
-//! 2. The patterns, coarse stripes of both axes first. These tell whether the picture is mirrored or another one
-//!    ([`crate::orientation`]) and whether the projector distorts it ([`rcs_calibration::Keystone`]), and soon an
-//!    interrupted scan is worth something.
+//! 2. The patterns, coarse stripes of both axes first. These tell whether the picture is mirrored
+//!    ([`crate::orientation`]) or distorted by the projector ([`rcs_calibration::Keystone`]), and soon an interrupted
+//!    scan is worth something.
 //! 3. White again, compared with the first one, and decoding.
 
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern};
@@ -62,10 +62,10 @@ impl ScanSession<'_> {
             pictures.push(PatternPicture { pattern: *pattern, grey });
             let readable = readable_share(pictures, light);
             (self.observe)(ScanEvent::Captured { pictures, readable });
-            let (camera, projector_px, screen) = (self.camera.lens(), self.options.projector_px, self.screen.name());
+            let (camera, projector_px) = (self.camera.lens(), self.options.projector_px);
             let mut warn = |warning: &str| (self.observe)(ScanEvent::Warning(warning));
             if pictures.len() == for_orientation {
-                check_orientation(pictures, light, camera.size_px, projector_px, &screen, &mut warn)?;
+                check_orientation(pictures, light, camera.size_px, projector_px, &mut warn)?;
             }
             if pictures.len() == for_keystone && self.camera.has_depth() {
                 check_keystone(pictures, &self.depth, &camera, projector_px, &mut warn)?;

@@ -4,22 +4,14 @@
 //! Coefficients of the camera's distortion have weak priors: a few poses do not determine all of them, and free ones
 //! run away in the corners of the image, where no board was.
 
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix2x3, Point2, SMatrix, Translation3, UnitQuaternion, Vector2, Vector3,
-};
+use nalgebra::{DVector, Isometry3, Matrix2x3, Point2, SMatrix, Vector2};
 
 use super::{BoardCorner, Chessboard};
-use crate::solve::{cauchy_loss, cauchy_weight, inverse_of_positive, solve_positive};
-use crate::solve::{lens_of, lens_values, SolverState, LENS};
+use crate::solve::{cauchy_loss, cauchy_weight, inverse_of_positive, lens_of, lens_values, levenberg_marquardt};
+use crate::solve::{moved_pose, NormalEquations, SolverState, LENS, MOST_STEPS};
 use crate::statistics::{median, root_mean_square};
 use crate::Lens;
 
-/// Maximum number of steps, and minimum relative decrease of the cost.
-const STEPS: usize = 40;
-const LEAST_GAIN: f64 = 1e-7;
-/// Initial and maximum damping, as shares of the second derivatives.
-const FIRST_DAMPING: f64 = 1e-3;
-const LAST_DAMPING: f64 = 1e8;
 /// Rounds of adjusting and measuring the deviations.
 const ROUNDS: usize = 3;
 /// Deviations of the priors of k1, k2, p1, p2 and k3, and those of fy / fx and of the principal point as a share of the
@@ -76,13 +68,6 @@ pub(super) struct Adjusted {
     pub(super) rig: Rig,
     /// Standard deviations of the camera's lens parameters; 0 if they are known.
     pub(super) camera_sigmas: [f64; 9],
-}
-
-/// Normal equations.
-struct Equations {
-    hessian: DMatrix<f64>,
-    descent: DVector<f64>,
-    cost: f64,
 }
 
 /// A predicted pixel with its derivatives, by column of the unknowns.
@@ -165,37 +150,13 @@ impl Bundle<'_> {
         self.camera_count() + self.projector_count(rig) + 6 * view
     }
 
-    fn minimised(&self, mut rig: Rig, deviations: Deviations) -> Rig {
-        let mut equations = self.equations(&rig, deviations);
-        let mut damping = FIRST_DAMPING;
-        for _ in 0..STEPS {
-            let mut matrix = equations.hessian.clone();
-            for i in 0..matrix.nrows() {
-                matrix[(i, i)] *= 1.0 + damping;
-            }
-            let trial = solve_positive(&matrix, &equations.descent).and_then(|step| self.stepped(&rig, &step));
-            let trial = trial.map(|trial| (self.equations(&trial, deviations), trial));
-            match trial {
-                Some((trial_equations, trial)) if trial_equations.cost <= equations.cost => {
-                    let gain = 1.0 - trial_equations.cost / equations.cost;
-                    (rig, equations) = (trial, trial_equations);
-                    damping = (damping * 0.1).max(1e-12);
-                    if gain.is_nan() || gain < LEAST_GAIN {
-                        break;
-                    }
-                }
-                _ => damping *= 8.0,
-            }
-            if damping > LAST_DAMPING {
-                break;
-            }
-        }
-        rig
+    fn minimised(&self, rig: Rig, deviations: Deviations) -> Rig {
+        let equations = |rig: &Rig| self.equations(rig, deviations);
+        levenberg_marquardt(rig, MOST_STEPS, equations, |rig, step| self.stepped(rig, step))
     }
 
-    fn equations(&self, rig: &Rig, deviations: Deviations) -> Equations {
-        let size = self.board_column(rig, self.views.len());
-        let mut sums = Equations { hessian: DMatrix::zeros(size, size), descent: DVector::zeros(size), cost: 0.0 };
+    fn equations(&self, rig: &Rig, deviations: Deviations) -> NormalEquations {
+        let mut sums = NormalEquations::zeros(self.board_column(rig, self.views.len()));
         for (view, corner) in self.corners() {
             sums.add(self.camera_row(rig, view, corner), deviations.camera_px);
             if let (Some(lit), true) = (corner.lit_by, rig.projector.is_some()) {
@@ -257,24 +218,16 @@ impl Bundle<'_> {
                 projector.lens = with(&projector.lens, &mut terms.map(|(i, term)| (first + i, *term)))?;
             }
             let at = first + self.projector_terms.len();
-            projector.projector_from_camera = moved(&projector.projector_from_camera, step, at);
+            projector.projector_from_camera = moved_pose(&projector.projector_from_camera, step, at);
         }
         for (view, pose) in next.boards.iter_mut().enumerate() {
-            *pose = moved(pose, step, self.board_column(rig, view));
+            *pose = moved_pose(pose, step, self.board_column(rig, view));
         }
         Some(next)
     }
 }
 
-/// Pose after a step of six unknowns: q' = exp(w) q + d.
-fn moved(pose: &Isometry3<f64>, step: &DVector<f64>, at: usize) -> Isometry3<f64> {
-    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(step[at], step[at + 1], step[at + 2]));
-    let shift = Vector3::new(step[at + 3], step[at + 4], step[at + 5]);
-    let rotation = UnitQuaternion::new_normalize((turn * pose.rotation).into_inner());
-    Isometry3::from_parts(Translation3::from(turn * pose.translation.vector + shift), rotation)
-}
-
-impl Equations {
+impl NormalEquations {
     /// Adds a corner with the deviation of its pixel.
     fn add(&mut self, row: Option<Row>, sigma_px: f64) {
         let Some(Row { error, slopes }) = row else {

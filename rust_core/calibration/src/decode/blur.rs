@@ -17,7 +17,7 @@ pub(super) const LEVELS: usize = 27;
 /// Reach of an edge's blur, standard deviations.
 const REACH: f32 = 4.0;
 /// Minimum width of stripes that blur does not affect.
-pub(super) const COARSE_FROM_PX: f64 = 60.0;
+const COARSE_FROM_PX: f64 = 60.0;
 /// Weight of the whole image in a tile's sums, pixels.
 const PIXELS_OF_ALL: f32 = 40.0;
 

@@ -1,13 +1,9 @@
 //! Images of a scan in linear light.
 
-use rayon::prelude::*;
-
-use super::blur::COARSE_FROM_PX;
-use super::channels::{AxisChannels, Channels, StripeChannel, MOST_CHANNELS};
+use super::channels::{AxisChannels, Channels, MOST_CHANNELS};
 use super::response::Response;
 use super::search::Differences;
 use super::Pictures;
-use crate::statistics::median_f32;
 
 /// Minimum difference of white and black at a lit pixel: in standard deviations, and in levels.
 const LIT_SIGMAS: f32 = 6.0;
@@ -63,25 +59,6 @@ impl LightImages<'_> {
     pub(super) fn amplitudes(&self) -> Vec<f32> {
         let Channels { white, black, .. } = *self.channels;
         (0..self.pictures.levels[white].len()).map(|pixel| self.at(white, pixel) - self.at(black, pixel)).collect()
-    }
-
-    /// Amplitudes measured independently of white and black: the median difference of coarse stripes and their
-    /// inverses, few of which have an edge near a pixel. 0 where not lit.
-    pub(super) fn amplitudes_of_stripes(&self, noise: &[f32]) -> Vec<f32> {
-        let is_coarse = |channel: &&StripeChannel| channel.stripes.width_px() >= COARSE_FROM_PX;
-        let coarse: Vec<&StripeChannel> =
-            self.channels.axes.iter().flat_map(|axis| axis.all.iter().filter(is_coarse)).collect();
-        let amplitude = |(pixel, noise): (usize, &f32)| {
-            if !noise.is_finite() || coarse.is_empty() {
-                return 0.0;
-            }
-            let mut differences = [0.0; 2 * MOST_CHANNELS];
-            for (difference, channel) in differences.iter_mut().zip(&coarse) {
-                *difference = (self.at(channel.lit, pixel) - self.at(channel.inverse, pixel)).abs();
-            }
-            median_f32(&mut differences[..coarse.len()])
-        };
-        noise.par_iter().enumerate().map(amplitude).collect()
     }
 
     /// Normalised differences of a lit pixel.

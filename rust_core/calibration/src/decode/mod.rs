@@ -94,10 +94,7 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
         tables: &tables[axis],
     });
     let mut single = decoders.each_ref().map(AxisDecoder::decode_single);
-    let by_stripes = Gradients::new(&light.amplitudes_of_stripes(&noise), width);
-    let blur_variance =
-        bleeding::blur_variance([&gradients, &by_stripes], single.each_ref().map(|single| &single.field));
-    single.iter_mut().for_each(|single| single.compensate(&gradients.pulls(&single.field, blur_variance)));
+    single.iter_mut().for_each(|single| single.compensate(&gradients.pulls(&single.field)));
     let [along_x, along_y] = [0, 1].map(|axis| decoders[axis].decode_together(&single[axis]));
     let pixels: Vec<DecodedPixel> = (0..expected)
         .map(|pixel| {

@@ -32,6 +32,8 @@ const STREAMS: usize = 8;
 const KEPT: usize = 2;
 /// Best solutions that are adjusted, and of these those adjusted again with more unknowns.
 const POLISHED: [usize; 2] = [8, 3];
+/// Steps of these adjustments, which are compared only.
+const ROUGH_STEPS: usize = 5;
 /// Maximum squared error, in deviations, also of a sample that cannot be projected.
 const LOST: f64 = 1e8;
 /// Squared error, in deviations, below which smaller is no better.
@@ -142,7 +144,7 @@ fn polished(observations: &Observations, candidates: &[Agreed], free: &Free) -> 
         for _ in 0..3 {
             let noise = Noise::first(best.score.near, observations.all.len());
             let weights = noise.weights(observations, &best.state, LIMIT);
-            let state = adjust::minimise(observations, &weights, &best.state, free, adjust::Effort::ROUGH);
+            let state = adjust::minimise(observations, &weights, &best.state, free, ROUGH_STEPS);
             let score = Score::new(&observations.all, &state, &mut buffer);
             if score.mean.is_nan() || score.mean >= best.score.mean {
                 break;

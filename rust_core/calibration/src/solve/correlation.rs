@@ -29,44 +29,24 @@ pub(super) struct Correlation {
     pub(super) near: f64,
     /// Variance of single samples.
     pub(super) own: f64,
-    pub(super) shape: CorrelationShape,
+    /// Standard deviation of the Gaussian by which `shared` falls, cells.
+    pub(super) range: f64,
 }
 
-/// Correlation by distance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum CorrelationShape {
-    /// Gaussian of a standard deviation, cells.
-    Normal(f64),
-    /// Exponential of a decay length, cells.
-    Exponential(f64),
-}
-
-/// Tried ranges of each shape, cells.
-const NORMAL: [f64; 10] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0];
-const EXPONENTIAL: [f64; 6] = [0.6, 1.0, 1.6, 2.5, 4.0, 6.0];
-
-impl CorrelationShape {
-    fn all() -> Vec<Self> {
-        NORMAL.map(Self::Normal).into_iter().chain(EXPONENTIAL.map(Self::Exponential)).collect()
-    }
-
-    fn at(&self, distance: f64) -> f64 {
-        match self {
-            Self::Normal(range) => (-0.5 * (distance / range).powi(2)).exp(),
-            Self::Exponential(range) => (-distance / range).exp(),
-        }
-    }
-
-    pub(super) fn table(&self) -> CorrelationTable {
-        let side = CELLS + 1;
-        CorrelationTable((0..side * side).map(|i| self.at(((i % side) as f64).hypot((i / side) as f64))).collect())
-    }
-}
+/// Tried ranges, cells.
+const RANGES: [f64; 10] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0];
 
 /// Correlations by the columns and rows between two cells.
 pub(super) struct CorrelationTable(Vec<f64>);
 
 impl CorrelationTable {
+    /// Gaussian of a range.
+    pub(super) fn new(range: f64) -> Self {
+        let side = CELLS + 1;
+        let at = |i: usize| (-0.5 * ((i % side).pow(2) + (i / side).pow(2)) as f64 / (range * range)).exp();
+        Self((0..side * side).map(at).collect())
+    }
+
     fn at(&self, apart: Vector2<f64>) -> f64 {
         self.0[apart.y.abs() as usize * (CELLS + 1) + apart.x.abs() as usize]
     }
@@ -119,8 +99,7 @@ pub(super) fn correlation(
     // The unknowns absorb part of the errors.
     let absorbed = 2.0 * used / (2.0 * used - free.len() as f64).max(0.2 * used);
     let variance = squares / used.max(1.0) * absorbed;
-    let shape = CorrelationShape::Normal(NORMAL[0]);
-    let independent = Correlation { shared: 0.0, near: 0.0, own: variance, shape };
+    let independent = Correlation { shared: 0.0, near: 0.0, own: variance, range: RANGES[0] };
     if used < LEAST_FOR_CORRELATION as f64 {
         return independent;
     }
@@ -133,14 +112,15 @@ pub(super) fn correlation(
         |scan, i| residual(scan, i).powi(2) - filled[scan][i].1.squares[direction],
     );
     let near = expected(sums, measured, direction, UnitErrors::Near, free, inverse);
-    let fits: Vec<(f64, Correlation)> = CorrelationShape::all()
-        .par_iter()
-        .map(|shape| {
-            let far = expected(sums, measured, direction, UnitErrors::Far(&shape.table()), free, inverse);
+    let fits: Vec<(f64, Correlation)> = RANGES
+        .into_par_iter()
+        .map(|range| {
+            let table = CorrelationTable::new(range);
+            let far = expected(sums, measured, direction, UnitErrors::Far(&table), free, inverse);
             let (misfit, [near_part, shared]) = FitMoments::new(&observed, &near, &far).fit();
             let within = if far[0].1 > 0.0 { far[0].0 / far[0].1 } else { 1.0 };
             let own = (variance - shared * within - near_part).max(0.0);
-            (misfit, Correlation { shared, near: near_part, own, shape: *shape })
+            (misfit, Correlation { shared, near: near_part, own, range })
         })
         .collect();
     fits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(independent, |(_, correlation)| correlation)

@@ -9,10 +9,11 @@
 use nalgebra::{DMatrix, DVector, Point2, SVector};
 use rayon::prelude::*;
 
-use super::adjust::{inverse_of_positive, Adjusted};
+use super::adjust::Adjusted;
 use super::cells::{over_scans, sums_of, ScanSums};
-use super::correlation::{correlation, shared_slopes, Correlation};
+use super::correlation::{correlation, shared_slopes, Correlation, CorrelationTable};
 use super::input::Observations;
+use super::levenberg_marquardt::inverse_of_positive;
 use super::model::{Free, SolverState};
 use super::normal_equations::NormalEquations;
 
@@ -65,7 +66,7 @@ impl Errors {
         let inverse = self.inverse(equations)?;
         let mut slope_covariance = DMatrix::zeros(free.len(), free.len());
         for (direction, correlation) in correlations.0.iter().enumerate() {
-            let table = correlation.shape.table();
+            let table = CorrelationTable::new(correlation.range);
             slope_covariance += over_scans(sums, free, |sums| {
                 shared_slopes(sums, direction, &table) * correlation.shared
                     + sums.fine_products[direction] * correlation.near

@@ -7,7 +7,7 @@
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-use super::adjust::{self, Effort};
+use super::adjust;
 use super::input::Observations;
 use super::model::{Free, SolverState};
 use super::noise::Weight;
@@ -83,7 +83,7 @@ impl HeldOut {
                     .enumerate()
                     .map(|(i, weight)| if fold_of(i) == fold { Weight::default() } else { *weight })
                     .collect();
-                adjust::minimise(observations, &rest, state, free, Effort { most_steps: STEPS, ..Effort::FULL })
+                adjust::minimise(observations, &rest, state, free, STEPS)
             })
             .collect();
         let errors = (observations.all.iter().zip(weights).enumerate())

@@ -159,15 +159,6 @@ impl Observations {
         }
         Self { all, scans: vec![self.scans[scan]] }
     }
-
-    /// Mirrors the pixels along an image axis (0: u, 1: v).
-    pub(super) fn mirrored(&self, size_px: [u32; 2], axis: usize) -> Self {
-        let mut mirrored = self.clone();
-        for observation in &mut mirrored.all {
-            observation.pixel[axis] = f64::from(size_px[axis]) - 1.0 - observation.pixel[axis];
-        }
-        mirrored
-    }
 }
 
 fn check_size(samples: &[Sample], size_px: [u32; 2]) -> Result<(), Refusal> {

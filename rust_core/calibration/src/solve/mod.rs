@@ -2,11 +2,11 @@
 //!
 //! `solver` runs the steps: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
 //! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`); `adjust` is the robust
-//! least-squares adjustment with the error model of `noise`, the equations of `normal_equations` and
-//! the unknowns of `model`; `held_out` selects the distortion terms by cross-validation; `covariance` estimates the
-//! uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the result is a lens at all.
-//! `zoom` estimates the focal length of an otherwise known lens. `spread`, `orientation`, `moved` and `motion` detect
-//! scenes and scans to refuse.
+//! least-squares adjustment by `levenberg_marquardt` with the error model of `noise`, the equations of
+//! `normal_equations` and the unknowns of `model`; `held_out` selects the distortion terms by cross-validation;
+//! `covariance` estimates the uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the
+//! result is a lens at all. `zoom` estimates the focal length of an otherwise known lens. `spread`, `orientation` and
+//! `moved` detect scenes and scans to refuse.
 //!
 //! The result depends on samples, options and seed alone: sums are formed in the same order for any number of threads.
 
@@ -24,8 +24,8 @@ mod covariance;
 mod dlt;
 mod held_out;
 mod input;
+mod levenberg_marquardt;
 mod model;
-mod motion;
 mod moved;
 mod noise;
 mod normal_equations;
@@ -40,10 +40,11 @@ mod spread;
 mod tests;
 mod zoom;
 
-pub(crate) use adjust::{inverse_of_positive, solve_positive};
 pub(crate) use dlt::skew_of_all;
-pub(crate) use model::{lens_of, lens_values, SolverState, LENS};
+pub(crate) use levenberg_marquardt::{inverse_of_positive, levenberg_marquardt, MOST_STEPS};
+pub(crate) use model::{lens_of, lens_values, moved_pose, SolverState, LENS};
 pub(crate) use noise::{cauchy_loss, cauchy_weight};
+pub(crate) use normal_equations::NormalEquations;
 pub use refusal::Refusal;
 pub use solver::solve;
 pub(crate) use zoom::{zoom, ZoomEstimate};
@@ -198,15 +199,6 @@ pub struct Skew {
     pub sigma_px: f64,
 }
 
-/// Motion during a scan that is too small to refuse the scan.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SuspectedMotion {
-    /// Number of the scan.
-    pub scan: u32,
-    /// RMS displacement of the samples' pixels.
-    pub apart_px: f64,
-}
-
 /// Residual of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
@@ -248,6 +240,4 @@ pub struct Solution {
     pub prediction_sigma_px: f64,
     /// Estimated skew; `None` if the lens was not solved for.
     pub skew: Option<Skew>,
-    /// Largest small motion during a scan.
-    pub motion: Option<SuspectedMotion>,
 }

@@ -115,14 +115,18 @@ impl SolverState {
         }
         let mut poses = self.poses.clone();
         for (scan, pose) in poses.iter_mut().enumerate() {
-            let at = free.pose_column(scan);
-            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(step[at], step[at + 1], step[at + 2]));
-            let shift = Vector3::new(step[at + 3], step[at + 4], step[at + 5]);
-            let rotation = UnitQuaternion::new_normalize((turn * pose.rotation).into_inner());
-            *pose = Isometry3::from_parts(Translation3::from(turn * pose.translation.vector + shift), rotation);
+            *pose = moved_pose(pose, step, free.pose_column(scan));
         }
         Some(Self { lens, poses })
     }
+}
+
+/// Pose after a step, in which its six unknowns begin at an index: q' = exp(w) q + d.
+pub(crate) fn moved_pose(pose: &Isometry3<f64>, step: &DVector<f64>, at: usize) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(step[at], step[at + 1], step[at + 2]));
+    let shift = Vector3::new(step[at + 3], step[at + 4], step[at + 5]);
+    let rotation = UnitQuaternion::new_normalize((turn * pose.rotation).into_inner());
+    Isometry3::from_parts(Translation3::from(turn * pose.translation.vector + shift), rotation)
 }
 
 /// Values of a lens's parameters; zeros for distortions of other models than Brown and Conrady's.

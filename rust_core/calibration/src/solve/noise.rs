@@ -55,11 +55,6 @@ impl Weight {
         Self { direction, along: 1.0 / along, across: 1.0 / sigma_px, depth_m }
     }
 
-    /// Weight by a pixel deviation, with an exact depth.
-    pub(super) fn of_pixels(sigma_px: f64) -> Self {
-        Self::new(Vector2::x(), sigma_px, 0.0)
-    }
-
     pub(super) fn is_used(&self) -> bool {
         self.along > 0.0
     }
@@ -81,14 +76,10 @@ pub(crate) fn cauchy_loss(squared: f64) -> f64 {
 }
 
 impl Noise {
-    pub(super) fn of_pixels(scale: f64) -> Self {
-        Self { pixel: scale.max(LEAST_SCALE), depth: 0.0 }
-    }
-
     /// Initial noise by the agreement `near` of a first solution. A solution through three of a few samples says
     /// nothing about their errors, so the given deviations are a lower bound then.
     pub(super) fn first(near: f64, samples: usize) -> Self {
-        Self::of_pixels(if samples < FEW { near.max(1.0) } else { near })
+        Self { pixel: near.max(if samples < FEW { 1.0 } else { LEAST_SCALE }), depth: 0.0 }
     }
 
     /// Weights of samples; residuals beyond `limit` deviations are unused.

@@ -25,12 +25,12 @@ const LOST: f64 = 1e4;
 const MOST_MOVED: f64 = 3.0;
 
 #[derive(Debug, Clone)]
-pub(super) struct NormalEquations {
+pub(crate) struct NormalEquations {
     /// Gauss-Newton approximation of the second derivatives of half the cost.
-    pub(super) hessian: DMatrix<f64>,
+    pub(crate) hessian: DMatrix<f64>,
     /// Negative gradient of half the cost.
-    pub(super) descent: DVector<f64>,
-    pub(super) cost: f64,
+    pub(crate) descent: DVector<f64>,
+    pub(crate) cost: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -42,12 +42,16 @@ struct ChunkSums {
 }
 
 impl NormalEquations {
+    /// Equations of this number of unknowns without any sample.
+    pub(crate) fn zeros(size: usize) -> Self {
+        Self { hessian: DMatrix::zeros(size, size), descent: DVector::zeros(size), cost: 0.0 }
+    }
+
     pub(super) fn new(observations: &Observations, weights: &[Weight], state: &SolverState, free: &Free) -> Self {
         let chunks = observations.chunks();
         let blocks: Vec<ChunkSums> =
             chunks.par_iter().map(|chunk| ChunkSums::new(observations, weights, state, chunk.clone())).collect();
-        let size = free.len();
-        let mut sums = Self { hessian: DMatrix::zeros(size, size), descent: DVector::zeros(size), cost: 0.0 };
+        let mut sums = Self::zeros(free.len());
         for block in &blocks {
             for (parameter, unknown) in free.columns(block.scan) {
                 sums.descent[unknown] += block.descent[parameter];

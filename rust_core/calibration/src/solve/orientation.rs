@@ -7,37 +7,28 @@
 use nalgebra::Vector2;
 
 use super::input::Observations;
-use super::noise::Weight;
 
 /// Voting points of each scan.
-const VOTERS: usize = 300;
+const VOTERS: usize = 1000;
 /// Minimum sine of a triangle's angle at the voter.
 const LEAST_SINE: f64 = 0.3;
+/// Majority against equal orientation that means a mirrored image, standard deviations of undecided votes.
+const SIGNIFICANT: f64 = 1.4;
 
-/// Share of neighbouring triples of used samples with equal orientation in both images; 1 if there are none.
-pub(super) fn agreeing_share(observations: &Observations, weights: &[Weight]) -> f64 {
-    let (mut agreeing, mut votes) = (0, 0);
+/// `true` if most neighbouring triples of samples have opposite orientations in both images. Gross errors are votes at
+/// random: up to half of the samples may be some.
+pub(super) fn is_mirrored(observations: &Observations) -> bool {
+    let (mut votes, mut majority) = (0.0, 0.0);
     for scan in 0..observations.scans.len() {
-        let range = observations.range(scan);
-        let used: Vec<usize> = range.filter(|i| weights[*i].is_used()).collect();
-        let step = used.len().div_ceil(VOTERS).max(1);
-        let voters: Vec<_> = used
-            .iter()
-            .step_by(step)
-            .map(|i| (observations.all[*i].ray.xy(), observations.all[*i].pixel.coords))
-            .collect();
-        for voter in &voters {
-            if let Some(is_same) = vote(voter, &voters) {
-                votes += 1;
-                agreeing += usize::from(is_same);
-            }
+        let all = &observations.all[observations.range(scan)];
+        let step = all.len().div_ceil(VOTERS).max(1);
+        let voters: Vec<_> = all.iter().step_by(step).map(|one| (one.ray.xy(), one.pixel.coords)).collect();
+        for is_same in voters.iter().filter_map(|voter| vote(voter, &voters)) {
+            votes += 1.0;
+            majority += if is_same { -1.0 } else { 1.0 };
         }
     }
-    if votes == 0 {
-        1.0
-    } else {
-        agreeing as f64 / votes as f64
-    }
+    majority > SIGNIFICANT * f64::sqrt(votes)
 }
 
 fn vote(voter: &(Vector2<f64>, Vector2<f64>), all: &[(Vector2<f64>, Vector2<f64>)]) -> Option<bool> {

@@ -4,9 +4,10 @@
 //! skew and two focal lengths (Hartley, Zisserman, "Multiple View Geometry in Computer Vision", 2nd edition, 2004,
 //! 6.2.4).
 
-use super::adjust::{solve_positive, Adjusted};
+use super::adjust::Adjusted;
 use super::covariance::{Correlations, Errors};
 use super::input::Observations;
+use super::levenberg_marquardt::solve_positive;
 use super::model::Free;
 use super::normal_equations::NormalEquations;
 use super::Skew;

@@ -3,18 +3,17 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 use rayon::prelude::*;
 
-use super::adjust::{self, Adjusted, Effort};
+use super::adjust::{self, Adjusted};
 use super::consensus::{self, Agreed, Score};
 use super::covariance::Errors;
 use super::held_out::{Blocks, HeldOut};
 use super::input::{check_options, Observations};
+use super::levenberg_marquardt::MOST_STEPS;
 use super::model::{constrained, lens_values, Free, SolverState};
-use super::noise::{Noise, Weight, LIMIT};
+use super::noise::{Noise, LIMIT};
 use super::normal_equations::NormalEquations;
-use super::{covariance, motion, moved, orientation, skew, spread};
-use super::{
-    DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions, SuspectedMotion,
-};
+use super::{covariance, moved, orientation, skew, spread};
+use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions};
 use crate::statistics::{median, quantile, root_mean_square};
 use crate::{Lens, Sample};
 
@@ -24,13 +23,6 @@ const FIRST: usize = 4000;
 const OF_EACH: [usize; 2] = [300, 2000];
 /// Samples of all scans for the selection of distortion terms and for cross-validation.
 const CHOOSING: usize = 12_000;
-/// Score ratio of mirrored and given pixels below which the samples are mirrored.
-const MIRROR_GAIN: f64 = 0.5;
-/// Share of neighbouring triples with equal orientation in both images above which nothing is mirrored, gross errors
-/// included.
-const SURELY_SAME_ORIENTATION: f64 = 0.6;
-/// Minimum share of neighbouring triples with equal orientation in both images.
-const SAME_ORIENTATION: f64 = 0.3;
 /// Minimum share of inliers of a scan: fewer could be the minority.
 const LEAST_INLIERS: f64 = 0.5;
 /// Maximum share of samples behind the projector.
@@ -68,12 +60,15 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     if observations.scans.len() == 1 && solver.is_flat(|_| true) {
         return Err(Refusal::Flat);
     }
+    if orientation::is_mirrored(&observations) {
+        return Err(Refusal::Mirrored);
+    }
     let first = solver.first()?;
     let per_scan = (CHOOSING / observations.scans.len()).max(OF_EACH[0]);
     let few = observations.thinned(per_scan, options.seed);
     let ChosenTerms { terms, free, adjusted, in_doubt } = solver.chosen_terms(&few, &first);
     let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
-    let motion = solver.check_fit(&adjusted)?;
+    solver.check_fit(&adjusted)?;
     let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
     let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
     let blocks = Blocks::new(&few, options.size_px);
@@ -81,7 +76,7 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     // The effect of terms in doubt adds to the uncertainty of the unknowns, not of the prediction.
     let covariance = covariance + &in_doubt * in_doubt.transpose();
     let solution = solver.solution(&adjusted, &free, &covariance, terms);
-    let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, motion, ..solution };
+    let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, ..solution };
     let (factor, more_px) = HELD_OUT_LIMIT;
     // The unknowns absorb part of the errors of few samples.
     let equations = 2.0 * solution.inliers as f64;
@@ -165,34 +160,14 @@ impl<'a> Solver<'a> {
         needs_relief && self.relief(is_used).iter().all(|relief| spread::is_flat(*relief))
     }
 
-    /// First solution, compared with those of mirrored pixels.
     fn first(&self) -> Result<Agreed, Refusal> {
         let [least, most] = OF_EACH;
         let few =
             self.observations.thinned((FIRST / self.observations.scans.len()).clamp(least, most), self.options.seed);
         let relief = self.relief(|_| true);
         let best = (0..relief.len()).max_by(|a, b| relief[*a].total_cmp(&relief[*b])).unwrap_or(0);
-        let is_flat = spread::is_flat(relief[best]);
-        let single = few.only(best);
-        let given = self.agreed(&few, best, is_flat);
-        let mut buffer = Vec::new();
-        let own = given.as_ref().map_or(f64::INFINITY, |given| {
-            let state = SolverState { lens: given.state.lens, poses: vec![given.state.poses[best]] };
-            Score::new(&single.all, &state, &mut buffer).mean
-        });
-        let all = vec![Weight::of_pixels(1.0); single.all.len()];
-        if orientation::agreeing_share(&single, &all) > SURELY_SAME_ORIENTATION {
-            return given.ok_or(Refusal::NoSolution(self.observations.scans[best]));
-        }
-        // A free lens may be rotated by 180°, so mirroring one axis equals mirroring the other.
-        let axes = if self.options.known_lens.is_some() || self.options.initial.is_some() { 2 } else { 1 };
-        for axis in 0..axes {
-            let mirrored = single.mirrored(self.options.size_px, axis);
-            if self.agreed(&mirrored, 0, is_flat).is_some_and(|mirrored| mirrored.score.mean < MIRROR_GAIN * own) {
-                return Err(Refusal::Mirrored);
-            }
-        }
-        given.ok_or(Refusal::NoSolution(self.observations.scans[best]))
+        let agreed = self.agreed(&few, best, spread::is_flat(relief[best]));
+        agreed.ok_or(Refusal::NoSolution(self.observations.scans[best]))
     }
 
     /// Lens and poses by consensus; the lens comes from the scan `best`.
@@ -243,7 +218,7 @@ impl<'a> Solver<'a> {
         let free = Free::new(options, self.richest, scans);
         for _ in 0..4 {
             let weights = Noise::first(score.near, few.all.len() / scans).weights(few, &state, LIMIT);
-            let trial = adjust::minimise(few, &weights, &state, &free, Effort::FULL);
+            let trial = adjust::minimise(few, &weights, &state, &free, MOST_STEPS);
             let trial_score = Score::new(&few.all, &trial, &mut buffer);
             if trial_score.mean.is_nan() || trial_score.mean >= score.mean {
                 break;
@@ -275,7 +250,7 @@ impl<'a> Solver<'a> {
             let lens = constrained(&rich.state.lens, options, terms).unwrap_or(rich.state.lens);
             let start = SolverState { lens, poses: rich.state.poses.clone() };
             let free = Free::new(options, terms, few.scans.len());
-            let state = adjust::minimise(few, &rich.weights, &start, &free, Effort::FULL);
+            let state = adjust::minimise(few, &rich.weights, &start, &free, MOST_STEPS);
             let held_out = HeldOut::new(few, &rich.weights, &blocks, &state, &free);
             (terms, free, state, held_out)
         };
@@ -296,10 +271,9 @@ impl<'a> Solver<'a> {
         ChosenTerms { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
     }
 
-    /// Refuses fits that many samples contradict, and returns a motion too small to refuse.
-    fn check_fit(&self, adjusted: &Adjusted) -> Result<Option<SuspectedMotion>, Refusal> {
+    /// Refuses fits that many samples contradict.
+    fn check_fit(&self, adjusted: &Adjusted) -> Result<(), Refusal> {
         let observations = self.observations;
-        let motion = motion::check(observations, adjusted, self.options.seed)?;
         moved::check(observations, adjusted, self.options.seed).map_err(|moved| self.distorted_or(moved, adjusted))?;
         let depth_of = |i: usize| {
             let observation = &observations.all[i];
@@ -318,9 +292,6 @@ impl<'a> Solver<'a> {
                 return Err(Refusal::FewInliers { percent: 100.0 * share, scan: *number });
             }
         }
-        if orientation::agreeing_share(observations, &adjusted.weights) < SAME_ORIENTATION {
-            return Err(Refusal::Mirrored);
-        }
         let (sum, count) = (observations.all.iter().zip(&adjusted.weights))
             .filter(|(_, weight)| weight.is_used())
             .filter_map(|(o, _)| Some((o.pixel - adjusted.state.project(o.scan, &o.point)?).norm_squared()))
@@ -329,7 +300,7 @@ impl<'a> Solver<'a> {
         if typical_px.is_nan() || typical_px > MOST_RMS * f64::from(self.options.size_px[0]) {
             return Err(Refusal::Inconsistent(typical_px));
         }
-        Ok(motion)
+        Ok(())
     }
 
     /// Distinguishes a motion from unmodelled distortion, whose residuals in the image's corners agree with another
@@ -453,7 +424,6 @@ impl<'a> Solver<'a> {
             inliers,
             prediction_sigma_px: 0.0,
             skew: None,
-            motion: None,
         }
     }
 

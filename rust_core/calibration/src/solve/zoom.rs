@@ -8,9 +8,10 @@
 use nalgebra::{DMatrix, DVector, Point2, SVector, Vector2};
 use rayon::prelude::*;
 
-use super::adjust::{self, inverse_of_positive, Adjusted};
+use super::adjust::{self, Adjusted};
 use super::consensus::{self, Score};
 use super::input::Observations;
+use super::levenberg_marquardt::inverse_of_positive;
 use super::model::Free;
 use super::noise::{cauchy_weight, error_and_slope, Noise};
 use super::normal_equations::equations;

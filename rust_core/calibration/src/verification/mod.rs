@@ -12,8 +12,8 @@
 
 mod drawing;
 mod light_map;
+mod outlines;
 mod pose_refinement;
-mod rims;
 mod scene;
 mod spots;
 mod stillness;
@@ -25,8 +25,8 @@ use nalgebra::{Point2, Vector2};
 use crate::statistics::{median, root_mean_square};
 use drawing::Drawing;
 pub use light_map::LightMap;
+use outlines::{OutlinePlace, Outlines};
 pub use pose_refinement::{PoseRefinement, RefinedPose, RefinementProblem};
-use rims::{RimPlace, Rims};
 pub use scene::VerificationScene;
 use spots::{Spot, LEAST_SPOTS};
 use surface::{DepthSurface, Patch, PosedProjector, ShadowMap};
@@ -72,7 +72,7 @@ pub struct VerificationPlan {
     projector: PosedProjector,
     light: LightMap,
     spots: Vec<Spot>,
-    rims: Rims,
+    outlines: Outlines,
 }
 
 /// Target with the position at which its light was detected.
@@ -127,28 +127,28 @@ impl VerificationPlan {
         if spots.len() < LEAST_SPOTS {
             return Err(VerificationProblem::FewPlaces { spots: spots.len() });
         }
-        let rims = Rims::new(&surface, &projector, &shadow, scene.light);
-        Ok(Self { surface, projector, light: scene.light.clone(), spots, rims })
+        let outlines = Outlines::new(&surface, &projector, &shadow, scene.light);
+        Ok(Self { surface, projector, light: scene.light.clone(), spots, outlines })
     }
 
     /// Images to project one after the other: grey levels, row by row. The last one has the outlines, the others spots.
     pub fn pictures(&self) -> Vec<Vec<u8>> {
         let size_px = self.projector.lens.size_px;
         let spots = spots::pictures(&self.spots, size_px);
-        spots.into_iter().chain([self.rims.picture(size_px)]).map(|drawing| drawing.levels).collect()
+        spots.into_iter().chain([self.outlines.picture(size_px)]).map(|drawing| drawing.levels).collect()
     }
 
     /// Spots and outlines in one image, for people.
     pub fn overview(&self) -> Vec<u8> {
         let size_px = self.projector.lens.size_px;
-        let mut all: Drawing = self.rims.picture(size_px);
+        let mut all: Drawing = self.outlines.picture(size_px);
         spots::pictures(&self.spots, size_px).iter().for_each(|drawing| all.add(drawing));
         all.levels
     }
 
     /// Number of spots and of outline targets.
     pub fn counts(&self) -> [usize; 2] {
-        [self.spots.len(), self.rims.places.len()]
+        [self.spots.len(), self.outlines.places.len()]
     }
 
     /// Measures the errors from the camera's images of [`Self::pictures`], in their order: grey levels, row by row.
@@ -164,12 +164,12 @@ impl VerificationPlan {
         if spots.len() < LEAST_SPOTS || (spots.len() as f64) < LEAST_SEEN * shown as f64 {
             return Err(VerificationProblem::FewSeen { seen: spots.len(), shown });
         }
-        let edge = |place: &RimPlace| {
+        let edge = |place: &OutlinePlace| {
             let landed = place.find(shares.last()?, shift_near(place.expected, &spots))?;
             self.verified(&place.patch, place.expected, landed)
         };
-        let edges: Vec<VerifiedPoint> = self.rims.places.iter().filter_map(edge).collect();
-        Ok(VerificationResult { spots, spots_shown: shown, edges, edges_shown: self.rims.places.len() })
+        let edges: Vec<VerifiedPoint> = self.outlines.places.iter().filter_map(edge).collect();
+        Ok(VerificationResult { spots, spots_shown: shown, edges, edges_shown: self.outlines.places.len() })
     }
 
     /// Error of a detected target; `None` where the surface is unknown.

@@ -23,7 +23,7 @@ use crate::compare::ImageChange;
 use crate::depth_average::DepthAverage;
 use crate::failure::{check_size, ScanFailure};
 use crate::finish::{check_keystone, check_orientation, ScanImages, ScanResult};
-use crate::light::{average, Illumination, MAX_CHANGE};
+use crate::light::{average, Illumination};
 use crate::robot::captured_robot;
 use crate::session::ScanEvent;
 pub use footage::BagFootage;
@@ -68,7 +68,7 @@ pub fn scan(
     let mut warn = |warning: &str| observe(ScanEvent::Warning(warning));
     light.warn(&mut warn);
     let lens = footage.lens;
-    check_orientation(&pictures, &light, lens.size_px, options.projector_px, &footage.name, &mut warn)?;
+    check_orientation(&pictures, &light, lens.size_px, options.projector_px, &mut warn)?;
     let depth = footage.has_depth().then(|| average_depth(footage, &timeline, &sequence)).transpose()?;
     if let Some(depth) = &depth {
         check_keystone(&pictures, depth, &lens, options.projector_px, &mut warn)?;
@@ -161,7 +161,7 @@ impl SegmentMeans {
     }
 }
 
-/// Checks light, exposure and motion.
+/// Checks light and motion, and the exposure by a repeated picture.
 fn check(
     footage: &BagFootage,
     timeline: &Timeline,
@@ -183,12 +183,6 @@ fn check(
         ScanFailure::NoLight { .. } => PatternSequenceError::NotWhite.into(),
         failure => failure,
     })?;
-    let levels = [white, black].map(|frames| timeline.level(frames.end - 1));
-    let drift = segments(sequence).map(|frames| drift(timeline, frames)).fold(0.0, f64::max);
-    let change = drift / (levels[0] - levels[1]).max(1.0);
-    if change > MAX_CHANGE {
-        return Err(ScanFailure::Unsteady(change));
-    }
     if let Some([early, late]) = &sequence.repeated {
         ImageChange::between(&means.of(early), &means.of(late), &light.lit, noise).check()?;
     }
@@ -197,12 +191,6 @@ fn check(
     let lit: Vec<&[u8]> = lit.iter().map(Vec::as_slice).collect();
     pairs::check(&patterns, &lit)?;
     Ok(light)
-}
-
-/// The change of brightness in a segment once it has had time to settle, levels.
-fn drift(timeline: &Timeline, frames: &Range<usize>) -> f64 {
-    let settled = frames.start + frames.len() / 3;
-    (timeline.level(frames.end - 1) - timeline.level(settled)).abs()
 }
 
 /// The mean depth during the scan.

@@ -49,7 +49,7 @@ pub fn of_pictures(
     let light = Illumination::of_images(black, white, lens.size_px, 0.0, "the pictures")?;
     let mut warn = |warning: &str| observe(ScanEvent::Warning(warning));
     light.warn(&mut warn);
-    check_orientation(&pictures, &light, lens.size_px, projector_px, "the pictures", &mut warn)?;
+    check_orientation(&pictures, &light, lens.size_px, projector_px, &mut warn)?;
     let frame_id = String::new();
     let images = ScanImages { projector_px, lens, frame_id, pictures, light: &light, depth: None, is_complete: true };
     images.finish(&mut warn)

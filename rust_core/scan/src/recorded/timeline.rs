@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::footage::BagFootage;
 use super::sequence::PatternSequenceError;
-use crate::compare::{difference, mean, sample};
+use crate::compare::{difference, sample};
 use crate::failure::{check_size, ScanFailure};
 use crate::light::average;
 
@@ -115,11 +115,6 @@ impl Timeline {
         let within = self.differences.get(frames.start + 1..frames.end).unwrap_or_default();
         let squares = within.iter().map(|difference| difference * difference).sum::<f64>();
         (squares / within.len().max(1) as f64).sqrt()
-    }
-
-    /// The mean level of a frame.
-    pub(crate) fn level(&self, frame: usize) -> f64 {
-        self.levels.get(frame).map_or(0.0, |levels| mean(levels, &self.at))
     }
 
     /// These frames as a segment.

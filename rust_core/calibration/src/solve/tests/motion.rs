@@ -1,4 +1,4 @@
-//! Small motions during a scan: refusals, warnings, and no false alarms.
+//! Motions during a scan: refused or shown by the held-out error, and no false alarms.
 
 use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector2, Vector3};
 
@@ -17,37 +17,17 @@ struct Change {
 
 const NONE: Change = Change { degrees: 0.0, shift_m: 0.0, zoom: 1.0 };
 
-/// Samples observed after the change.
-#[derive(Debug, Clone, Copy)]
-enum Which {
-    Any(f64),
-    Last(f64),
-}
-
-fn shuffled(simulation: &Simulation) -> Vec<Sample> {
-    let mut samples = simulation.samples();
-    let mut random = SplitMix64::new(simulation.seed, 55);
-    for i in (1..samples.len()).rev() {
-        samples.swap(i, random.below(i + 1));
-    }
-    samples
-}
-
-fn changed(simulation: &Simulation, change: Change, which: Which) -> Vec<Sample> {
+/// Samples of which a share, at random, is observed after a change.
+fn changed(simulation: &Simulation, change: Change, share: f64) -> Vec<Sample> {
     let mut random = SplitMix64::new(simulation.seed, 56);
     let mut direction = || Vector3::from_fn(|_, _| random.unit() - 0.5).normalize();
     // A rotation about the view itself moves pixels less.
     let axis = Vector3::new(1.0, 1.0, 0.0).component_mul(&direction()).normalize();
     let turn = UnitQuaternion::from_scaled_axis(axis * change.degrees.to_radians());
     let moved = Isometry3::from_parts((direction() * change.shift_m).into(), turn);
-    let mut samples = shuffled(simulation);
-    let count = samples.len() as f64;
-    for (index, sample) in samples.iter_mut().enumerate() {
-        let is_changed = match which {
-            Which::Any(share) => random.unit() < share,
-            Which::Last(share) => index as f64 >= (1.0 - share) * count,
-        };
-        if is_changed {
+    let mut samples = simulation.samples();
+    for sample in &mut samples {
+        if random.unit() < share {
             sample.point = moved * sample.point;
             let center = Vector2::new(639.5, 399.5);
             sample.pixel = Point2::from(center + (sample.pixel.coords - center) * change.zoom);
@@ -55,10 +35,6 @@ fn changed(simulation: &Simulation, change: Change, which: Which) -> Vec<Sample>
     }
     samples.retain(|sample| (-0.5..=1279.5).contains(&sample.pixel.x) && (-0.5..=799.5).contains(&sample.pixel.y));
     samples
-}
-
-fn is_motion(refused: &Refusal) -> bool {
-    matches!(refused, Refusal::Moved { .. } | Refusal::TwoPoses { .. })
 }
 
 #[test]
@@ -70,10 +46,8 @@ fn a_distortion_that_is_not_solved_for_is_named() {
             let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options() };
             let fixed = SolveOptions { fixed: vec![(Parameter::K1, 0.0)], ..options() };
             for options in [pinhole, fixed] {
-                match solve(&samples, &options) {
-                    Ok(solution) => assert_eq!(solution.motion, None, "{seed} {k1}"),
-                    Err(refused) => assert!(!is_motion(&refused), "{seed} {k1}: {refused}"),
-                }
+                let result = solve(&samples, &options);
+                assert!(!matches!(result, Err(Refusal::Moved { .. })), "{seed} {k1}: {:?}", result.err());
             }
         }
     }
@@ -84,7 +58,7 @@ fn a_distortion_that_is_not_solved_for_is_named() {
 }
 
 #[test]
-fn a_small_motion_of_any_samples_is_refused() {
+fn a_small_motion_is_refused_or_warned_of_or_harmless() {
     let changes = [
         Change { degrees: 0.1, ..NONE },
         Change { degrees: 0.2, ..NONE },
@@ -96,48 +70,15 @@ fn a_small_motion_of_any_samples_is_refused() {
         let simulation = Simulation { depth_noise_m: 0.0004, gross: 0.1, step_px: 9, ..Simulation::new(seed) };
         for change in changes {
             for share in [0.5, 0.25] {
-                let refused = solve(&changed(&simulation, change, Which::Any(share)), &options()).err();
-                let refused = refused.unwrap_or_else(|| panic!("{seed} {change:?} {share}"));
-                let is_named = match &refused {
-                    Refusal::Moved { .. } => true,
-                    Refusal::TwoPoses { second_percent, is_in_order, apart_px, .. } => {
-                        let off =
-                            (second_percent - 100.0 * share).abs().min((100.0 - second_percent - 100.0 * share).abs());
-                        !is_in_order && *apart_px < 25.0 && off < 10.0
-                    }
-                    _ => false,
-                };
-                assert!(is_named, "{seed} {change:?} {share}: {refused}");
-                assert_eq!(refused.to_string().lines().count(), 1);
+                let samples = changed(&simulation, change, share);
+                let Ok(solution) = solve(&samples, &options()) else { continue };
+                // Of a quarter, all samples may be outliers.
+                let is_harmless = projection_error_px(&simulation, &solution) < 0.5;
+                let Report { verdict, reasons, .. } = Report::new(&samples, solution);
+                let is_named = verdict != Verdict::Good && reasons.iter().any(|reason| reason.contains("held-out"));
+                assert!(is_named || is_harmless, "{seed} {change:?} {share}: {reasons:?}");
             }
         }
-    }
-}
-
-#[test]
-fn two_scans_in_one_are_refused_even_with_noisy_depth() {
-    for seed in 0..3 {
-        let simulation = Simulation { depth_noise_m: 0.003, ..Simulation::new(seed) };
-        for change in [Change { degrees: 0.1, ..NONE }, Change { shift_m: 0.002, ..NONE }] {
-            let refused = solve(&changed(&simulation, change, Which::Last(0.4)), &options()).unwrap_err();
-            let Refusal::TwoPoses { is_in_order: true, second_percent, .. } = refused else {
-                panic!("{seed} {change:?}: {refused}");
-            };
-            assert!((second_percent - 40.0).abs() < 10.0, "{second_percent}");
-            assert!(refused.to_string().contains("the last ones"), "{refused}");
-        }
-    }
-}
-
-#[test]
-fn a_smaller_motion_gives_a_warning() {
-    for seed in 0..3 {
-        let samples = changed(&Simulation::new(seed), Change { degrees: 0.015, ..NONE }, Which::Last(0.5));
-        let report = Report::new(&samples, solve(&samples, &options()).unwrap());
-        let motion = report.solution.motion.unwrap();
-        assert!(motion.scan == 0 && (0.25..0.5).contains(&motion.apart_px), "{motion:?}");
-        assert_eq!(report.verdict, Verdict::Usable);
-        assert!(report.reasons.iter().any(|reason| reason.contains("may have moved")), "{:?}", report.reasons);
     }
 }
 
@@ -154,16 +95,12 @@ fn errors_of_all_other_kinds_are_no_motion() {
             ("scans", Simulation { projector_from_camera: vec![pose(seed), pose(seed + 9)], ..still(seed) }),
         ];
         for (kind, simulation) in kinds {
-            for samples in [simulation.samples(), shuffled(&simulation)] {
-                let solution = solve(&samples, &options()).unwrap_or_else(|refused| panic!("{seed} {kind}: {refused}"));
-                assert_eq!(solution.motion, None, "{seed} {kind}");
-            }
+            let samples = simulation.samples();
+            assert!(solve(&samples, &options()).is_ok(), "{seed} {kind}: {:?}", solve(&samples, &options()).err());
             // A lens solved for without its distortion.
             let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options() };
-            match solve(&simulation.samples(), &pinhole) {
-                Ok(solution) => assert_eq!(solution.motion, None, "{seed} {kind}"),
-                Err(refused) => assert!(!is_motion(&refused), "{seed} {kind}: {refused}"),
-            }
+            let result = solve(&samples, &pinhole);
+            assert!(!matches!(result, Err(Refusal::Moved { .. })), "{seed} {kind}: {:?}", result.err());
         }
     }
 }
@@ -182,7 +119,7 @@ fn whole_pixels_and_steps_of_depth_are_no_motion() {
                 let inverse = (345.0 / sample.point.z).round() / 345.0;
                 sample.point *= 1.0 / (inverse * sample.point.z);
             }
-            assert_eq!(solve(&samples, &options).unwrap().motion, None, "{seed} {is_flat}");
+            assert!(solve(&samples, &options).is_ok(), "{seed} {is_flat}");
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point2, Vector3};
 
 use super::*;
 use crate::solve::random::SplitMix64;
-use crate::{Lens, Sample};
+use crate::{Lens, Report, Sample, Verdict};
 
 fn refusal(samples: &[Sample], options: &SolveOptions) -> Refusal {
     let refusal = solve(samples, options).unwrap_err();
@@ -79,6 +79,21 @@ fn mirrored_pictures_are_refused() {
                 }
                 assert_eq!(refusal(&samples, &known), Refusal::Mirrored, "{seed} {is_flat} {axis}");
             }
+        }
+    }
+}
+
+#[test]
+fn few_mirrored_points_give_no_usable_pose() {
+    for seed in 0..8 {
+        let simulation = Simulation { noise_px: 0.5, ..Simulation::new(seed) };
+        let known = SolveOptions { known_lens: Some(simulation.lens), ..options() };
+        let all = simulation.samples();
+        for count in [6, 8, 20] {
+            let mut few: Vec<Sample> = all.iter().copied().step_by(all.len() / count).take(count).collect();
+            few.iter_mut().for_each(|sample| sample.pixel.x = 1279.0 - sample.pixel.x);
+            let verdict = solve(&few, &known).map(|solution| Report::new(&few, solution).verdict);
+            assert!(matches!(verdict, Err(_) | Ok(Verdict::Again)), "{seed} {count}: {verdict:?}");
         }
     }
 }

@@ -38,7 +38,7 @@ const BESIDE_PX: f64 = 7.0;
 const DETECTED_SHARE: f64 = 0.25;
 
 #[derive(Debug, Clone, Copy)]
-struct RimPixel {
+struct OutlinePixel {
     patch: Patch,
     /// Projector pixel that should light it.
     pixel: Point2<f64>,
@@ -50,17 +50,17 @@ struct RimPixel {
 
 /// Outlines of the camera's image.
 #[derive(Debug, Clone)]
-pub(super) struct Rims {
+pub(super) struct Outlines {
     width: usize,
     /// Outline pixels by camera pixel.
-    pixels: Vec<Option<RimPixel>>,
+    pixels: Vec<Option<OutlinePixel>>,
     /// Targets.
-    pub(super) places: Vec<RimPlace>,
+    pub(super) places: Vec<OutlinePlace>,
 }
 
 /// Target: a straight piece of an outline.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RimPlace {
+pub(super) struct OutlinePlace {
     pub(super) patch: Patch,
     /// Expected centre in the camera's image, pixels.
     pub(super) expected: Point2<f64>,
@@ -68,7 +68,7 @@ pub(super) struct RimPlace {
     across: Vector2<f64>,
 }
 
-impl Rims {
+impl Outlines {
     pub(super) fn new(
         surface: &DepthSurface,
         projector: &PosedProjector,
@@ -85,7 +85,7 @@ impl Rims {
             let depths = surface.depth_m(index).zip(surface.depth_m(edge_y * width + edge_x));
             let is_same = depths.is_some_and(|(own, edge)| (own - edge).abs() < SAME * edge);
             if INSET_PX.contains(&distance) && is_same && light.is_lit_around(x, y, LIT_PX) {
-                *pixel = surface.patch(x, y).and_then(|patch| RimPixel::new(patch, surface, projector, shadow));
+                *pixel = surface.patch(x, y).and_then(|patch| OutlinePixel::new(patch, surface, projector, shadow));
             }
         }
         keep_longest(&mut pixels, width);
@@ -95,12 +95,12 @@ impl Rims {
 
     pub(super) fn picture(&self, size_px: [u32; 2]) -> Drawing {
         let mut drawing = Drawing::black(size_px);
-        for (index, rim) in self.pixels.iter().enumerate() {
-            let Some(rim) = rim else { continue };
-            drawing.disc(rim.pixel, rim.radius_px);
+        for (index, own) in self.pixels.iter().enumerate() {
+            let Some(own) = own else { continue };
+            drawing.disc(own.pixel, own.radius_px);
             for other in neighbours(index, self.width, self.pixels.len()).filter(|other| *other > index) {
                 if let Some(other) = self.pixels[other] {
-                    drawing.line(rim.pixel, other.pixel, rim.radius_px);
+                    drawing.line(own.pixel, other.pixel, own.radius_px);
                 }
             }
         }
@@ -108,7 +108,7 @@ impl Rims {
     }
 }
 
-impl RimPixel {
+impl OutlinePixel {
     fn new(patch: Patch, surface: &DepthSurface, projector: &PosedProjector, shadow: &ShadowMap) -> Option<Self> {
         let camera = &surface.camera;
         let point = patch.point(camera, patch.middle)?;
@@ -120,7 +120,7 @@ impl RimPixel {
     }
 }
 
-impl RimPlace {
+impl OutlinePlace {
     /// Camera pixel at which the outline's light is detected, searching around an expected shift.
     pub(super) fn find(&self, image: &Shares, shift: Vector2<f64>) -> Option<Point2<f64>> {
         let along = Vector2::new(-self.across.y, self.across.x);
@@ -198,7 +198,7 @@ fn neighbours(index: usize, width: usize, count: usize) -> impl Iterator<Item = 
 }
 
 /// Labels connected outlines and drops all but the longest.
-fn keep_longest(pixels: &mut [Option<RimPixel>], width: usize) {
+fn keep_longest(pixels: &mut [Option<OutlinePixel>], width: usize) {
     let mut is_visited = vec![false; pixels.len()];
     let mut outlines: Vec<Vec<usize>> = Vec::new();
     for start in 0..pixels.len() {
@@ -222,34 +222,34 @@ fn keep_longest(pixels: &mut [Option<RimPixel>], width: usize) {
     for (number, outline) in outlines.iter().enumerate() {
         let is_kept = number < MOST_OUTLINES && outline.len() >= LEAST_PIXELS;
         for index in outline {
-            pixels[*index] = pixels[*index].filter(|_| is_kept).map(|rim| RimPixel { outline: number, ..rim });
+            pixels[*index] = pixels[*index].filter(|_| is_kept).map(|pixel| OutlinePixel { outline: number, ..pixel });
         }
     }
 }
 
 /// Targets on straight pieces, apart from each other.
-fn places(pixels: &[Option<RimPixel>], width: usize) -> Vec<RimPlace> {
-    let mut places: Vec<RimPlace> = Vec::new();
-    for rim in pixels.iter().flatten() {
-        let is_apart = places.iter().all(|place| (place.expected - rim.patch.middle).norm() >= APART_PX);
+fn places(pixels: &[Option<OutlinePixel>], width: usize) -> Vec<OutlinePlace> {
+    let mut places: Vec<OutlinePlace> = Vec::new();
+    for pixel in pixels.iter().flatten() {
+        let is_apart = places.iter().all(|place| (place.expected - pixel.patch.middle).norm() >= APART_PX);
         if is_apart {
-            places.extend(place(rim, pixels, width));
+            places.extend(place(pixel, pixels, width));
         }
     }
     places
 }
 
 /// Target around a pixel, if the outline is straight there and no other one is near.
-fn place(rim: &RimPixel, pixels: &[Option<RimPixel>], width: usize) -> Option<RimPlace> {
+fn place(pixel: &OutlinePixel, pixels: &[Option<OutlinePixel>], width: usize) -> Option<OutlinePlace> {
     let reach = 2.0 * BESIDE_PX;
-    let (x, y) = (rim.patch.middle.x, rim.patch.middle.y);
+    let (x, y) = (pixel.patch.middle.x, pixel.patch.middle.y);
     let range = |at: f64, size: usize| ((at - reach).max(0.0) as usize)..((at + reach) as usize + 1).min(size);
     let height = pixels.len() / width;
     let columns = range(x, width);
-    let around: Vec<&RimPixel> = range(y, height)
+    let around: Vec<&OutlinePixel> = range(y, height)
         .flat_map(|row| pixels[row * width + columns.start..row * width + columns.end].iter().flatten())
         .collect();
-    let is_near = |other: &&&RimPixel| (other.patch.middle - rim.patch.middle).norm() <= STRAIGHT_PX;
+    let is_near = |other: &&&OutlinePixel| (other.patch.middle - pixel.patch.middle).norm() <= STRAIGHT_PX;
     let own: Vec<Point2<f64>> = around.iter().filter(is_near).map(|other| other.patch.middle).collect();
     if own.len() < LEAST_STRAIGHT {
         return None;
@@ -262,12 +262,13 @@ fn place(rim: &RimPixel, pixels: &[Option<RimPixel>], width: usize) -> Option<Ri
     let least = spread.eigenvalues.imin();
     let across: Vector2<f64> = spread.eigenvectors.column(least).into_owned();
     // In the middle of a straight piece.
-    let is_straight = spread.eigenvalues[least].sqrt() <= MOST_ACROSS_PX && (expected - rim.patch.middle).norm() < 1.5;
+    let is_straight =
+        spread.eigenvalues[least].sqrt() <= MOST_ACROSS_PX && (expected - pixel.patch.middle).norm() < 1.5;
     // Only the outline itself lies across.
     let is_alone = around.iter().all(|other| {
         let off = other.patch.middle - expected;
         let along = off.perp(&across).abs();
-        along > 5.0 || off.dot(&across).abs() < 3.0 && other.outline == rim.outline
+        along > 5.0 || off.dot(&across).abs() < 3.0 && other.outline == pixel.outline
     });
-    (is_straight && is_alone).then_some(RimPlace { patch: rim.patch, expected, across })
+    (is_straight && is_alone).then_some(OutlinePlace { patch: pixel.patch, expected, across })
 }
