@@ -65,12 +65,15 @@ pub fn main() -> ExitCode {
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }
-    let flush = cli.command.is_none().then(|| rcs_logging::start_node(cli.is_debug()));
+    let is_node = cli.command.is_none();
+    if is_node {
+        rcs_memory::keep_one_heap();
+    }
+    let flush = is_node.then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
     }
     warnings.iter().for_each(|warning| log::warn!("{warning}"));
-    let is_node = cli.command.is_none();
     run(&words, &mut cli).unwrap_or_else(|error| {
         print_error(&error.to_string(), is_node);
         ExitCode::from(INVALID)

@@ -51,9 +51,7 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     let given = node_options::merge(words, ros.parameters())?;
     log::info!("options: {}", given.command_line);
     let options = Options::of(&given, &config_names(config))?;
-    // First, while little is in use.
-    let _memory = rcs_memory::MemoryTrimmer::start(rcs_messages::free_unused_bytes)
-        .context("cannot start the thread that gives memory back")?;
+    rcs_memory::trim_regularly().context("cannot start the thread that gives memory back")?;
     let shared = Arc::new(NodeState::new(ros, options.light.blackout));
     let scene = SceneThread::start(&options, config, &shared)?;
     let control = ControlThread::start(&options, file, config, &shared)?;
