@@ -67,7 +67,7 @@ pub fn main() -> ExitCode {
     }
     let is_node = cli.command.is_none();
     if is_node {
-        rcs_memory::keep_one_heap();
+        rcs_process::keep_one_heap();
     }
     let flush = is_node.then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
@@ -178,7 +178,7 @@ fn examine(words: &[OsString], args: &DoctorArgs, config: &Config, options: &Opt
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     log_findings(config, &[]);
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let packages = PackageIndex::from_env(&args.package_path);
     // The user's own files may lie beside each other, in no package.
     let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();

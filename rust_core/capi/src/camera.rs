@@ -143,7 +143,7 @@ impl RcsCamera {
                 // Only lenses and mirrors are computed by several threads.
                 let is_mirrored = fields.p[0] < 0.0 || fields.p[5] < 0.0;
                 if is_mirrored || (model.undistort && is_distorted(fields)) {
-                    rcs_scene::name_threads();
+                    rcs_process::name_threads();
                 }
                 let optics = optics(fields, TOPIC, model, &self.lenses);
                 let optics = optics.map_err(|error| Fault::new(RcsResult::BadCameraInfo, error))?;

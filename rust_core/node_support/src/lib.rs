@@ -14,7 +14,6 @@ pub mod node_options;
 pub mod node_status;
 pub mod nudge;
 pub mod old_spellings;
-pub mod poses;
 pub mod ros_names;
 pub mod user_file;
 pub mod window_watch;

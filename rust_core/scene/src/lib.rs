@@ -33,7 +33,6 @@ mod ribbons;
 mod scene;
 mod solids;
 mod text;
-mod threads;
 
 pub use aabb::{Aabb, InFrustum};
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M};
@@ -55,4 +54,3 @@ pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Facing, FacingPart, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
-pub use threads::{join_within, lock, name_threads, wait_timeout, wait_while, IDLE_PERIOD};

@@ -10,8 +10,8 @@ use std::thread;
 use std::time::Duration;
 
 use rcs_node_support::nudge::NudgedProjector;
+use rcs_process::lock;
 use rcs_render::Orientation;
-use rcs_scene::lock;
 use rcs_web::Refusal;
 use serde_json::{json, Value};
 

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use rcs_scene::{lock, IDLE_PERIOD};
+use rcs_process::{lock, IDLE_PERIOD};
 
 use super::header::Header;
 use crate::acceptor::Counted;

@@ -4,7 +4,6 @@
 //! keeps 100 MB for as long as the program runs. With one heap that is trimmed every ten seconds, all of it goes back,
 //! and what the next cloud needs stays until then: 307,200 points at 10 Hz cost 20 page faults a cloud, with glibc's
 //! own thresholds up to 500. Other C libraries are left alone.
-#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 use std::time::Duration;
 use std::{io, thread};
