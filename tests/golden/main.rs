@@ -28,9 +28,9 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_camera::Projection;
 use rcs_camera_stream::offline::{self, BagSection, RenderJob, RenderTarget};
 use rcs_camera_stream::scene::SceneState;
+use rcs_process::lock;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_scene::lock;
 
 use cases::Case;
 use score::Rgb;

@@ -10,7 +10,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 const SCRIPT: &str = include_str!("python_node.py");
 

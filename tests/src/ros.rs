@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// Timeout of the longest waits: ten times what a large array through Python needs on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(300);

@@ -10,9 +10,7 @@
 //! - The connections, which read a message into the bytes that it keeps, and send a picture's from where they are.
 //! - The GPU renderer: the driver's allocations are not ours.
 //! - Loading meshes and textures, and laying out text: that happens once.
-//! - A scene that is rebuilt because something in it changed is a list of its drawables, some hundred bytes each; so is
-//!   what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
-//!   translucent clouds one for each of the pieces that rviz cuts them into, ten thousand points or more.
+//! - What a display makes of a new message, and the list of drawables of a scene in which something has changed.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
@@ -25,12 +23,13 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
-use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_messages::{AnyMessage, Image};
+use rcs_process::lock;
 use rcs_render::CpuRenderer;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_scene::{lock, Drawable, Picture};
+use rcs_scene::{Drawable, Picture};
 use rcs_tests::big_robot;
-use rcs_tests::scenes::clouds::{drawable, in_rows, message, STYLES};
+use rcs_tests::scenes::clouds::{drawable, in_rows, STYLES};
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
 use rcs_tests::scenes::rendering::{camera, moving_camera, Rendering};
 use rcs_tests::scenes::solids;
@@ -97,21 +96,6 @@ fn bytes_of_drawing(drawables: Vec<Drawable>, is_moving: bool) -> usize {
     bytes
 }
 
-/// A PointCloud2 display with these settings.
-fn cloud_display(settings: &str) -> String {
-    format!("  - {{Class: rviz/PointCloud2, Name: c, Enabled: true, Topic: /c, Size (m): 0.004, {settings}}}\n")
-}
-
-/// A message as it is received.
-fn received(bytes: &[u8]) -> AnyMessage {
-    MessageKind::PointCloud2.decode(bytes).unwrap()
-}
-
-/// Bytes of clouds of the same size and other content.
-fn cloud_frames(count: usize) -> Vec<Vec<u8>> {
-    (0..8).map(|number| rcs_messages::encode(&message("map", count, number))).collect()
-}
-
 #[test]
 fn an_unchanged_cloud_in_any_style_allocates_nothing_per_point() {
     let _guard = lock(&ONE_AT_A_TIME);
@@ -132,52 +116,6 @@ fn a_moving_camera_allocates_nothing_per_triangle_line_or_label() {
     assert_steady("ribbons", |count| one(solids::ribbons(count, VIEW)), [1000, 30_000]);
     assert_steady("labels", |count| bytes_of_drawing(solids::labels(count, VIEW), true), [10, 1000]);
     assert_steady("boxes", |count| bytes_of_drawing(solids::boxes(count, VIEW), true), [10, 3000]);
-}
-
-#[test]
-fn a_new_cloud_in_each_frame_allocates_nothing_per_point() {
-    let _guard = lock(&ONE_AT_A_TIME);
-    for settings in [
-        "Style: Flat Squares, Color Transformer: RGB8",
-        "Style: Points, Color Transformer: MONO8",
-        "Style: Spheres, Color Transformer: AxisColor",
-        "Style: Boxes, Color Transformer: Intensity, Channel Name: z",
-        "Style: Squares, Color Transformer: FlatColor",
-        "Style: Flat Squares, Color Transformer: RGB8, Decay Time: 0.2",
-    ] {
-        let of = |count: usize| {
-            let frames = cloud_frames(count);
-            let mut pipeline = DisplayPipeline::new(&cloud_display(settings));
-            let mut rendering = rendering(Vec::new());
-            let bytes = bytes_of_a_frame(|number| {
-                let scene = pipeline.receive("/c", &received(&frames[number % frames.len()]));
-                // As two cameras see it.
-                for place in [0, 1] {
-                    rendering.camera = moving_camera(SIZE_PX, FOCAL_PX, place).unwrap();
-                    rendering.draw_of(scene).unwrap();
-                }
-            });
-            assert!(rendering.covered() > 0.05);
-            bytes
-        };
-        assert_steady(settings, of, [SMALL, LARGE]);
-    }
-}
-
-#[test]
-fn a_new_translucent_cloud_allocates_only_a_list_of_its_pieces() {
-    let _guard = lock(&ONE_AT_A_TIME);
-    let frames = cloud_frames(LARGE);
-    let mut pipeline = DisplayPipeline::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
-    let mut rendering = rendering(Vec::new());
-    let bytes = bytes_of_a_frame(|number| {
-        let scene = pipeline.receive("/c", &received(&frames[number % frames.len()]));
-        assert!(scene.drawables.len() >= LARGE / 10_240);
-        rendering.draw_of(scene).unwrap();
-    });
-    let pieces = LARGE.div_ceil(10_240);
-    println!("{bytes} bytes a frame for {pieces} pieces");
-    assert!(bytes <= MAX_FRAME_BYTES + pieces * 2048, "{bytes} bytes a frame");
 }
 
 #[test]

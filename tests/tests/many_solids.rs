@@ -8,8 +8,8 @@ use std::alloc::System;
 use std::sync::Mutex;
 
 use rcs_messages::visualization_msgs::Marker;
+use rcs_process::lock;
 use rcs_render::CpuRenderer;
-use rcs_scene::lock;
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
 use rcs_tests::scenes::many_solids::{many_solids_camera, Content, ManySolids};
 use rcs_tests::scenes::rendering::Rendering;

@@ -44,7 +44,7 @@ typedef enum RcsResult {
    */
   RCS_RESULT_BAD_LENGTH,
   /**
-   * A number is out of range, a pointer is not aligned, or two buffers overlap.
+   * A number is out of range, a buffer is not aligned, or two buffers overlap.
    */
   RCS_RESULT_BAD_VALUE,
   /**

@@ -10,7 +10,7 @@ use rcs_calibration::{Lens, Sample};
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_node_support::monitor_arguments::MonitorArguments;
 use rcs_node_support::window_watch::WindowWatch;
-use rcs_scene::lock;
+use rcs_process::lock;
 use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey};
 
 use super::clicks::Clicks;

@@ -94,7 +94,7 @@ pub fn command() -> Command {
 pub fn main() -> ExitCode {
     let arguments = CalibrateArguments::parse_from(own_arguments());
     rcs_logging::start(false);
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let result = match &arguments.command {
         CalibrateCommand::Manual(arguments) => manual::run(arguments),
         CalibrateCommand::Board(arguments) => board::run(arguments),

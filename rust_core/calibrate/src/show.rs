@@ -14,7 +14,7 @@ use rcs_files::picture_file;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_node_support::monitor_arguments::MonitorArguments;
 use rcs_node_support::window_watch::WindowWatch;
-use rcs_scene::lock;
+use rcs_process::lock;
 use rcs_window::test_pictures::TestPicture;
 use rcs_window::{self as window, MonitorInfo, PictureSink, ScreenPicture, UserEvent, WindowKey};
 

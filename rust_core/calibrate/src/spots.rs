@@ -7,8 +7,7 @@ use clap::Args;
 use nalgebra::Isometry3;
 use rcs_calibration::{RefinedPose, Zoom};
 use rcs_files::projector::StaticFrame;
-use rcs_node_support::nudge::{Nudge, LARGEST};
-use rcs_node_support::nudged_projector::NudgedProjector;
+use rcs_node_support::nudge::{Nudge, NudgedProjector};
 use rcs_scan::{Refinement, ScanCamera, ScanEvent, ScanOptions, ScanSession};
 use rcs_window::MonitorChoice;
 
@@ -129,35 +128,26 @@ fn hand_over(
         Some(_) => None,
         None => NudgedProjector::find(session.node, &topic).map_err(Failure::refused)?,
     };
-    let Some(running) = running else {
+    let Some(mut running) = running else {
         let output = output.unwrap_or(&projector.path);
         projector.write(output, &frame.parent, pose)?;
         return Ok(format!("written: {}", output.display()));
     };
-    let node = &running.node;
     let file = frame.parent_from_child();
     let published = session.camera.look_up(&frame.parent, &frame.child)?;
     let difference = (file * running.nudge.isometry()).inverse() * published;
     if difference.translation.vector.norm() > SAME_POSE || difference.rotation.angle() > SAME_POSE {
         return Err(Failure::Refused(anyhow!(
-            "{node} has another pose of {} than {}: give the file that it runs with, or write one with --output",
+            "{} has another pose of {} than {}: give the file that it runs with, or write one with --output",
+            running.node,
             frame.child,
             projector.path.display()
         )));
     }
     let nudge = Nudge::of_isometry(&(file.inverse() * pose));
-    if !nudge.is_within_bounds() {
-        return Err(Failure::Refused(anyhow!(
-            "{node} can be nudged by at most {LARGEST} m and rad, not by {nudge}: write the file with --output"
-        )));
-    }
-    let set = running.set(session.node, &nudge).map_err(Failure::refused)?;
-    if !set.nudge.is_close_to(&nudge) {
-        return Err(Failure::Refused(anyhow!("{node} does not take the pose: its log says why")));
-    }
-    let saved = running.trigger(session.node, "save").map_err(Failure::refused)?;
-    if !saved.success {
-        return Err(Failure::Refused(anyhow!("{node} shows the new pose but cannot save it: {}", saved.message)));
-    }
-    Ok(format!("saved by {node}: {}", saved.message))
+    let set = running.set(session.node, nudge).and_then(|()| running.trigger(session.node, "save"));
+    let saved = set.map_err(|error| {
+        Failure::Refused(error.context("the projector cannot save the pose (write a file with --output)"))
+    })?;
+    Ok(format!("saved by {}: {saved}", running.node))
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{anyhow, Context as _};
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_scene::join_within;
+use rcs_process::join_within;
 use rcs_window::{MonitorInfo, PictureSink};
 
 /// Timeout for a thread that was asked to end: it may be writing its files, or ends a node.

@@ -64,7 +64,11 @@ pub fn main() -> ExitCode {
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }
-    let flush = cli.command.is_none().then(|| rcs_logging::start_node(cli.is_debug()));
+    let is_node = cli.command.is_none();
+    if is_node {
+        rcs_process::keep_one_heap();
+    }
+    let flush = is_node.then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
     }
@@ -173,7 +177,7 @@ fn examine(words: &[OsString], args: &DoctorArgs, config: &Config, options: &Opt
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     log_findings(config, &[]);
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let packages = PackageIndex::from_env(&args.package_path);
     // The user's own files may lie beside each other, in no package.
     let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();

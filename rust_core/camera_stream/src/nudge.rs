@@ -5,151 +5,48 @@
 //! A step moves the optical frame as it is now, so the new nudge is `nudge · step`. The image's axes are those of the
 //! optical frame, turned and mirrored like the image.
 
-use std::sync::{Arc, Mutex};
-
+use anyhow::{Context, Result};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rcs_camera::QuarterTurns;
-use rcs_messages::std_srvs::TriggerRes;
-use rcs_node_support::nudge::{Nudge, LARGEST};
-pub use rcs_node_support::nudged_projector::NudgedProjector;
+use rcs_node_support::nudge::{Nudge, NudgedProjector};
 use rcs_render::Orientation;
-use rcs_ros::{NodeError, RosNode};
-use rcs_scene::lock;
+use rcs_ros::RosNode;
 
-/// A step of the projector's frame along and about the image's axes: x right, y down, z forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Step {
-    /// To the right, metres.
-    pub right_m: f64,
-    /// Down, metres.
-    pub down_m: f64,
-    /// Along the view, metres.
-    pub forward_m: f64,
-    /// About the axis to the right, radians; positive turns the view up.
-    pub pitch_rad: f64,
-    /// About the axis down, radians; positive turns the view to the right.
-    pub yaw_rad: f64,
-    /// About the view, radians; positive turns the projector clockwise, seen from behind.
-    pub roll_rad: f64,
+/// A step of the projector's frame: to the right, down and forward along the image's axes in metres, then about these
+/// axes in radians. Positive pitch (about right) turns the view up, yaw (about down) to the right, and roll (about
+/// forward) the projector clockwise, seen from behind.
+pub type Step = [f64; 6];
+
+/// The node `projector` that publishes the CameraInfo on a topic.
+///
+/// # Errors
+/// There is none, or it does not answer.
+pub fn projector(ros: &RosNode, camera_info_topic: &str) -> Result<NudgedProjector> {
+    let topic = ros.resolve(camera_info_topic)?;
+    NudgedProjector::find(ros, &topic)?.with_context(|| {
+        format!(
+            "{topic} is not published by a node projector, which alone can be nudged; start it with the projector's \
+             file"
+        )
+    })
 }
 
-/// A camera whose projector is nudged.
-#[derive(Clone, Debug)]
-pub struct NudgeTarget {
-    /// Topic of the CameraInfo that the camera reads.
-    pub camera_info_topic: String,
-    /// Orientation of the camera's image.
-    pub orientation: Orientation,
+/// Moves a projector by a step along the axes of its image.
+///
+/// # Errors
+/// The sum of all steps is too large, or the node does not answer or refuses it.
+pub fn nudge(ros: &RosNode, projector: &mut NudgedProjector, orientation: Orientation, step: &Step) -> Result<()> {
+    projector.set(ros, Nudge::of_isometry(&(projector.nudge.isometry() * in_optical_frame(step, orientation))))
 }
 
-/// Errors of nudging.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NudgeError {
-    /// No node that can be nudged publishes the CameraInfo.
-    #[error(
-        "{topic} is not published by a node projector, which alone can be nudged; start it with the projector's file"
-    )]
-    NoProjector {
-        /// Topic of the CameraInfo.
-        topic: String,
-    },
-    /// The node cannot be called.
-    #[error(transparent)]
-    Call(#[from] NodeError),
-    /// The sum of all steps is too large.
-    #[error("{node} can be nudged by at most {LARGEST} m and rad; save the nudge, or calibrate again")]
-    TooFar {
-        /// Name of the node.
-        node: String,
-    },
-    /// The node refuses, with its reason.
-    #[error("{node}: {reason}")]
-    Refused {
-        /// Name of the node.
-        node: String,
-        /// Reason.
-        reason: String,
-    },
-}
-
-/// Nudges projectors. Its methods wait for other nodes, some seconds at most.
-pub struct Nudger {
-    ros: Arc<RosNode>,
-    /// Held from reading the values to writing them, so that all steps count.
-    stepping: Mutex<()>,
-}
-
-impl Nudger {
-    /// Nudges through the services of projectors' nodes.
-    pub fn new(ros: Arc<RosNode>) -> Self {
-        Self { ros, stepping: Mutex::default() }
-    }
-
-    /// The node that publishes a camera's CameraInfo, and its values.
-    ///
-    /// # Errors
-    /// [`NudgeError::NoProjector`] or [`NudgeError::Call`].
-    pub fn values(&self, target: &NudgeTarget) -> Result<NudgedProjector, NudgeError> {
-        let topic = self.ros.resolve(&target.camera_info_topic)?;
-        NudgedProjector::find(&self.ros, &topic)?.ok_or(NudgeError::NoProjector { topic })
-    }
-
-    /// Moves the projector by a step. Returns the values that apply then.
-    ///
-    /// # Errors
-    /// [`NudgeError`].
-    pub fn nudge(&self, target: &NudgeTarget, step: &Step) -> Result<NudgedProjector, NudgeError> {
-        let _stepping = lock(&self.stepping);
-        let known = self.values(target)?;
-        let wanted = Nudge::of_isometry(&(known.nudge.isometry() * step.in_optical_frame(target.orientation)));
-        if !wanted.is_within_bounds() {
-            return Err(NudgeError::TooFar { node: known.node });
-        }
-        let set = known.set(&self.ros, &wanted)?;
-        if set.nudge.is_close_to(&wanted) {
-            return Ok(set);
-        }
-        // It has nothing to revert, and its answer says why.
-        let reason = known.trigger(&self.ros, "revert")?.message;
-        Err(NudgeError::Refused { node: known.node, reason })
-    }
-
-    /// Writes the nudged pose into the projector's file. Returns what the node says.
-    ///
-    /// # Errors
-    /// [`NudgeError`].
-    pub fn save(&self, target: &NudgeTarget) -> Result<String, NudgeError> {
-        self.finish(target, "save")
-    }
-
-    /// Takes the nudge back. Returns what the node says.
-    ///
-    /// # Errors
-    /// [`NudgeError`].
-    pub fn revert(&self, target: &NudgeTarget) -> Result<String, NudgeError> {
-        self.finish(target, "revert")
-    }
-
-    fn finish(&self, target: &NudgeTarget, service: &str) -> Result<String, NudgeError> {
-        let _stepping = lock(&self.stepping);
-        let known = self.values(target)?;
-        match known.trigger(&self.ros, service)? {
-            TriggerRes { success: true, message } => Ok(message),
-            TriggerRes { message: reason, .. } => Err(NudgeError::Refused { node: known.node, reason }),
-        }
-    }
-}
-
-impl Step {
-    /// The step in the axes of the camera's optical frame.
-    fn in_optical_frame(&self, orientation: Orientation) -> Isometry3<f64> {
-        let optical_from_image = optical_from_image(orientation);
-        let translation = optical_from_image * Vector3::new(self.right_m, self.down_m, self.forward_m);
-        // In a mirror, a turn to the right is one to the left.
-        let turn = optical_from_image.determinant().signum() * optical_from_image;
-        let rotation = turn * Vector3::new(self.pitch_rad, self.yaw_rad, self.roll_rad);
-        Isometry3::from_parts(translation.into(), UnitQuaternion::from_scaled_axis(rotation))
-    }
+/// The step in the axes of the camera's optical frame.
+fn in_optical_frame(step: &Step, orientation: Orientation) -> Isometry3<f64> {
+    let [right, down, forward, pitch, yaw, roll] = *step;
+    let optical_from_image = optical_from_image(orientation);
+    let translation = optical_from_image * Vector3::new(right, down, forward);
+    // In a mirror, a turn to the right is one to the left.
+    let turn = optical_from_image.determinant().signum() * optical_from_image;
+    Isometry3::from_parts(translation.into(), UnitQuaternion::from_scaled_axis(turn * Vector3::new(pitch, yaw, roll)))
 }
 
 /// The axes of an oriented image in the camera's optical frame.
@@ -168,7 +65,7 @@ mod tests {
     const MM: f64 = 0.001;
 
     fn step(orientation: &str, step: Step) -> Isometry3<f64> {
-        step.in_optical_frame(orientation.parse().unwrap())
+        in_optical_frame(&step, orientation.parse().unwrap())
     }
 
     #[test]
@@ -182,20 +79,20 @@ mod tests {
             ("mirrored", [-MM, 0.0, 0.0]),
             ("mirrored-90", [0.0, -MM, 0.0]),
         ] {
-            let moved = step(orientation, Step { right_m: MM, ..Step::default() });
+            let moved = step(orientation, [MM, 0.0, 0.0, 0.0, 0.0, 0.0]);
             assert_eq!(moved.translation.vector, Vector3::from(expected), "{orientation}");
             assert_eq!(moved.rotation, UnitQuaternion::identity(), "{orientation}");
         }
-        assert_eq!(step("90", Step { down_m: MM, ..Step::default() }).translation.vector, Vector3::new(MM, 0.0, 0.0));
+        assert_eq!(step("90", [0.0, MM, 0.0, 0.0, 0.0, 0.0]).translation.vector, Vector3::new(MM, 0.0, 0.0));
         for orientation in ["0", "90", "180", "270", "mirrored", "mirrored-270"] {
-            let forward = step(orientation, Step { forward_m: MM, ..Step::default() });
+            let forward = step(orientation, [0.0, 0.0, MM, 0.0, 0.0, 0.0]);
             assert_eq!(forward.translation.vector, Vector3::new(0.0, 0.0, MM), "{orientation}");
             // The view turns where the image's right is.
-            let right = step(orientation, Step { right_m: 1.0, ..Step::default() }).translation.vector;
-            let view = step(orientation, Step { yaw_rad: 0.1, ..Step::default() }) * Vector3::z();
+            let right = step(orientation, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]).translation.vector;
+            let view = step(orientation, [0.0, 0.0, 0.0, 0.0, 0.1, 0.0]) * Vector3::z();
             assert!((view.dot(&right) - 0.1_f64.sin()).abs() < 1e-15, "{orientation}: {view}");
-            let up = -step(orientation, Step { down_m: 1.0, ..Step::default() }).translation.vector;
-            let view = step(orientation, Step { pitch_rad: 0.1, ..Step::default() }) * Vector3::z();
+            let up = -step(orientation, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]).translation.vector;
+            let view = step(orientation, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]) * Vector3::z();
             assert!((view.dot(&up) - 0.1_f64.sin()).abs() < 1e-15, "{orientation}: {view}");
         }
     }
@@ -206,7 +103,7 @@ mod tests {
         let in_file = Isometry3::from_parts([1.0, 2.0, 3.0].into(), UnitQuaternion::from_euler_angles(-1.57, 0.2, 0.4));
         let before = Nudge([0.01, -0.02, 0.03, 0.1, -0.2, 0.3]);
         for orientation in ["0", "90", "mirrored-180"] {
-            let step = step(orientation, Step { right_m: MM, yaw_rad: 0.002, ..Step::default() });
+            let step = step(orientation, [MM, 0.0, 0.0, 0.0, 0.002, 0.0]);
             let after = Nudge::of_isometry(&(before.isometry() * step));
             let moved = (in_file * before.isometry()).inverse() * (in_file * after.isometry());
             assert!((moved.translation.vector - step.translation.vector).norm() < 1e-14, "{orientation}: {moved}");

@@ -1,6 +1,7 @@
 //! One camera: its CameraInfo and view.
 
 use std::ffi::c_char;
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 use rcs_camera::{
@@ -9,10 +10,11 @@ use rcs_camera::{
 use rcs_scene::{DepthPicture, Flip, Picture, PixelMap};
 
 use crate::fault::{Fault, RcsResult};
+use crate::guard;
 use crate::numbers::{Flag, ProjectionNumber};
+use crate::pointers::required;
 use crate::text::write_text;
 use crate::view::{view, with_fields, RcsCameraInfo, RcsView};
-use crate::{guard, pointers};
 
 /// Names of the plugin's settings that correct a deviation.
 const ADVICE: Advice =
@@ -54,21 +56,15 @@ impl RcsCamera {
 /// A camera without a CameraInfo, for which a picture is due at each call. The caller frees it with `rcs_camera_free`.
 /// NULL only after a bug of this library.
 #[no_mangle]
-pub extern "C" fn rcs_camera_new() -> *mut RcsCamera {
-    guard::value(std::ptr::null_mut(), || Ok(Box::into_raw(Box::default())))
+pub extern "C" fn rcs_camera_new() -> Option<Box<RcsCamera>> {
+    guard::value(None, || Ok(Some(Box::default())))
 }
 
 /// Frees a camera; NULL is allowed. No pointer to it may be used afterwards.
-///
-/// # Safety
-/// `camera` is NULL or comes from `rcs_camera_new`, was not freed, and no other thread uses it.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_free(camera: *mut RcsCamera) {
+pub extern "C" fn rcs_camera_free(camera: Option<Box<RcsCamera>>) {
     guard::value((), || {
-        if !camera.is_null() {
-            // SAFETY: as the caller promises.
-            drop(unsafe { Box::from_raw(camera) });
-        }
+        drop(camera);
         Ok(())
     });
 }
@@ -85,46 +81,35 @@ pub unsafe extern "C" fn rcs_camera_free(camera: *mut RcsCamera) {
 /// After every failure except a NULL camera, the camera has no CameraInfo, as after `rcs_camera_clear_info`.
 ///
 /// # Safety
-/// `camera` is not freed; `info` and what it points to are as `RcsCameraInfo` says; `view` points to an `RcsView`.
+/// What `info` points to is as `RcsCameraInfo` says.
 #[no_mangle]
 pub unsafe extern "C" fn rcs_camera_set_info(
-    camera: *mut RcsCamera,
-    info: *const RcsCameraInfo,
+    camera: Option<&mut RcsCamera>,
+    info: Option<&RcsCameraInfo>,
     projection: ProjectionNumber,
     undistort: Flag,
     near_clip_m: f64,
-    view: *mut RcsView,
+    view: Option<&mut MaybeUninit<RcsView>>,
 ) -> RcsResult {
     guard::result(|| {
-        // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
+        let camera = required(camera, "camera")?;
         camera.clear_info();
-        // SAFETY: as the caller promises.
-        let info = unsafe { pointers::shared(info, "info") }?;
-        pointers::writable(view, "view")?;
+        let (info, view) = (required(info, "info")?, required(view, "view")?);
         if !near_clip_m.is_finite() {
             return Err(Fault::new(RcsResult::BadValue, format_args!("near_clip_m is {near_clip_m}")));
         }
         let model = CameraModel { projection: projection.checked()?, undistort: undistort.is_set() };
         // SAFETY: as the caller promises.
         unsafe { camera.set_info(info, model, near_clip_m) }?;
-        // SAFETY: as the caller promises.
-        unsafe { pointers::write(view, camera.current()?.view) };
+        view.write(camera.current()?.view);
         Ok(())
     })
 }
 
 /// Forgets the CameraInfo: pictures cannot be encoded until the next one is set. NULL is allowed.
-///
-/// # Safety
-/// `camera` is NULL or not freed.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
-    guard::value((), || {
-        // SAFETY: as the caller promises.
-        unsafe { pointers::exclusive(camera, "camera") }?.clear_info();
-        Ok(())
-    });
+pub extern "C" fn rcs_camera_clear_info(camera: Option<&mut RcsCamera>) {
+    guard::with(camera, (), RcsCamera::clear_info);
 }
 
 /// Writes the reasons why a projection of the picture misses its objects, as in the node's status Camera Info: with
@@ -133,12 +118,11 @@ pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
 /// Empty without reasons or CameraInfo. Buffer and returned length are as in `rcs_last_error`.
 ///
 /// # Safety
-/// `camera` is not freed; `buffer` has room for `length` bytes.
+/// `buffer` has room for `length` bytes.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_warning(camera: *const RcsCamera, buffer: *mut c_char, length: usize) -> usize {
+pub unsafe extern "C" fn rcs_camera_warning(camera: Option<&RcsCamera>, buffer: *mut c_char, length: usize) -> usize {
     guard::value(0, || {
-        // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::shared(camera, "camera") }?;
+        let camera = required(camera, "camera")?;
         // SAFETY: as the caller promises.
         unsafe { write_text(&camera.warning, buffer, length) }
     })
@@ -159,7 +143,7 @@ impl RcsCamera {
                 // Only lenses and mirrors are computed by several threads.
                 let is_mirrored = fields.p[0] < 0.0 || fields.p[5] < 0.0;
                 if is_mirrored || (model.undistort && is_distorted(fields)) {
-                    rcs_scene::name_threads();
+                    rcs_process::name_threads();
                 }
                 let optics = optics(fields, TOPIC, model, &self.lenses);
                 let optics = optics.map_err(|error| Fault::new(RcsResult::BadCameraInfo, error))?;

@@ -5,8 +5,9 @@ use std::ffi::c_char;
 use rcs_rviz_config::{headless, parse_bytes};
 
 use crate::fault::{Fault, RcsResult};
+use crate::guard;
+use crate::pointers::{self, required};
 use crate::text::write_text;
-use crate::{guard, pointers};
 
 /// Largest config, in bytes.
 const MAX_BYTES: usize = 64 << 20;
@@ -56,8 +57,8 @@ pub unsafe extern "C" fn rcs_config_report(
     yaml: *const c_char,
     yaml_length: usize,
     path: *const c_char,
-    report: *mut RcsText,
-    launch_line: *mut RcsText,
+    report: Option<&mut RcsText>,
+    launch_line: Option<&mut RcsText>,
 ) -> RcsResult {
     guard::result(|| {
         if yaml_length > MAX_BYTES {
@@ -71,10 +72,7 @@ pub unsafe extern "C" fn rcs_config_report(
         let yaml = unsafe { pointers::slice(yaml.cast::<u8>(), yaml_length, "yaml") }?;
         // SAFETY: as the caller promises.
         let path = unsafe { pointers::text(path, "path") }?;
-        // SAFETY: as the caller promises.
-        let report = unsafe { pointers::exclusive(report, "report") }?;
-        // SAFETY: as the caller promises.
-        let launch_line = unsafe { pointers::exclusive(launch_line, "launch_line") }?;
+        let (report, launch_line) = (required(report, "report")?, required(launch_line, "launch_line")?);
         report.check("report.buffer")?;
         launch_line.check("launch_line.buffer")?;
         let config = parse_bytes(yaml, &path).map_err(|error| Fault::new(RcsResult::BadConfig, error))?;

@@ -1,6 +1,7 @@
 //! The encodings of a published picture.
 
 use std::ffi::{c_char, CStr};
+use std::mem::MaybeUninit;
 
 use rcs_scene::Encoding;
 
@@ -32,20 +33,8 @@ impl RcsEncoding {
     pub(crate) const ALL: [Self; 6] = [Self::Rgb8, Self::Rgba8, Self::Bgr8, Self::Bgra8, Self::Mono8, Self::Mono16];
 }
 
-impl EncodingNumber {
-    pub(crate) fn checked(self) -> Result<Encoding, Fault> {
-        let known = RcsEncoding::ALL.into_iter().zip(Encoding::ALL);
-        let found = known.into_iter().find(|(number, _)| *number as u32 == self.0);
-        found.map_or_else(|| Err(Fault::unknown("RcsEncoding", self.0)), |(_, encoding)| Ok(encoding))
-    }
-}
-
 /// The encodings' names for C, in the order of [`Encoding::ALL`].
 const NAMES: [&CStr; 6] = [c"rgb8", c"rgba8", c"bgr8", c"bgra8", c"mono8", c"mono16"];
-
-fn position(encoding: Encoding) -> Option<usize> {
-    Encoding::ALL.iter().position(|known| *known == encoding)
-}
 
 /// Bytes of one pixel in an encoding; 0 for an invalid encoding.
 #[no_mangle]
@@ -57,29 +46,31 @@ pub extern "C" fn rcs_encoding_bytes_per_pixel(encoding: EncodingNumber) -> usiz
 #[no_mangle]
 pub extern "C" fn rcs_encoding_name(encoding: EncodingNumber) -> *const c_char {
     guard::value(std::ptr::null(), || {
-        let name = position(encoding.checked()?).and_then(|position| NAMES.get(position));
-        Ok(name.map_or(std::ptr::null(), |name| name.as_ptr()))
+        encoding.checked()?;
+        Ok(NAMES.get(encoding.0 as usize).map_or(std::ptr::null(), |name| name.as_ptr()))
     })
 }
 
 /// Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for an unknown name.
 ///
 /// # Safety
-/// `name` ends with a NUL; `encoding` points to an `RcsEncoding`.
+/// `name` ends with a NUL.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_encoding_from_name(name: *const c_char, encoding: *mut RcsEncoding) -> RcsResult {
+pub unsafe extern "C" fn rcs_encoding_from_name(
+    name: *const c_char,
+    encoding: Option<&mut MaybeUninit<RcsEncoding>>,
+) -> RcsResult {
     guard::result(|| {
         // SAFETY: as the caller promises.
         let name = unsafe { pointers::text(name, "name") }?;
-        pointers::writable(encoding, "encoding")?;
-        let found = Encoding::from_name(&name).and_then(position).and_then(|at| RcsEncoding::ALL.get(at).copied());
+        let encoding = pointers::required(encoding, "encoding")?;
+        let mut known = RcsEncoding::ALL.into_iter().zip(Encoding::ALL);
+        let found = known.find(|(_, known)| known.name() == name);
         let unknown = || {
             let known = Encoding::ALL.map(Encoding::name).join(", ");
             Fault::new(RcsResult::BadValue, format_args!("unknown encoding '{name}'; encodings: {known}"))
         };
-        let found = found.ok_or_else(unknown)?;
-        // SAFETY: as the caller promises.
-        unsafe { pointers::write(encoding, found) };
+        encoding.write(found.ok_or_else(unknown)?.0);
         Ok(())
     })
 }
@@ -96,10 +87,11 @@ mod tests {
             // SAFETY: static, with a NUL.
             let name = unsafe { CStr::from_ptr(rcs_encoding_name(number)) };
             assert_eq!(name.to_str(), Ok(encoding.name()));
-            let mut found = RcsEncoding::Mono8;
-            // SAFETY: both are valid.
-            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), &mut found) }, RcsResult::Ok);
-            assert_eq!(found, RcsEncoding::ALL[at]);
+            let mut found = MaybeUninit::uninit();
+            // SAFETY: the name ends with a NUL.
+            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), Some(&mut found)) }, RcsResult::Ok);
+            // SAFETY: it was written.
+            assert_eq!(unsafe { found.assume_init() }, RcsEncoding::ALL[at]);
         }
         for number in [6, u32::MAX].map(EncodingNumber) {
             assert_eq!(rcs_encoding_bytes_per_pixel(number), 0);
@@ -109,11 +101,12 @@ mod tests {
 
     #[test]
     fn other_names_are_refused() {
-        let mut found = RcsEncoding::Bgra8;
+        let mut found = MaybeUninit::new(RcsEncoding::Bgra8);
         for name in [c"", c"RGB8", c"rgb", c"rgb88", c"\xff"] {
-            // SAFETY: both are valid.
-            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), &mut found) }, RcsResult::BadValue);
+            // SAFETY: the name ends with a NUL.
+            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), Some(&mut found)) }, RcsResult::BadValue);
         }
-        assert_eq!(found, RcsEncoding::Bgra8);
+        // SAFETY: it has a value from the beginning.
+        assert_eq!(unsafe { found.assume_init() }, RcsEncoding::Bgra8);
     }
 }

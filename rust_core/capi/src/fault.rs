@@ -13,7 +13,7 @@ pub enum RcsResult {
     NullPointer,
     /// A length does not match the sizes, or is larger than memory.
     BadLength,
-    /// A number is out of range, a pointer is not aligned, or two buffers overlap.
+    /// A number is out of range, a buffer is not aligned, or two buffers overlap.
     BadValue,
     /// A field of the CameraInfo is invalid.
     BadCameraInfo,
@@ -36,10 +36,6 @@ pub(crate) struct Fault {
 impl Fault {
     pub(crate) fn new(result: RcsResult, text: impl fmt::Display) -> Self {
         Self { result, text: text.to_string() }
-    }
-
-    pub(crate) fn unknown(name: &str, number: u32) -> Self {
-        Self::new(RcsResult::BadValue, format_args!("{number} is no {name}"))
     }
 
     pub(crate) fn null(name: &str) -> Self {

@@ -6,6 +6,7 @@ use std::ffi::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
 use crate::fault::{Fault, RcsResult};
+use crate::pointers::required;
 use crate::text::write_text;
 
 thread_local! {
@@ -46,6 +47,11 @@ pub(crate) fn value<T>(otherwise: T, call: impl FnOnce() -> Result<T, Fault>) ->
             otherwise
         }
     }
+}
+
+/// Runs a call with a camera, which returns `otherwise` for NULL.
+pub(crate) fn with<C, T>(camera: Option<&mut C>, otherwise: T, call: impl FnOnce(&mut C) -> T) -> T {
+    value(otherwise, || Ok(call(required(camera, "camera")?)))
 }
 
 /// Converts a panic to a fault. Partial changes of the call remain, which is memory-safe: no handle has unsafe parts.

@@ -5,62 +5,34 @@
 use std::time::Duration;
 
 use crate::camera::RcsCamera;
+use crate::guard;
 use crate::numbers::Flag;
-use crate::{guard, pointers};
 
 /// Sets the rate of pictures, per second. Below 0: a picture is due at each call of `rcs_camera_due`, once per frame of
 /// rviz's window. 0, or NaN: only when triggered. Above 0: at that rate on average, or at each call if there are fewer
 /// calls. NULL is allowed.
-///
-/// # Safety
-/// `camera` is NULL or not freed.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_set_frame_rate(camera: *mut RcsCamera, frame_rate_hz: f32) {
-    guard::value((), || {
-        // SAFETY: as the caller promises.
-        unsafe { pointers::exclusive(camera, "camera") }?.pacing.set_frame_rate(frame_rate_hz);
-        Ok(())
-    });
+pub extern "C" fn rcs_camera_set_frame_rate(camera: Option<&mut RcsCamera>, frame_rate_hz: f32) {
+    guard::with(camera, (), |camera| camera.pacing.set_frame_rate(frame_rate_hz));
 }
 
 /// Makes one picture due, at any frame rate and also without subscribers, from the next call of `rcs_camera_due` until
 /// `rcs_camera_begin`. NULL is allowed.
-///
-/// # Safety
-/// `camera` is NULL or not freed.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_trigger(camera: *mut RcsCamera) {
-    guard::value((), || {
-        // SAFETY: as the caller promises.
-        unsafe { pointers::exclusive(camera, "camera") }?.pacing.trigger();
-        Ok(())
-    });
+pub extern "C" fn rcs_camera_trigger(camera: Option<&mut RcsCamera>) {
+    guard::with(camera, (), |camera| camera.pacing.trigger());
 }
 
 /// Returns true if a picture is due now. Call it exactly once per frame of the window. `watched`: the picture has
 /// subscribers; without, only a triggered one is due. After a pause a picture is due at once, and no burst follows.
 /// False for NULL.
-///
-/// # Safety
-/// `camera` is NULL or not freed.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_due(camera: *mut RcsCamera, now_ns: u64, watched: Flag) -> bool {
-    guard::value(false, || {
-        // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
-        Ok(camera.pacing.is_due(Duration::from_nanos(now_ns), watched.is_set()))
-    })
+pub extern "C" fn rcs_camera_due(camera: Option<&mut RcsCamera>, now_ns: u64, watched: Flag) -> bool {
+    guard::with(camera, false, |camera| camera.pacing.is_due(Duration::from_nanos(now_ns), watched.is_set()))
 }
 
 /// Records that a picture is being drawn: resets the trigger, and schedules the next picture. NULL is allowed.
-///
-/// # Safety
-/// `camera` is NULL or not freed.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_begin(camera: *mut RcsCamera, now_ns: u64) {
-    guard::value((), || {
-        // SAFETY: as the caller promises.
-        unsafe { pointers::exclusive(camera, "camera") }?.pacing.begin(Duration::from_nanos(now_ns));
-        Ok(())
-    });
+pub extern "C" fn rcs_camera_begin(camera: Option<&mut RcsCamera>, now_ns: u64) {
+    guard::with(camera, (), |camera| camera.pacing.begin(Duration::from_nanos(now_ns)));
 }

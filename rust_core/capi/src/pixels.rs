@@ -1,12 +1,13 @@
 //! Converts pixels of a graphics library to the bytes of a `sensor_msgs/Image`.
 
 use rcs_camera::{metres_of_depth_buffer, write_depth_through, write_through, Readback, ReadbackProblem};
-use rcs_scene::{Encoding, PixelOrder};
+use rcs_scene::Encoding;
 
 use crate::camera::{Current, RcsCamera};
 use crate::fault::{Fault, RcsResult};
+use crate::guard;
 use crate::numbers::{EncodingNumber, Flag, PixelOrderNumber};
-use crate::{guard, pointers};
+use crate::pointers::{self, required};
 
 /// Order of the four bytes of a pixel in memory. The fourth is ignored.
 #[repr(C)]
@@ -16,16 +17,6 @@ pub enum RcsPixelOrder {
     Rgba = 0,
     /// Blue, green, red, alpha.
     Bgra,
-}
-
-impl PixelOrderNumber {
-    pub(crate) fn checked(self) -> Result<PixelOrder, Fault> {
-        match self.0 {
-            number if number == RcsPixelOrder::Rgba as u32 => Ok(PixelOrder::Rgba),
-            number if number == RcsPixelOrder::Bgra as u32 => Ok(PixelOrder::Bgra),
-            number => Err(Fault::unknown("RcsPixelOrder", number)),
-        }
-    }
 }
 
 /// A drawn picture as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
@@ -63,24 +54,20 @@ impl From<ReadbackProblem> for Fault {
 /// overlap `pixels` (`RCS_RESULT_BAD_VALUE`). `RCS_RESULT_NO_CAMERA_INFO` without a CameraInfo.
 ///
 /// # Safety
-/// `camera` is not freed; `pixels` and what it points to are as `RcsPixels` says; three bytes are behind
-/// `background_rgb` and `out_length` behind `out`.
+/// What `pixels` points to is as `RcsPixels` says; three bytes are behind `background_rgb`, `out_length` behind `out`.
 #[no_mangle]
 pub unsafe extern "C" fn rcs_camera_encode(
-    camera: *mut RcsCamera,
-    pixels: *const RcsPixels,
+    camera: Option<&mut RcsCamera>,
+    pixels: Option<&RcsPixels>,
     encoding: EncodingNumber,
     background_rgb: *const u8,
     out: *mut u8,
     out_length: usize,
 ) -> RcsResult {
     guard::result(|| {
+        let (camera, pixels) = (required(camera, "camera")?, required(pixels, "pixels")?);
         // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
-        // SAFETY: as the caller promises.
-        let pixels = unsafe { pointers::shared(pixels, "pixels") }?;
-        // SAFETY: as the caller promises.
-        let background = *unsafe { pointers::shared(background_rgb.cast::<[u8; 3]>(), "background_rgb") }?;
+        let background = unsafe { pointers::slice(background_rgb.cast::<[u8; 3]>(), 1, "background_rgb") }?;
         let encoding = encoding.checked()?;
         let current = camera.current.as_ref().ok_or_else(Fault::no_camera_info)?;
         // SAFETY: as the caller promises.
@@ -95,7 +82,7 @@ pub unsafe extern "C" fn rcs_camera_encode(
                 let source = &mut camera.before_lens;
                 source.reset(pixels.width, pixels.height, Encoding::Rgba8);
                 drawn.write(Encoding::Rgba8, &mut source.data);
-                write_through(lens, source, background, encoding, out);
+                write_through(lens, source, background[0], encoding, out);
             }
         }
         current.flip.bytes(current.view.picture_width, encoding.bytes_per_pixel(), out);
@@ -112,10 +99,10 @@ pub unsafe extern "C" fn rcs_camera_encode(
 /// `RCS_RESULT_BAD_LENGTH`, buffers that overlap or are not aligned `RCS_RESULT_BAD_VALUE`.
 ///
 /// # Safety
-/// `camera` is not freed; there are as many values behind `depth` and `out` as the counts say.
+/// There are as many values behind `depth` and `out` as the counts say.
 #[no_mangle]
 pub unsafe extern "C" fn rcs_camera_encode_depth(
-    camera: *mut RcsCamera,
+    camera: Option<&mut RcsCamera>,
     depth: *const f32,
     depth_count: usize,
     bottom_up: Flag,
@@ -123,8 +110,7 @@ pub unsafe extern "C" fn rcs_camera_encode_depth(
     out_count: usize,
 ) -> RcsResult {
     guard::result(|| {
-        // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
+        let camera = required(camera, "camera")?;
         let current = camera.current.as_ref().ok_or_else(Fault::no_camera_info)?;
         let view = &current.view;
         require_length("depth_count", depth_count, pixels_of(view.drawn_width, view.drawn_height))?;

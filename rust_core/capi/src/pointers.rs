@@ -1,4 +1,4 @@
-//! Checks pointers from C and converts them to references.
+//! Checks pointers from C and converts them to slices and texts.
 
 use std::borrow::Cow;
 use std::ffi::{c_char, CStr};
@@ -6,48 +6,20 @@ use std::ops::Range;
 
 use crate::fault::{Fault, RcsResult};
 
-fn check<T>(pointer: *const T, name: &str) -> Result<(), Fault> {
+/// A reference from C, where NULL is `None`.
+pub(crate) fn required<T>(pointer: Option<T>, name: &str) -> Result<T, Fault> {
+    pointer.ok_or_else(|| Fault::null(name))
+}
+
+/// Checks a pointer to `count` values, which fit the address space, and returns their size in bytes.
+fn check<T>(pointer: *const T, count: usize, name: &str) -> Result<usize, Fault> {
     if pointer.is_null() {
         return Err(Fault::null(name));
     }
     if !pointer.is_aligned() {
         return Err(Fault::new(RcsResult::BadValue, format_args!("{name} is not aligned for what it points to")));
     }
-    Ok(())
-}
-
-/// A shared reference to the value behind a pointer.
-///
-/// # Safety
-/// A pointer that is not NULL points to a `T` that nothing changes for `'a`.
-pub(crate) unsafe fn shared<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Fault> {
-    check(pointer, name)?;
-    // SAFETY: not NULL, aligned, and valid as the caller promises.
-    Ok(unsafe { &*pointer })
-}
-
-/// An exclusive reference to the value behind a pointer.
-///
-/// # Safety
-/// A pointer that is not NULL points to a `T` that nothing else uses for `'a`.
-pub(crate) unsafe fn exclusive<'a, T>(pointer: *mut T, name: &str) -> Result<&'a mut T, Fault> {
-    check(pointer, name)?;
-    // SAFETY: not NULL, aligned, and not used otherwise as the caller promises.
-    Ok(unsafe { &mut *pointer })
-}
-
-/// Checks a pointer before writing.
-pub(crate) fn writable<T>(pointer: *mut T, name: &str) -> Result<(), Fault> {
-    check(pointer, name)
-}
-
-/// Writes through a pointer.
-///
-/// # Safety
-/// [`writable`] has accepted it, and it points to memory of a `T`.
-pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) {
-    // SAFETY: not NULL and aligned, and memory as the caller promises.
-    unsafe { pointer.write(value) }
+    bytes_of(pointer, count, name)
 }
 
 /// Size in bytes of `count` values at an address, if they fit the address space.
@@ -65,8 +37,7 @@ pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize, name: &str) -
     if count == 0 {
         return Ok(&[]);
     }
-    check(pointer, name)?;
-    bytes_of(pointer, count, name)?;
+    check(pointer, count, name)?;
     // SAFETY: not NULL, aligned, at most isize::MAX bytes, and valid as the caller promises.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
@@ -79,8 +50,7 @@ pub(crate) unsafe fn slice_mut<'a, T>(pointer: *mut T, count: usize, name: &str)
     if count == 0 {
         return Ok(&mut []);
     }
-    check(pointer, name)?;
-    bytes_of(pointer, count, name)?;
+    check(pointer, count, name)?;
     // SAFETY: not NULL, aligned, at most isize::MAX bytes, and not used otherwise as the caller promises.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
@@ -105,7 +75,7 @@ fn addresses<T>(pointer: *const T, count: usize, name: &str) -> Result<Range<usi
 /// # Safety
 /// A pointer that is not NULL points to such a text, which nothing changes for `'a`.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<Cow<'a, str>, Fault> {
-    check(pointer, name)?;
+    check(pointer, 1, name)?;
     // SAFETY: not NULL, and ends with a NUL as the caller promises.
     Ok(unsafe { CStr::from_ptr(pointer) }.to_string_lossy())
 }
@@ -121,8 +91,6 @@ mod tests {
         let result = |fault: Fault| fault.result;
         // SAFETY: each is refused before it is read.
         unsafe {
-            assert_eq!(shared::<f64>(std::ptr::null(), "x").map_err(result), Err(RcsResult::NullPointer));
-            assert_eq!(shared(unaligned, "x").map_err(result), Err(RcsResult::BadValue));
             assert_eq!(slice::<f64>(std::ptr::null(), 1, "x").map_err(result), Err(RcsResult::NullPointer));
             assert_eq!(slice(unaligned, 1, "x").map_err(result), Err(RcsResult::BadValue));
             for count in [usize::MAX, usize::MAX / 8 + 2, isize::MAX as usize / 8 + 1] {

@@ -7,8 +7,9 @@ use rcs_camera::{figure, RollingWindow, PICTURES};
 
 use crate::camera::RcsCamera;
 use crate::fault::{Fault, RcsResult};
+use crate::guard;
+use crate::pointers::required;
 use crate::text::write_text;
-use crate::{guard, pointers};
 
 /// Times at which the steps of one picture ended: nanoseconds of the clock that is used with `rcs_camera_due`.
 #[repr(C)]
@@ -25,16 +26,11 @@ pub struct RcsTimes {
 }
 
 /// Records a published picture. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
-///
-/// # Safety
-/// `camera` is not freed; `times` points to an `RcsTimes`.
 #[no_mangle]
-pub unsafe extern "C" fn rcs_camera_record(camera: *mut RcsCamera, times: *const RcsTimes) -> RcsResult {
+pub extern "C" fn rcs_camera_record(camera: Option<&mut RcsCamera>, times: Option<&RcsTimes>) -> RcsResult {
     guard::result(|| {
-        // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
-        // SAFETY: as the caller promises.
-        let RcsTimes { begun_ns, drawn_ns, read_ns, published_ns } = *unsafe { pointers::shared(times, "times") }?;
+        let camera = required(camera, "camera")?;
+        let RcsTimes { begun_ns, drawn_ns, read_ns, published_ns } = *required(times, "times")?;
         let step = |from: u64, to: u64| to.checked_sub(from).map(Duration::from_nanos);
         let steps = [step(begun_ns, drawn_ns), step(drawn_ns, read_ns), step(read_ns, published_ns)];
         let ([Some(draw), Some(read), Some(publish)], Some(whole)) = (steps, step(begun_ns, published_ns)) else {
@@ -51,19 +47,18 @@ pub unsafe extern "C" fn rcs_camera_record(camera: *mut RcsCamera, times: *const
 /// `rcs_last_error`.
 ///
 /// # Safety
-/// `camera` is not freed; `buffer` has room for `length` bytes.
+/// `buffer` has room for `length` bytes.
 #[no_mangle]
 pub unsafe extern "C" fn rcs_camera_statistics(
-    camera: *const RcsCamera,
+    camera: Option<&RcsCamera>,
     now_ns: u64,
     buffer: *mut c_char,
     length: usize,
 ) -> usize {
     guard::value(0, || {
+        let line = line(required(camera, "camera")?, Duration::from_nanos(now_ns));
         // SAFETY: as the caller promises.
-        let camera = unsafe { pointers::shared(camera, "camera") }?;
-        // SAFETY: as the caller promises.
-        unsafe { write_text(&line(camera, Duration::from_nanos(now_ns)), buffer, length) }
+        unsafe { write_text(&line, buffer, length) }
     })
 }
 

@@ -1,6 +1,7 @@
 //! The whole interface in tests small enough for Miri; `tests/c` has more, in C.
 
 use std::ffi::c_char;
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
 use crate::*;
@@ -27,34 +28,36 @@ fn info() -> RcsCameraInfo {
     }
 }
 
-const NO_VIEW: RcsView = RcsView {
-    drawn_width: 0,
-    drawn_height: 0,
-    picture_width: 0,
-    picture_height: 0,
-    clip_from_view: [0.0; 16],
-    optical_from_eye: [0.0; 3],
-    near_m: 0.0,
-    far_m: 0.0,
-};
-
-/// A camera with that CameraInfo, and its view; to be freed.
-fn camera(undistort: bool) -> (*mut RcsCamera, RcsView) {
+/// A camera with that CameraInfo, and its view.
+fn camera(undistort: bool) -> (Box<RcsCamera>, RcsView) {
     camera_of(&info(), RcsProjection::Rviz, undistort)
 }
 
 /// Like `camera`, with another CameraInfo.
-fn camera_of(info: &RcsCameraInfo, projection: RcsProjection, undistort: bool) -> (*mut RcsCamera, RcsView) {
-    let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
-    let (projection, undistort) = (ProjectionNumber(projection as u32), Flag(u8::from(undistort)));
-    // SAFETY: all pointers are valid.
-    let result = unsafe { rcs_camera_set_info(camera, info, projection, undistort, 0.1, &mut view) };
-    assert_eq!(result, RcsResult::Ok);
+fn camera_of(info: &RcsCameraInfo, projection: RcsProjection, undistort: bool) -> (Box<RcsCamera>, RcsView) {
+    let mut camera = rcs_camera_new().unwrap();
+    let view = set_info(&mut camera, info, ProjectionNumber(projection as u32), Flag(u8::from(undistort))).unwrap();
     (camera, view)
 }
 
+fn set_info(
+    camera: &mut RcsCamera,
+    info: &RcsCameraInfo,
+    projection: ProjectionNumber,
+    undistort: Flag,
+) -> Result<RcsView, RcsResult> {
+    let mut view = MaybeUninit::uninit();
+    // SAFETY: all pointers are valid, and the view is read only where it was written.
+    unsafe {
+        match rcs_camera_set_info(Some(camera), Some(info), projection, undistort, 0.1, Some(&mut view)) {
+            RcsResult::Ok => Ok(view.assume_init()),
+            failed => Err(failed),
+        }
+    }
+}
+
 /// The published picture in mono8, and the depths, of pixels and depths that are all different.
-fn published(camera: *mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
+fn published(camera: &mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
     let size = view.drawn_width as usize * view.drawn_height as usize;
     let data: Vec<u8> = (0..size).flat_map(|i| [i as u8; 4]).collect();
     let pixels = RcsPixels {
@@ -72,8 +75,22 @@ fn published(camera: *mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
     // SAFETY: all pointers and lengths are valid.
     let results = unsafe {
         [
-            rcs_camera_encode(camera, &pixels, encoding, background.as_ptr(), picture.as_mut_ptr(), picture.len()),
-            rcs_camera_encode_depth(camera, depths.as_ptr(), depths.len(), Flag(1), metres.as_mut_ptr(), metres.len()),
+            rcs_camera_encode(
+                Some(&mut *camera),
+                Some(&pixels),
+                encoding,
+                background.as_ptr(),
+                picture.as_mut_ptr(),
+                picture.len(),
+            ),
+            rcs_camera_encode_depth(
+                Some(camera),
+                depths.as_ptr(),
+                depths.len(),
+                Flag(1),
+                metres.as_mut_ptr(),
+                metres.len(),
+            ),
         ]
     };
     assert_eq!(results, [RcsResult::Ok; 2]);
@@ -92,8 +109,8 @@ fn flipped<T: Copy>(pixels: &[T], [is_left_right, is_up_down]: [bool; 2]) -> Vec
 #[test]
 fn a_mirrored_camera_info_is_drawn_without_the_mirror_and_published_with_it() {
     for undistort in [false, true] {
-        let straight = camera_of(&info(), RcsProjection::Exact, undistort);
-        let expected = published(straight.0, &straight.1);
+        let mut straight = camera_of(&info(), RcsProjection::Exact, undistort);
+        let expected = published(&mut straight.0, &straight.1);
         for [is_left_right, is_up_down] in [[true, false], [false, true], [true, true]] {
             let mut mirrored = info();
             if is_left_right {
@@ -104,17 +121,13 @@ fn a_mirrored_camera_info_is_drawn_without_the_mirror_and_published_with_it() {
                 (mirrored.p[5], mirrored.p[6]) = (-20.0, 3.0);
                 (mirrored.k[4], mirrored.k[5]) = (-20.0, 3.0);
             }
-            let (camera, view) = camera_of(&mirrored, RcsProjection::Exact, undistort);
+            let (mut camera, view) = camera_of(&mirrored, RcsProjection::Exact, undistort);
             assert_eq!(view, straight.1, "{is_left_right} {is_up_down}");
-            let (picture, metres) = published(camera, &view);
+            let (picture, metres) = published(&mut camera, &view);
             assert_eq!(picture, flipped(&expected.0, [is_left_right, is_up_down]));
             let bits = |metres: &[f32]| metres.iter().map(|metres| metres.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&metres), bits(&flipped(&expected.1, [is_left_right, is_up_down])));
-            // SAFETY: it was not freed.
-            unsafe { rcs_camera_free(camera) };
         }
-        // SAFETY: it was not freed.
-        unsafe { rcs_camera_free(straight.0) };
     }
 }
 
@@ -122,32 +135,26 @@ fn a_mirrored_camera_info_is_drawn_without_the_mirror_and_published_with_it() {
 fn skew_scale_third_row_and_binning_are_followed_or_told_as_the_node_does() {
     let mut unusual = info();
     unusual.p[1] = 2.0;
-    let (one, skewed) = camera_of(&unusual, RcsProjection::Exact, false);
+    let (mut one, skewed) = camera_of(&unusual, RcsProjection::Exact, false);
     // u = 2 s y / W in clip coordinates, y up.
     assert_eq!(skewed.clip_from_view[1], -2.0 * 2.0 / 16.0);
     unusual.p = unusual.p.map(|value| value * 3.0);
-    let (two, scaled) = camera_of(&unusual, RcsProjection::Exact, false);
+    let (_, scaled) = camera_of(&unusual, RcsProjection::Exact, false);
     assert_eq!(scaled, skewed);
     unusual.binning_x = 4;
     let (three, as_rviz) = camera_of(&unusual, RcsProjection::Rviz, false);
     assert_eq!(as_rviz.clip_from_view[1], 0.0);
     // SAFETY: lengths are that of the buffer.
-    let warning = text(|buffer, length| unsafe { rcs_camera_warning(three, buffer, length) });
+    let warning = text(|buffer, length| unsafe { rcs_camera_warning(Some(&*three), buffer, length) });
     for part in ["the third row of P is [0.0, 0.0, 3.0, 0.0]", "P[1] is 6 (a skew)", "binning 4x0 not applied"] {
         assert!(warning.contains(part), "{warning}");
     }
     unusual.p[10] = 0.0;
-    let mut view = NO_VIEW;
-    // SAFETY: all pointers are valid.
-    let refused = unsafe { rcs_camera_set_info(one, &unusual, ProjectionNumber(1), Flag(0), 0.1, &mut view) };
-    assert_eq!(refused, RcsResult::BadCameraInfo);
+    let refused = set_info(&mut one, &unusual, ProjectionNumber(1), Flag(0));
+    assert_eq!(refused, Err(RcsResult::BadCameraInfo));
     // SAFETY: lengths are that of the buffer.
     let error = text(|buffer, length| unsafe { rcs_last_error(buffer, length) });
     assert!(error.starts_with("the third row of P, P[8] to P[11], is [0.0, 0.0, 0.0, 0.0]"), "{error}");
-    for camera in [one, two, three] {
-        // SAFETY: they were not freed.
-        unsafe { rcs_camera_free(camera) };
-    }
 }
 
 /// The text that a function writes.
@@ -162,7 +169,8 @@ fn text(write: impl Fn(*mut c_char, usize) -> usize) -> String {
 #[test]
 fn a_picture_is_converted_with_and_without_a_lens() {
     for undistort in [false, true] {
-        let (camera, view) = camera(undistort);
+        let (mut camera, view) = camera(undistort);
+        let camera = Some(&mut *camera);
         assert_eq!((view.picture_width, view.picture_height), (16, 8));
         assert_eq!(view.drawn_width > 16, undistort);
         let data = [10, 20, 30, 40].repeat(view.drawn_width as usize * view.drawn_height as usize);
@@ -178,19 +186,19 @@ fn a_picture_is_converted_with_and_without_a_lens() {
         let (mut out, background) = ([0; 16 * 8 * 3], [30_u8, 20, 10]);
         let encoding = EncodingNumber(RcsEncoding::Rgb8 as u32);
         // SAFETY: all pointers and lengths are valid.
-        let result =
-            unsafe { rcs_camera_encode(camera, &pixels, encoding, background.as_ptr(), out.as_mut_ptr(), out.len()) };
+        let result = unsafe {
+            rcs_camera_encode(camera, Some(&pixels), encoding, background.as_ptr(), out.as_mut_ptr(), out.len())
+        };
         assert_eq!(result, RcsResult::Ok);
         assert!(out.as_chunks::<3>().0.iter().all(|pixel| *pixel == [30, 20, 10]), "{out:?}");
-        // SAFETY: it was not freed.
-        unsafe { rcs_camera_free(camera) };
     }
 }
 
 #[test]
 fn depths_are_converted_with_and_without_a_lens() {
     for undistort in [false, true] {
-        let (camera, view) = camera(undistort);
+        let (mut camera, view) = camera(undistort);
+        let camera = Some(&mut *camera);
         let depth = vec![0.0; view.drawn_width as usize * view.drawn_height as usize];
         let mut out = [0.0; 16 * 8];
         // SAFETY: all pointers and lengths are valid.
@@ -199,51 +207,44 @@ fn depths_are_converted_with_and_without_a_lens() {
         };
         assert_eq!(result, RcsResult::Ok);
         assert!(out.iter().all(|depth| (*depth - 0.1).abs() < 1e-6 || depth.is_nan()), "{out:?}");
-        // SAFETY: it was not freed.
-        unsafe { rcs_camera_free(camera) };
     }
 }
 
 #[test]
 fn nothing_is_read_or_written_behind_null() {
-    let mut view = NO_VIEW;
-    let projection = ProjectionNumber(0);
+    rcs_camera_free(None);
+    rcs_camera_clear_info(None);
+    rcs_camera_trigger(None);
+    assert!(!rcs_camera_due(None, 0, Flag(1)));
+    assert_eq!(rcs_camera_record(None, None), RcsResult::NullPointer);
     // SAFETY: NULL is refused.
     unsafe {
         assert_eq!(
-            rcs_camera_set_info(null_mut(), &info(), projection, Flag(1), 0.1, &mut view),
+            rcs_camera_set_info(None, Some(&info()), ProjectionNumber(0), Flag(1), 0.1, None),
             RcsResult::NullPointer
         );
-        rcs_camera_free(null_mut());
-        rcs_camera_clear_info(null_mut());
-        rcs_camera_trigger(null_mut());
-        assert!(!rcs_camera_due(null_mut(), 0, Flag(1)));
-        assert_eq!(rcs_camera_statistics(null(), 0, null_mut(), 0), 0);
-        assert_eq!(rcs_camera_record(null_mut(), null()), RcsResult::NullPointer);
-        assert_eq!(rcs_encoding_from_name(null(), null_mut()), RcsResult::NullPointer);
+        assert_eq!(rcs_camera_statistics(None, 0, null_mut(), 0), 0);
+        assert_eq!(rcs_encoding_from_name(null(), None), RcsResult::NullPointer);
     }
-    assert_eq!(view, NO_VIEW);
     // SAFETY: lengths are that of the buffer.
     assert_eq!(text(|buffer, length| unsafe { rcs_last_error(buffer, length) }), "name is NULL");
 }
 
 #[test]
 fn pictures_are_paced_and_counted() {
-    let camera = rcs_camera_new();
-    // SAFETY: it was not freed, and lengths are that of the buffer.
-    unsafe {
-        rcs_camera_set_frame_rate(camera, 10.0);
-        assert!(rcs_camera_due(camera, 0, Flag(1)));
-        rcs_camera_begin(camera, 0);
-        assert!(!rcs_camera_due(camera, 20_000_000, Flag(1)));
-        rcs_camera_trigger(camera);
-        assert!(rcs_camera_due(camera, 21_000_000, Flag(0)));
-        let times = RcsTimes { begun_ns: 0, drawn_ns: 1_000_000, read_ns: 3_000_000, published_ns: 6_000_000 };
-        assert_eq!(rcs_camera_record(camera, &times), RcsResult::Ok);
-        let line = text(|buffer, length| rcs_camera_statistics(camera, 7_000_000, buffer, length));
-        assert!(line.starts_with("- pictures/s; median / p95 ms of the last 1: draw 1.00 / 1.00"), "{line}");
-        rcs_camera_free(camera);
-    }
+    let mut camera = rcs_camera_new();
+    rcs_camera_set_frame_rate(camera.as_deref_mut(), 10.0);
+    assert!(rcs_camera_due(camera.as_deref_mut(), 0, Flag(1)));
+    rcs_camera_begin(camera.as_deref_mut(), 0);
+    assert!(!rcs_camera_due(camera.as_deref_mut(), 20_000_000, Flag(1)));
+    rcs_camera_trigger(camera.as_deref_mut());
+    assert!(rcs_camera_due(camera.as_deref_mut(), 21_000_000, Flag(0)));
+    let times = RcsTimes { begun_ns: 0, drawn_ns: 1_000_000, read_ns: 3_000_000, published_ns: 6_000_000 };
+    assert_eq!(rcs_camera_record(camera.as_deref_mut(), Some(&times)), RcsResult::Ok);
+    // SAFETY: lengths are that of the buffer.
+    let line = text(|buffer, length| unsafe { rcs_camera_statistics(camera.as_deref(), 7_000_000, buffer, length) });
+    assert!(line.starts_with("- pictures/s; median / p95 ms of the last 1: draw 1.00 / 1.00"), "{line}");
+    rcs_camera_free(camera);
 }
 
 #[test]
@@ -253,8 +254,10 @@ fn a_config_is_reported() {
     let mut problems = RcsText { buffer: report.as_mut_ptr().cast(), length: 40, needed: 0 };
     let mut launch_line = RcsText { buffer: null_mut(), length: 0, needed: 0 };
     // SAFETY: all pointers and lengths are valid.
-    let result =
-        unsafe { rcs_config_report(yaml.as_ptr().cast(), yaml.len(), c"a".as_ptr(), &mut problems, &mut launch_line) };
+    let result = unsafe {
+        let (report, launch_line) = (Some(&mut problems), Some(&mut launch_line));
+        rcs_config_report(yaml.as_ptr().cast(), yaml.len(), c"a".as_ptr(), report, launch_line)
+    };
     assert_eq!((result, report[39]), (RcsResult::Ok, 0));
     assert!(problems.needed > 100 && launch_line.needed > 80 && report.starts_with(b"no CameraPub display"));
 }
@@ -262,13 +265,8 @@ fn a_config_is_reported() {
 #[test]
 fn bad_numbers_from_c_are_refused() {
     for number in [2, u32::MAX] {
-        let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
-        // SAFETY: all pointers are valid.
-        unsafe {
-            let result = rcs_camera_set_info(camera, &info(), ProjectionNumber(number), Flag(0), 0.1, &mut view);
-            assert_eq!(result, RcsResult::BadValue);
-            rcs_camera_free(camera);
-        }
+        let result = set_info(&mut RcsCamera::default(), &info(), ProjectionNumber(number), Flag(0));
+        assert_eq!(result, Err(RcsResult::BadValue));
     }
 }
 
@@ -276,11 +274,9 @@ fn bad_numbers_from_c_are_refused() {
 #[test]
 #[cfg_attr(miri, ignore)]
 fn the_threads_that_a_lens_starts_have_names() {
-    let (camera, _) = camera(true);
+    let _camera = camera(true);
     let tasks = std::fs::read_dir("/proc/self/task").unwrap();
     let names = tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
     let names: Vec<String> = names.collect();
     assert!(names.iter().any(|name| name == "draw-0\n"), "{names:?}");
-    // SAFETY: it was not freed.
-    unsafe { rcs_camera_free(camera) };
 }

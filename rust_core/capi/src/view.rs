@@ -3,11 +3,10 @@
 use std::ffi::c_char;
 
 use nalgebra::Isometry3;
-use rcs_camera::{CameraInfoFields, Optics, Projection};
+use rcs_camera::{CameraInfoFields, Optics};
 use rcs_scene::{Camera, FAR_CLIP_M};
 
 use crate::fault::{Fault, RcsResult};
-use crate::numbers::ProjectionNumber;
 use crate::pointers;
 
 /// Most coefficients of a distortion, more than any model has.
@@ -57,16 +56,6 @@ pub enum RcsProjection {
     Rviz = 0,
     /// Exactly P, to the pixel.
     Exact,
-}
-
-impl ProjectionNumber {
-    pub(crate) fn checked(self) -> Result<Projection, Fault> {
-        match self.0 {
-            number if number == RcsProjection::Rviz as u32 => Ok(Projection::Rviz),
-            number if number == RcsProjection::Exact as u32 => Ok(Projection::Exact),
-            number => Err(Fault::unknown("RcsProjection", number)),
-        }
-    }
 }
 
 /// The view to draw for a CameraInfo. For a mirrored picture (negative focal lengths) the texture is drawn unmirrored:

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// A longer time without a beat is a pause.
 const PAUSE: Duration = Duration::from_millis(500);

@@ -27,8 +27,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
+use rcs_process::lock;
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
-use rcs_scene::lock;
 
 use format::{Format, LogFields};
 use lines::LineQueue;

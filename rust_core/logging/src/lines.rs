@@ -15,7 +15,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rcs_scene::{lock, wait_timeout, wait_while};
+use rcs_process::{lock, wait_timeout, wait_while};
 
 /// Most lines in the queue.
 const MOST_LINES: usize = 1000;

@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
 
 use log::Level;
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// Most lines that are kept.
 const MOST_LINES: usize = 200;

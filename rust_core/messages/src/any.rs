@@ -1,6 +1,5 @@
 //! A message of any type that a display draws. The list at the end of the code names the types: one line adds one.
 
-use crate::bytes::{copy_of, give_back};
 use crate::fields::{self, WireField};
 use crate::std_msgs::Header;
 use crate::{Image, OccupancyGrid, PointCloud2};
@@ -10,16 +9,12 @@ use std::sync::Arc;
 
 /// Decodes a small message, which keeps none of the bytes.
 fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
-    let message = crate::decode(&bytes);
-    give_back(bytes);
-    message
+    crate::decode(&bytes)
 }
 
 /// Decodes a small message with arrays of numbers.
 fn with_numbers<T: WireField>(bytes: Vec<u8>) -> io::Result<T> {
-    let message = fields::decode(&bytes);
-    give_back(bytes);
-    Ok(message?)
+    Ok(fields::decode(&bytes)?)
 }
 
 fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
@@ -122,7 +117,7 @@ macro_rules! any_message {
             /// # Errors
             /// The bytes are not a message of this kind.
             pub fn decode(self, bytes: &[u8]) -> io::Result<AnyMessage> {
-                self.decode_owned(copy_of(bytes))
+                self.decode_owned(bytes.to_vec())
             }
 
             /// Decodes a message; big ones keep the bytes and copy nothing.

@@ -72,7 +72,7 @@ impl Image {
         let mut reader = WireReader::new(&bytes);
         let mut image = Self::read_around_data(&mut reader)?;
         reader.finish()?;
-        image.buffer = bytes.into();
+        image.buffer = Bytes::Own(bytes);
         Ok(image)
     }
 
@@ -123,7 +123,7 @@ impl Image {
     #[must_use]
     pub fn with_data(mut self, data: Arc<Vec<u8>>) -> Self {
         self.data = 0..data.len();
-        self.buffer = data.into();
+        self.buffer = Bytes::Own(data);
         self
     }
 

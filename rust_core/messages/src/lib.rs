@@ -14,7 +14,6 @@
 mod any;
 mod bayer;
 mod big_message;
-mod buffer_pool;
 mod bytes;
 mod cloud_points;
 mod convert;
@@ -32,8 +31,7 @@ pub mod sensor_msgs;
 pub mod trajectory_msgs;
 
 pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};
-pub use buffer_pool::BufferPool;
-pub use bytes::{free_unused_bytes, pooled_bytes, SharedBytes};
+pub use bytes::SharedBytes;
 pub use cloud_points::{element_size, NoPositions};
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;

@@ -3,7 +3,6 @@
 //! A map of tens of millions of cells keeps its bytes, as [`crate::PointCloud2`] does.
 
 use crate::big_message::big_message;
-use crate::bytes::Bytes;
 use crate::nav_msgs::MapMetaData;
 use crate::std_msgs::Header;
 use crate::wire::{write_count, write_header, DecodeError, WireReader};
@@ -18,7 +17,7 @@ pub struct OccupancyGrid {
     pub header: Header,
     /// Size in cells, metres a cell, and the pose of cell (0, 0).
     pub info: MapMetaData,
-    buffer: Bytes,
+    buffer: Arc<Vec<u8>>,
     data: Range<usize>,
 }
 
@@ -35,7 +34,7 @@ impl OccupancyGrid {
         reader.take(len, "cells")?;
         reader.finish()?;
         grid.data = start..start + len;
-        grid.buffer = bytes.into();
+        grid.buffer = bytes;
         Ok(grid)
     }
 

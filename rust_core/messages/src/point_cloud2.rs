@@ -5,7 +5,6 @@
 //! once, and a clone shares the buffer.
 
 use crate::big_message::big_message;
-use crate::bytes::Bytes;
 use crate::sensor_msgs::PointField;
 use crate::std_msgs::Header;
 use crate::wire::{write_count, write_header, write_string, write_u32, DecodeError, WireReader};
@@ -46,7 +45,7 @@ pub struct PointCloud2 {
     pub row_step: u32,
     /// `true` if no point has a NaN coordinate.
     pub is_dense: bool,
-    buffer: Bytes,
+    buffer: Arc<Vec<u8>>,
     data: Range<usize>,
 }
 
@@ -59,7 +58,7 @@ impl PointCloud2 {
         let mut reader = WireReader::new(&bytes);
         let mut cloud = Self::read_around_data(&mut reader)?;
         reader.finish()?;
-        cloud.buffer = bytes.into();
+        cloud.buffer = bytes;
         Ok(cloud)
     }
 

@@ -13,8 +13,6 @@ pub mod monitor_arguments;
 pub mod node_options;
 pub mod node_status;
 pub mod nudge;
-pub mod nudged_projector;
-pub mod poses;
 pub mod ros_names;
 pub mod user_file;
 pub mod window_watch;

@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use clap::Parser;
+use rcs_process::lock;
 use rcs_ros::{NodeError, RosNode};
-use rcs_scene::lock;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// Period at which a waiting node polls for the shutdown request.

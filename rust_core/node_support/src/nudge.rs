@@ -4,11 +4,14 @@
 //! about its x, y and z axes: `parent_from_child = (that of the file) · nudge`.
 
 use std::fmt;
+use std::time::Duration;
 
+use anyhow::{anyhow, bail};
 use nalgebra::{Isometry3, UnitQuaternion};
-use rcs_messages::dynamic_reconfigure::{Config, DoubleParameter};
+use rcs_messages::dynamic_reconfigure::{Config, DoubleParameter, Reconfigure};
+use rcs_messages::std_srvs::{Trigger, TriggerReq, TriggerRes};
 use rcs_ros::settings::{Setting, SettingGroup};
-use rcs_ros::ParameterValue;
+use rcs_ros::{NodeError, ParameterValue, RosNode};
 
 /// Names and descriptions of the parameters.
 const PARAMETERS: [(&str, &str); 6] = [
@@ -20,9 +23,11 @@ const PARAMETERS: [(&str, &str); 6] = [
     ("yaw", "Turn about the frame's z axis [rad]"),
 ];
 /// Largest value of a parameter, metres or radians; the smallest is its negative.
-pub const LARGEST: f64 = 0.5;
+const LARGEST: f64 = 0.5;
 /// Difference of values that are the same.
 const ROUNDING: f64 = 1e-12;
+/// Time that each call to the node may take.
+const CALL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A correction of a frame's pose: x, y, z in metres, then roll, pitch, yaw in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,12 +78,12 @@ impl Nudge {
     }
 
     /// `true` if all values are those of another one, except for rounding.
-    pub fn is_close_to(&self, other: &Self) -> bool {
+    fn is_close_to(&self, other: &Self) -> bool {
         self.0.iter().zip(&other.0).all(|(one, other)| (one - other).abs() < ROUNDING)
     }
 
     /// `true` if all values are within the bounds.
-    pub fn is_within_bounds(&self) -> bool {
+    fn is_within_bounds(&self) -> bool {
         self.0.iter().all(|value| value.abs() <= LARGEST)
     }
 }
@@ -89,6 +94,70 @@ impl fmt::Display for Nudge {
         let (moved_mm, turned_deg) = (isometry.translation.vector.norm() * 1e3, isometry.rotation.angle().to_degrees());
         write!(f, "{moved_mm:.1} mm and {turned_deg:.2} degrees")
     }
+}
+
+/// The node that publishes a CameraInfo, and its nudge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NudgedProjector {
+    /// Whole name of the node.
+    pub node: String,
+    /// Values that apply.
+    pub nudge: Nudge,
+}
+
+impl NudgedProjector {
+    /// The node `projector` that publishes a CameraInfo on a topic, by its whole name; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`NodeError`]: it does not answer.
+    pub fn find(ros: &RosNode, topic: &str) -> Result<Option<Self>, NodeError> {
+        let publications = ros.publications().or_else(|| ros.query_publications()).unwrap_or_default();
+        let nodes = publications.get(topic).map(|publication| publication.nodes.as_slice()).unwrap_or_default();
+        for node in nodes {
+            // Calls only those that have a dynamic_reconfigure server of their own.
+            if publications.contains_key(&format!("{node}/parameter_updates")) {
+                // A request without values returns those that apply.
+                if let Some(nudge) = set(ros, node, &Config::default())? {
+                    return Ok(Some(Self { node: node.clone(), nudge }));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Sets the values.
+    ///
+    /// # Errors
+    /// They are out of bounds, or the node does not answer or refuses them.
+    pub fn set(&mut self, ros: &RosNode, wanted: Nudge) -> anyhow::Result<()> {
+        if !wanted.is_within_bounds() {
+            bail!("{} can be nudged by at most {LARGEST} m and rad; save the nudge, or calibrate again", self.node);
+        }
+        self.nudge = set(ros, &self.node, &wanted.config())?.unwrap_or_default();
+        if self.nudge.is_close_to(&wanted) {
+            return Ok(());
+        }
+        // It has nothing to revert, and its answer says why.
+        let reason = self.trigger(ros, "revert")?;
+        Err(anyhow!("{}: {reason}", self.node))
+    }
+
+    /// Calls `save` or `revert`. Returns what the node says.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub fn trigger(&self, ros: &RosNode, service: &str) -> anyhow::Result<String> {
+        let service = format!("{}/{service}", self.node);
+        match ros.call::<Trigger>(&service, &TriggerReq {}, CALL_TIMEOUT)? {
+            TriggerRes { success: true, message } => Ok(message),
+            TriggerRes { message, .. } => Err(anyhow!("{}: {message}", self.node)),
+        }
+    }
+}
+
+fn set(ros: &RosNode, node: &str, values: &Config) -> Result<Option<Nudge>, NodeError> {
+    let values = ros.call::<Reconfigure>(&format!("{node}/set_parameters"), values, CALL_TIMEOUT)?;
+    Ok(Nudge::of_config(&values))
 }
 
 #[cfg(test)]

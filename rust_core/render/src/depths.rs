@@ -74,11 +74,10 @@ impl Drawn {
         Self { picture: std::mem::take(picture), depths: std::mem::take(depths) }
     }
 
-    /// Exchanges it for what is there, whose memory it takes unless that is several times too large.
+    /// Exchanges it for what is there, whose memory it takes.
     pub(crate) fn swap(&mut self, picture: &mut Picture, depths: &mut Depths) {
         std::mem::swap(&mut self.picture, picture);
         std::mem::swap(&mut self.depths, depths);
-        self.picture.give_back_memory(picture.data.len());
     }
 
     /// Becomes what was drawn without a lens, an [`Encoding::Rgba8`] picture, as the lens shows it.

@@ -6,7 +6,8 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use rcs_scene::{lock, Texture};
+use rcs_process::lock;
+use rcs_scene::Texture;
 
 use crate::{
     assemble,

@@ -24,7 +24,7 @@ use std::{
 };
 
 use percent_encoding::percent_decode_str;
-use rcs_scene::lock;
+use rcs_process::lock;
 use rcs_text::xml;
 
 use crate::{files::read_small_text, ResourceError};

@@ -24,7 +24,8 @@ use rayon::{
     iter::{IntoParallelRefIterator, ParallelIterator},
     ThreadPool, ThreadPoolBuilder,
 };
-use rcs_scene::{lock, wait_while, Texture};
+use rcs_process::{lock, wait_while};
+use rcs_scene::Texture;
 
 use crate::{
     files::FileStamp,

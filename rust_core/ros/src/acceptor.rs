@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use rcs_scene::join_within;
+use rcs_process::join_within;
 use rustix::event::{poll, PollFd, PollFlags};
 
 use crate::socket::IDLE_TIMEOUT;

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// A publisher's node that does not answer.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use crate::settings::NamedValues;
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, Time};
-use rcs_scene::lock;
+use rcs_process::lock;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};

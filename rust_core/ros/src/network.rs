@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use crate::graph::Master;
 use crate::names::{master_uri, Host};

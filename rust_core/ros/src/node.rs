@@ -15,7 +15,7 @@ use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
 use rcs_messages::std_srvs::{SetBool, SetBoolRes, Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
-use rcs_scene::lock;
+use rcs_process::lock;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{sync_channel, RecvTimeoutError};

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use crate::graph::{strings, Master};
 use crate::registrar::Registrar;

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::{Arc, Mutex};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// Whole name and value.
 type Param = (String, Value);

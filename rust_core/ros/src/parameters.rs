@@ -8,7 +8,7 @@ use crate::events::NodeEvent;
 use crate::names::remapping_of;
 use crate::node::{RosNode, Shared};
 use crate::xmlrpc::CallError;
-use rcs_scene::lock;
+use rcs_process::lock;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 

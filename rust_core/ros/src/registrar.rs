@@ -24,7 +24,7 @@ use crate::contacts::{list_of, Contacts, Unreachable};
 use crate::graph::{strings, Master, Publications};
 use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
-use rcs_scene::{lock, wait_timeout};
+use rcs_process::{lock, wait_timeout};
 
 /// How often the node is looked up at the master, and how often a silent master is tried.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);

@@ -12,7 +12,7 @@ use rcs_messages::rosgraph_msgs::Log;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::std_srvs::EmptyRes;
 use rcs_messages::Time;
-use rcs_scene::{lock, wait_timeout};
+use rcs_process::{lock, wait_timeout};
 
 use crate::error::NodeError;
 use crate::node::RosNode;

@@ -7,8 +7,8 @@ use std::time::Duration;
 use rustix::event::Timespec;
 use rustix::net::sockopt;
 
-/// [`rcs_scene::IDLE_PERIOD`], for `poll`.
-pub(crate) const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_scene::IDLE_PERIOD.as_secs() as i64, tv_nsec: 0 };
+/// [`rcs_process::IDLE_PERIOD`], for `poll`.
+pub(crate) const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_process::IDLE_PERIOD.as_secs() as i64, tv_nsec: 0 };
 
 /// A silent peer is probed after a minute and given up after three.
 const KEEP_ALIVE_IDLE: Duration = Duration::from_secs(60);

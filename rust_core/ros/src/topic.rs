@@ -8,7 +8,7 @@ use crate::network::Network;
 use crate::registrar::{Entry, Registrar};
 use crate::tcpros::{Handler, Source, Subscription, Wanted};
 use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor};
-use rcs_scene::lock;
+use rcs_process::lock;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::Instant;

@@ -5,6 +5,7 @@
 
 pub mod line_of_sight;
 pub mod nav_path_markers;
+mod poses;
 pub mod publish_cloud;
 mod target;
 pub mod turret_aim;

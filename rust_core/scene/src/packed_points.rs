@@ -199,15 +199,10 @@ impl PackedPoints {
                 shown: &self.shown,
                 is_all_shown: self.finite_count() == self.count(),
             };
-            let mut positions = vec![[0.0; 3]; points.count()];
-            points.map(&mut positions, |point| self.positions.in_point(point));
+            let positions = points.map(|point| self.positions.in_point(point));
             let colors = match &self.colors {
                 PackedColors::Uniform(color) => PointColors::Uniform(*color),
-                PackedColors::Rgb { offset } => {
-                    let mut colors = vec![[0; 4]; points.count()];
-                    points.map(&mut colors, |point| rgb_at(point, *offset));
-                    PointColors::PerPoint(colors)
-                }
+                PackedColors::Rgb { offset } => PointColors::PerPoint(points.map(|point| rgb_at(point, *offset))),
                 PackedColors::Axis(rainbow) => PointColors::PerPoint(
                     positions.par_iter().with_min_len(POINTS_PER_SHARE).map(|p| rainbow.color(p)).collect(),
                 ),

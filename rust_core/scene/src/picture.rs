@@ -3,8 +3,6 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, u8x16, Level};
 
-use crate::memory::{give_back_block, resize_block};
-
 /// The longest side of a picture, in pixels.
 pub const MAX_SIDE_PX: u32 = 16384;
 
@@ -123,6 +121,15 @@ fn write_triples<S: Simd>(simd: S, pixels: &[[u8; 4]], row: &mut [u8], channels:
     }
 }
 
+/// Resizes `data`, with any of its old elements or `blank`. Keeps its memory, unless that is several times too large.
+pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
+    if data.capacity() / 4 > len || data.capacity() < len {
+        // Not one that grows: what it holds is not needed, and would be copied.
+        *data = Vec::with_capacity(len);
+    }
+    data.resize(len, blank);
+}
+
 /// A picture whose bytes are laid out as in a `sensor_msgs/Image`: rows from the top, no padding, little endian.
 ///
 /// ```
@@ -161,11 +168,6 @@ impl Picture {
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
         let bytes = self.step() * height_px as usize;
         resize_block(&mut self.data, bytes, 0);
-    }
-
-    /// Frees its memory and content if that is several times what a picture of `needed_bytes` needs.
-    pub fn give_back_memory(&mut self, needed_bytes: usize) {
-        give_back_block(&mut self.data, needed_bytes);
     }
 
     /// Bytes of a row.

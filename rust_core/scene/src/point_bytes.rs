@@ -84,8 +84,9 @@ impl PointBytes<'_> {
         self.shown.iter().sum()
     }
 
-    /// Maps each visible point, in order and on all cores. `out` has as many elements as there are visible points.
-    pub fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
+    /// Maps each visible point, in order and on all cores.
+    pub fn map<T: Clone + Default + Send>(&self, compute: impl Fn(&[u8]) -> T + Sync) -> Vec<T> {
+        let mut mapped = vec![T::default(); self.count()];
         let compute_share = |points: &[u8], out: &mut [T]| {
             let points = points.chunks_exact(self.point_step);
             if self.is_all_shown {
@@ -95,7 +96,8 @@ impl PointBytes<'_> {
                 out.iter_mut().zip(shown).for_each(|(out, point)| *out = compute(point));
             }
         };
-        in_shares(self.shown, self.data, POINTS_PER_SHARE * self.point_step, out, &compute_share);
+        in_shares(self.shown, self.data, POINTS_PER_SHARE * self.point_step, &mut mapped, &compute_share);
+        mapped
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use hyper::body::Bytes;
-use rcs_scene::{lock, wait_timeout, IDLE_PERIOD};
+use rcs_process::{lock, wait_timeout, IDLE_PERIOD};
 use serde_json::json;
 use tokio::sync::watch;
 

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 use tokio::sync::watch;
 
 use crate::images::Images;

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rcs_scene::join_within;
+use rcs_process::join_within;
 
 use crate::test_pictures::identification;
 use crate::{

@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use rcs_light::{Grant, Lit};
-use rcs_scene::{lock, Picture};
+use rcs_process::lock;
+use rcs_scene::Picture;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 

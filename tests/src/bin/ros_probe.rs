@@ -9,7 +9,7 @@
 //!
 //! SIGTERM and SIGINT unregister and end it.
 
-use rcs_camera_stream::nudge::{NudgeTarget, NudgedProjector, Nudger, Step};
+use rcs_camera_stream::nudge::{nudge, projector};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_srvs::{Trigger, TriggerReq};
 use rcs_messages::{header, MessageKind};
@@ -45,11 +45,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         ["nudge", topic, orientation, right, down, forward] => {
-            let target = NudgeTarget { camera_info_topic: (*topic).to_owned(), orientation: orientation.parse()? };
-            let [right_m, down_m, forward_m] = [right.parse()?, down.parse()?, forward.parse()?];
-            let step = Step { right_m, down_m, forward_m, ..Step::default() };
-            match Nudger::new(Arc::clone(&node)).nudge(&target, &step) {
-                Ok(NudgedProjector { node, nudge }) => print_line(&format!("nudged {node} {:?}", nudge.0)),
+            let step = [right.parse()?, down.parse()?, forward.parse()?, 0.0, 0.0, 0.0];
+            let orientation = orientation.parse()?;
+            let nudged = projector(&node, topic)
+                .and_then(|mut projector| nudge(&node, &mut projector, orientation, &step).map(|()| projector));
+            match nudged {
+                Ok(projector) => print_line(&format!("nudged {} {:?}", projector.node, projector.nudge.0)),
                 Err(error) => print_line(&format!("error {error}")),
             }
         }

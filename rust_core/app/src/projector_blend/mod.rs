@@ -95,7 +95,7 @@ fn run(arguments: &BlendArguments) -> Result<()> {
         (None, Some(topic)) => SharedSurface::from_topic(topic, &files)?,
         (None, None) => bail!("no surface: give --cloud FILE.pcd or --topic TOPIC"),
     };
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let placed = files.iter().map(|(path, file)| place(path, file, &surface)).collect::<Result<Vec<_>>>()?;
     let weights = blend_weights(&placed, &surface.points).map_err(|problem| match &problem {
         BlendProblem::Dark { number } => {

@@ -13,8 +13,8 @@ use clap::{Command, CommandFactory, Parser, ValueEnum};
 use rcs_displays::{time_from_stamp, unpack_image};
 use rcs_light::{BlackoutFile, Measured, Now, Pulse};
 use rcs_messages::{header, AnyMessage, Image, MessageKind};
+use rcs_process::lock;
 use rcs_ros::{NodeEvent, RosNode};
-use rcs_scene::lock;
 use rcs_transforms::Time;
 use rcs_window::{self as window, MonitorInfo, PictureSink, ReceivedPicture, ScreenPicture, UserEvent, WindowRole};
 

@@ -171,7 +171,7 @@ impl CameraOutput {
         self.light.evidence.end()
     }
 
-    pub(super) fn orientation(&self) -> Orientation {
+    pub(crate) fn orientation(&self) -> Orientation {
         self.light.evidence.post().orientation
     }
 

@@ -3,7 +3,6 @@
 use rcs_ros::ReconfigureServer;
 
 use super::output::CameraOutput;
-use crate::nudge::NudgeTarget;
 use crate::outputs::TopicOutput;
 
 /// A camera's figures for the operator's page.
@@ -38,13 +37,6 @@ impl CameraOutput {
             age_ms,
             dark: black.or_else(|| self.health.problem()),
         }
-    }
-
-    /// Its name, and its projector for nudging.
-    pub(crate) fn nudge_target(&self) -> (String, NudgeTarget) {
-        let view = self.view();
-        let camera_info_topic = view.settings.camera_info_topic.clone();
-        (view.name.clone(), NudgeTarget { camera_info_topic, orientation: self.orientation() })
     }
 
     /// Its servers of dynamic_reconfigure: its own first, then that of the compressed images.

@@ -38,7 +38,7 @@ impl Session {
     pub(crate) fn connect() -> Result<Self> {
         let suffix = format!("_check_{}", std::process::id());
         let end = EndRequest::watch_signals()?;
-        rcs_scene::name_threads();
+        rcs_process::name_threads();
         let ros = RosNode::connect_beside(NODE_NAME, &suffix, &|| end.is_requested())?;
         let checked_name = ros.name().strip_suffix(&suffix).unwrap_or_default().to_owned();
         Ok(Self { ros, checked_name, end })

@@ -17,8 +17,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use rcs_light::{BlackoutFile, Blackouts, DarkCause, DarkReason, Generation};
+use rcs_process::lock;
 use rcs_ros::{ParameterValue, RosNode};
-use rcs_scene::lock;
 use rcs_window::test_pictures::TestPicture;
 use rcs_window::WindowKey;
 

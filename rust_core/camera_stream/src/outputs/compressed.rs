@@ -14,9 +14,9 @@ use rcs_files::picture_file;
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
+use rcs_process::{lock, wait_while};
 use rcs_ros::settings::{accepted, NamedValues};
 use rcs_ros::{Publisher, ReconfigureServer, RosNode};
-use rcs_scene::{lock, wait_while};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
 use super::FrameImage;

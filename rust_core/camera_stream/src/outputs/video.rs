@@ -13,7 +13,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Context, Error, Result};
-use rcs_scene::{join_within, Encoding, Picture};
+use rcs_process::join_within;
+use rcs_scene::{Encoding, Picture};
 
 use super::{Output, OutputFrame};
 

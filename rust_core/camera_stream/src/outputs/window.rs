@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use rcs_light::Grant;
-use rcs_scene::{join_within, lock};
+use rcs_process::{join_within, lock};
 use rcs_window::{run_with, MonitorInfo, OnScreen, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions};
 
 use super::{Output, OutputFrame};

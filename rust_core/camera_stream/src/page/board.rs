@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
 use rcs_displays::{Level, Statuses};
-use rcs_scene::lock;
+use rcs_process::lock;
 use rcs_web::Pages;
 use serde_json::{json, Value};
 

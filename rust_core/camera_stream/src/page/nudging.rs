@@ -9,16 +9,19 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-use rcs_scene::lock;
+use rcs_node_support::nudge::NudgedProjector;
+use rcs_process::lock;
+use rcs_render::Orientation;
 use rcs_web::Refusal;
 use serde_json::{json, Value};
 
-use crate::nudge::{NudgeError, NudgedProjector, Nudger, Step};
+use crate::camera::output::CameraOutput;
+use crate::nudge::{nudge, projector, Step};
 use crate::runtime::shared::NodeState;
 
 /// Time between two looks at the values.
 const PERIOD: Duration = Duration::from_secs(3);
-/// Keys of a step in a request, in the order of [`Step`]'s fields.
+/// Keys of a step in a request, in the order of [`Step`].
 const STEPS: [&str; 6] = ["right_m", "down_m", "forward_m", "pitch_rad", "yaw_rad", "roll_rad"];
 /// Names of the values, in the order of a nudge's.
 const VALUES: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
@@ -26,7 +29,8 @@ const VALUES: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 /// Nudges the projectors of a node's cameras.
 pub(super) struct Nudging {
     shared: Arc<NodeState>,
-    nudger: Nudger,
+    /// Held from reading a nudge to writing it, so that all steps count.
+    stepping: Mutex<()>,
     /// The nudges that pages show, by camera; none for a camera whose projector cannot be nudged.
     known: Mutex<HashMap<String, Value>>,
     is_polling: AtomicBool,
@@ -34,9 +38,8 @@ pub(super) struct Nudging {
 
 impl Nudging {
     pub(super) fn new(shared: &Arc<NodeState>) -> Arc<Self> {
-        let nudger = Nudger::new(Arc::clone(&shared.ros));
-        let (known, is_polling) = (Mutex::default(), AtomicBool::new(false));
-        Arc::new(Self { shared: Arc::clone(shared), nudger, known, is_polling })
+        let (stepping, known, is_polling) = (Mutex::default(), Mutex::default(), AtomicBool::new(false));
+        Arc::new(Self { shared: Arc::clone(shared), stepping, known, is_polling })
     }
 
     /// A camera's nudge on the pages.
@@ -60,27 +63,34 @@ impl Nudging {
     fn poll(self: &Arc<Self>) {
         let _is_polling = ClearWhenDropped(&self.is_polling);
         while self.shared.board.pages().is_any_open() {
-            let targets: Vec<_> = self.shared.cameras().iter().map(|camera| camera.nudge_target()).collect();
-            for (camera, target) in targets {
-                self.note(camera, &self.nudger.values(&target));
+            for (camera, topic, _) in self.targets() {
+                self.refresh(camera, &topic);
             }
             thread::sleep(PERIOD);
         }
     }
 
-    /// Keeps the outcome of a call for the pages.
-    fn note(&self, camera: String, outcome: &Result<NudgedProjector, NudgeError>) {
+    /// Each camera's name, CameraInfo topic and orientation.
+    fn targets(&self) -> Vec<(String, String, Orientation)> {
+        let target = |camera: &CameraOutput| {
+            let view = camera.view();
+            (view.name.clone(), view.settings.camera_info_topic.clone(), camera.orientation())
+        };
+        self.shared.cameras().iter().map(target).collect()
+    }
+
+    /// Asks for a camera's values, for the pages.
+    fn refresh(&self, camera: String, topic: &str) {
+        let ros = &self.shared.ros;
+        let found = ros.resolve(topic).and_then(|topic| NudgedProjector::find(ros, &topic));
         let mut known = lock(&self.known);
         let before = known.get(&camera).cloned();
-        let now = match outcome {
-            Ok(projector) => Some(json_of(projector)),
-            Err(NudgeError::NoProjector { .. }) => None,
+        let now = found.map(|found| found.map(|projector| json_of(&projector))).unwrap_or_else(|error| {
             // The last values, if there are some, cannot be changed at present.
-            Err(error) => before.clone().map(|mut known| {
-                known["problem"] = json!(error.to_string());
-                known
-            }),
-        };
+            let mut known = before.clone()?;
+            known["problem"] = json!(error.to_string());
+            Some(known)
+        });
         if now == before {
             return;
         }
@@ -95,19 +105,22 @@ impl Nudging {
     /// Carries out `nudge`, `save` or `revert`. Waits for the projector's node.
     pub(super) fn post(&self, request: &str, body: &Value, caller: &str) -> Result<String, Refusal> {
         let camera = body["camera"].as_str().ok_or_else(|| Refusal::Invalid("camera: no text".to_owned()))?;
-        let targets = self.shared.cameras().iter().map(|camera| camera.nudge_target()).collect::<Vec<_>>();
-        let target = targets.into_iter().find(|(name, _)| name == camera);
-        let (_, target) = target.ok_or_else(|| Refusal::Invalid(format!("camera: there is no camera {camera}")))?;
-        let failed = |error: NudgeError| Refusal::Failed(error.to_string());
-        let message = match request {
-            "nudge" => {
-                let NudgedProjector { node, nudge } = self.nudger.nudge(&target, &step(body)?).map_err(failed)?;
-                format!("{node} nudged by {nudge} in all")
+        let target = self.targets().into_iter().find(|(name, ..)| name == camera);
+        let (_, topic, orientation) =
+            target.ok_or_else(|| Refusal::Invalid(format!("camera: there is no camera {camera}")))?;
+        let step = step(body)?;
+        let ros = &self.shared.ros;
+        let stepping = lock(&self.stepping);
+        let done = projector(ros, &topic).and_then(|mut projector| {
+            if request != "nudge" {
+                return projector.trigger(ros, request);
             }
-            "save" => self.nudger.save(&target).map_err(failed)?,
-            _ => self.nudger.revert(&target).map_err(failed)?,
-        };
-        self.note(camera.to_owned(), &self.nudger.values(&target));
+            nudge(ros, &mut projector, orientation, &step)?;
+            Ok(format!("{} nudged by {} in all", projector.node, projector.nudge))
+        });
+        drop(stepping);
+        let message = done.map_err(|error| Refusal::Failed(format!("{error:#}")))?;
+        self.refresh(camera.to_owned(), &topic);
         log::info!("camera {camera}: {message}; by {caller}");
         Ok(message)
     }
@@ -138,8 +151,7 @@ fn step(body: &Value) -> Result<Step, Refusal> {
             *value = body[key].as_f64().ok_or_else(|| Refusal::Invalid(format!("{key}: no number")))?;
         }
     }
-    let [right_m, down_m, forward_m, pitch_rad, yaw_rad, roll_rad] = values;
-    Ok(Step { right_m, down_m, forward_m, pitch_rad, yaw_rad, roll_rad })
+    Ok(values)
 }
 
 #[cfg(test)]
@@ -149,7 +161,7 @@ mod tests {
     #[test]
     fn what_a_step_leaves_out_is_zero() {
         let found = step(&json!({"camera": "proj", "down_m": 0.01, "yaw_rad": -1})).unwrap();
-        assert_eq!(found, Step { down_m: 0.01, yaw_rad: -1.0, ..Step::default() });
+        assert_eq!(found, [0.0, 0.01, 0.0, 0.0, -1.0, 0.0]);
         assert_eq!(step(&json!({"right_m": "1"})).unwrap_err(), Refusal::Invalid("right_m: no number".to_owned()));
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use crate::runtime::watchdog::Worker;
 

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, Context, Result};
 use rcs_logging::one_line;
 use rcs_node_support::lifecycle::EndRequest;
+use rcs_process::join_within;
 use rcs_ros::{NodeError, RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
-use rcs_scene::join_within;
 
 use crate::camera::plan;
 use crate::log_findings;

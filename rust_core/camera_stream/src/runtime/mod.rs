@@ -46,14 +46,12 @@ use watchdog::Watchdog;
 pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()> {
     log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let Some(ros) = lifecycle::connect(NODE_NAME, &end)? else { return Ok(()) };
     let given = node_options::merge(words, ros.parameters())?;
     log::info!("options: {}", given.command_line);
     let options = Options::of(&given, &config_names(config))?;
-    // First, while little is in use.
-    let _memory = rcs_memory::MemoryTrimmer::start(rcs_messages::free_unused_bytes)
-        .context("cannot start the thread that gives memory back")?;
+    rcs_process::trim_regularly().context("cannot start the thread that gives memory back")?;
     let shared = Arc::new(NodeState::new(ros, options.node.light.blackout));
     let scene = SceneThread::start(&options, config, &shared)?;
     let control = ControlThread::start(&options, file, config, &shared)?;

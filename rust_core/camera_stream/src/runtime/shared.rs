@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use rcs_light::Pulse;
+use rcs_process::lock;
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_rviz_config::Config;
-use rcs_scene::lock;
 
 use super::activity::Activity;
 use super::diagnostics::Diagnostics;

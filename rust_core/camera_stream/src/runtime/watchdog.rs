@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 /// Duration from which a step is logged.
 const HANG_AFTER: Duration = Duration::from_secs(5);

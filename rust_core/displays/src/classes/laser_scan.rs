@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 use rcs_messages::sensor_msgs::{LaserScan, PointField};
-use rcs_messages::{pooled_bytes, PointCloud2};
+use rcs_messages::PointCloud2;
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 use rcs_transforms::{interpolate, Time};
@@ -88,7 +88,7 @@ fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last:
     let fields = [("x", 0), ("y", 4), ("z", 8), ("intensity", 12)].map(|(name, at)| (name, at, PointField::FLOAT32));
     let (fields, point_step) = if has_intensity { (&fields[..], 16) } else { (&fields[..3], 12) };
     let is_moving = fixed_from_first != fixed_from_last;
-    let mut data = pooled_bytes(scan.ranges.len() * point_step as usize);
+    let mut data = Vec::with_capacity(scan.ranges.len() * point_step as usize);
     for (i, &range) in scan.ranges.iter().enumerate() {
         if !(range >= scan.range_min && range < scan.range_max) {
             continue;

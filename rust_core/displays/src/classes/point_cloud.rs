@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use rcs_messages::sensor_msgs::{PointCloud, PointField};
-use rcs_messages::{pooled_bytes, PointCloud2};
+use rcs_messages::PointCloud2;
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
@@ -46,7 +46,7 @@ fn converted(cloud: &PointCloud) -> PointCloud2 {
         }
     }
     let column_count = zeros_column + usize::from(columns.len() < cloud.channels.len());
-    let mut data = pooled_bytes(cloud.points.len() * column_count * 4);
+    let mut data = Vec::with_capacity(cloud.points.len() * column_count * 4);
     for (i, point) in cloud.points.iter().enumerate() {
         data.extend([point.x, point.y, point.z].iter().flat_map(|value| value.to_le_bytes()));
         data.extend(columns.iter().filter_map(|column| column.get(i)).flat_map(|value| value.to_le_bytes()));

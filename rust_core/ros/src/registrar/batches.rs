@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use super::entry::Entry;
 use super::Registrar;

@@ -15,7 +15,7 @@ use rustix::event::{eventfd, poll, EventfdFlags, PollFd, PollFlags};
 use rustix::net::sockopt;
 
 use rcs_messages::SharedBytes;
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use super::header::Header;
 use crate::socket::{keep_alive, IDLE_TIMEOUT};

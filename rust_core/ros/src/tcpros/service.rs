@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use rcs_scene::lock;
+use rcs_process::lock;
 
 use super::header::{read_exact, Header};
 use crate::registrar::Entry;

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use rcs_scene::{lock, IDLE_PERIOD};
+use rcs_process::{lock, IDLE_PERIOD};
 
 use super::header::Header;
 use crate::acceptor::Counted;
@@ -414,7 +414,7 @@ fn read_message(stream: &mut impl Read, is_ended: &dyn Fn() -> bool) -> io::Resu
     if len > MAX_MESSAGE_BYTES {
         return Err(io::Error::new(io::ErrorKind::InvalidData, format!("a message of {len} bytes is announced")));
     }
-    let mut bytes = rcs_messages::pooled_bytes((len as usize).min(FIRST_ROOM_BYTES));
+    let mut bytes = Vec::with_capacity((len as usize).min(FIRST_ROOM_BYTES));
     read_up_to(stream, len as usize, &mut bytes, is_ended)?;
     Ok(bytes)
 }

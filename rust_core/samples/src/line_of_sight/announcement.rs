@@ -9,7 +9,7 @@ use rcs_messages::Time;
 use rcs_ros::{NodeError, Publisher, RosNode};
 
 use super::cylinder::Cylinder;
-use rcs_node_support::poses::pose_message;
+use crate::poses::pose_message;
 
 /// Definition of moveit_msgs/CollisionObject that the planner uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -11,7 +11,7 @@ use rcs_messages::std_msgs::{ColorRGBA, Header};
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 
 use super::arrows::Arrow;
-use rcs_node_support::poses::pose_message;
+use crate::poses::pose_message;
 
 /// How arrows style.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,12 +13,12 @@ use rcs_messages::visualization_msgs::MarkerArray;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_ros::{NodeEvent, Publisher, RosNode};
 
+use crate::poses::rigid_pose;
 use arrows::{ArrowLayout, MOST_ARROWS};
 use markers::{ArrowStyle, Sequence};
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::node_options::{color, rgba, with_parameters, within};
 use rcs_node_support::node_status::{Level, NodeStatus};
-use rcs_node_support::poses::rigid_pose;
 use rcs_node_support::ros_names::{publishes, subscribes, RosName};
 
 /// Topics of the node.

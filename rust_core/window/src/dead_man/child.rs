@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rcs_scene::join_within;
+use rcs_process::join_within;
 use rustix::event::{PollFd, PollFlags};
 use rustix::io::{read, Errno};
 

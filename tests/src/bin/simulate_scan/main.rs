@@ -79,7 +79,7 @@ enum Command {
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    rcs_scene::name_threads();
+    rcs_process::name_threads();
     let (room, rig) = (Room::cluttered(arguments.seed), Rig::random(arguments.seed));
     match &arguments.command {
         Command::Scan { folder, places } => {

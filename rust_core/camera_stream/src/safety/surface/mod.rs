@@ -19,7 +19,8 @@ use rcs_displays::time_from_stamp;
 use rcs_light::{Condition, Measured, Now};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, AnyMessage};
-use rcs_scene::{lock, Camera, DepthPicture, DisplayMask};
+use rcs_process::lock;
+use rcs_scene::{Camera, DepthPicture, DisplayMask};
 use rcs_transforms::WaitingQueue;
 
 use self::grid::GridDecoder;

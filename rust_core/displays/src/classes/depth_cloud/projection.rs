@@ -5,7 +5,7 @@
 
 use nalgebra::Isometry3;
 use rcs_messages::sensor_msgs::{CameraInfo, PointField};
-use rcs_messages::{pooled_bytes, Image, PointCloud2};
+use rcs_messages::{Image, PointCloud2};
 use rcs_transforms::Time;
 
 use crate::parts::cloud::one_row;
@@ -92,7 +92,7 @@ pub(super) fn cloud(
     let rows = rows(depth, pixel, "Depth")?;
     let colors = color.map(|color| colors(color, depth)).transpose()?.unwrap_or_default();
     let count = rays.x.len() * rays.y.len();
-    let mut points = PointWriter(pooled_bytes(count * POINT_LEN));
+    let mut points = PointWriter(Vec::with_capacity(count * POINT_LEN));
     let is_big_endian = depth.is_bigendian != 0;
     let pixels = rows.zip(&rays.y).flat_map(|(row, y)| {
         let depths = row.chunks_exact(pixel.bytes()).map(|bytes| depth_m(bytes, is_big_endian));

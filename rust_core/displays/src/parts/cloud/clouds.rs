@@ -18,7 +18,6 @@ use crate::parts::bounds::middle;
 use crate::parts::solids::drawable;
 use crate::{Level, StatusText, Statuses, World};
 
-use super::buffer_pool::CloudPool;
 use super::fields::CloudLayout;
 use super::points::NonFinite;
 use super::{color, pieces, points};
@@ -67,7 +66,6 @@ pub(crate) struct Clouds {
     pub(crate) packs_points: bool,
     shown: VecDeque<ReceivedCloud>,
     drawables: Vec<Drawable>,
-    pool: CloudPool,
 }
 
 #[derive(Debug)]
@@ -94,7 +92,6 @@ impl Clouds {
             packs_points: false,
             shown: VecDeque::new(),
             drawables: Vec::new(),
-            pool: CloudPool::default(),
         }
     }
 
@@ -123,8 +120,7 @@ impl Clouds {
             }
         };
         if self.keeps_one() {
-            // It reuses the memory of the one before.
-            self.drop_all();
+            self.clear();
         }
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
         if let Some(before) = self.settings.color_transformer.replace(transformer).filter(|one| *one != transformer) {
@@ -152,8 +148,7 @@ impl Clouds {
         layout: &CloudLayout,
         transformer: ColorTransformer,
     ) -> (Vec<Drawable>, usize) {
-        let (settings, pool) = (&self.settings, &mut self.pool);
-        pool.reclaim(layout.point_count);
+        let settings = &self.settings;
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
         let style = match settings.style {
             PointStyle::Points { diameter_px } => {
@@ -172,9 +167,9 @@ impl Clouds {
                 return (vec![at_cloud(Geometry::Packed(Arc::new(packed)))], non_finite_count);
             }
         }
-        let (buffer, non_finite_count) = points::read(&placed.cloud, layout, &coloring, self.non_finite, pool);
+        let (buffer, non_finite_count) = points::read(&placed.cloud, layout, &coloring, self.non_finite);
         // The order of the pieces is visible only where they blend.
-        let buffers = if blended { pieces::cut(buffer, &style, pool) } else { vec![buffer] };
+        let buffers = if blended { pieces::cut(buffer, &style) } else { vec![buffer] };
         let piece = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed
             // one. Opaque ones are not sorted.
@@ -219,19 +214,10 @@ impl Clouds {
         let before = self.shown.len();
         if decay_secs > 0.0 || is_followed {
             while self.shown.front().is_some_and(|shown| now.secs_since(shown.received) >= decay_secs) {
-                let gone = self.shown.pop_front().filter(|_| is_followed);
-                self.pool.retire(gone.as_ref().map_or(&[], |gone| &gone.decoded.drawables));
+                self.shown.pop_front();
             }
         }
         self.shown.len() != before
-    }
-
-    /// Removes all clouds, keeping their memory.
-    fn drop_all(&mut self) {
-        self.drawables.clear();
-        for gone in self.shown.drain(..) {
-            self.pool.retire(&gone.decoded.drawables);
-        }
     }
 
     /// Time at which the oldest cloud expires.
@@ -244,6 +230,5 @@ impl Clouds {
     pub(crate) fn clear(&mut self) {
         self.shown.clear();
         self.drawables.clear();
-        self.pool = CloudPool::default();
     }
 }

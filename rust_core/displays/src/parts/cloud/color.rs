@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::{rainbow, AxisRainbow, PackedColors, PointBytes, Rgba, POINTS_PER_SHARE};
 
-use super::buffer_pool::CloudPool;
 use super::fields::{CloudChannel, CloudLayout};
 
 pub(crate) enum PointColor {
@@ -69,21 +68,16 @@ impl<'a> Coloring<'a> {
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
-        pool: &mut CloudPool,
     ) -> PointColor {
-        let CloudPool { colors, values, .. } = pool;
-        let mut memory = || colors.take_filled(points.count());
         match self.transformer {
             ColorTransformer::FlatColor => PointColor::Uniform(self.flat_color()),
             ColorTransformer::AxisColor => {
-                PointColor::PerPoint(by_axis(&self.settings.axis_color, self.axis_rainbow(), positions, memory()))
+                PointColor::PerPoint(by_axis(&self.settings.axis_color, self.axis_rainbow(), positions))
             }
-            ColorTransformer::Intensity => {
-                by_intensity(&self.settings.intensity, layout, big_endian, points, (values, memory()))
-            }
+            ColorTransformer::Intensity => by_intensity(&self.settings.intensity, layout, big_endian, points),
             // rviz's way over floats ends at the same bytes.
-            ColorTransformer::Rgb8 => packed(layout, big_endian, points, memory(), |rgb| rgb),
-            ColorTransformer::Mono8 => packed(layout, big_endian, points, memory(), |rgb| {
+            ColorTransformer::Rgb8 => packed(layout, big_endian, points, |rgb| rgb),
+            ColorTransformer::Mono8 => packed(layout, big_endian, points, |rgb| {
                 let [r, g, b] = rgb;
                 let share = |byte: u8| f64::from(f32::from(byte) / 255.0);
                 let grey = (0.2989 * share(r) + 0.5870 * share(g) + 0.1140 * share(b)) as f32;
@@ -95,9 +89,7 @@ impl<'a> Coloring<'a> {
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
                 let float = |channel: &CloudChannel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
                 let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
-                let mut colors = memory();
-                points.map(&mut colors, |point| color(point).to_rgba8());
-                PointColor::PerPoint(colors)
+                PointColor::PerPoint(points.map(|point| color(point).to_rgba8()))
             }
         }
     }
@@ -108,16 +100,14 @@ fn packed(
     layout: &CloudLayout,
     big_endian: bool,
     points: &PointBytes<'_>,
-    mut colors: Vec<[u8; 4]>,
     map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send,
 ) -> PointColor {
     let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
-    points.map(&mut colors, |point| {
+    PointColor::PerPoint(points.map(|point| {
         let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes();
         let [r, g, b] = map([r, g, b]);
         [r, g, b, if has_alpha { a } else { 255 }]
-    });
-    PointColor::PerPoint(colors)
+    }))
 }
 
 /// Minimum and maximum as rviz computes them, one value after the other, from bounds that an ordinary value replaces. A
@@ -146,27 +136,26 @@ fn by_intensity(
     layout: &CloudLayout,
     big_endian: bool,
     points: &PointBytes<'_>,
-    (values, mut colors): (&mut Vec<f32>, Vec<[u8; 4]>),
 ) -> PointColor {
     let named = layout.channel(&settings.channel_name);
     let other_name = if settings.channel_name == "intensity" { layout.channel("intensities") } else { None };
     let Some(channel) = named.or(other_name) else { return PointColor::Uniform(WHITE) };
-    values.resize(points.count(), 0.0);
-    points.map(values, |point| channel.value(point, big_endian));
+    let values = points.map(|point| channel.value(point, big_endian));
     let (min, max) = if settings.auto_bounds {
         let outermost = 999_999.0;
-        let (min, max) = bounds(values, outermost);
+        let (min, max) = bounds(&values, outermost);
         (if -outermost < min { min } else { -outermost }, if max < outermost { max } else { outermost })
     } else {
         (settings.min, settings.max)
     };
     let range = if max == min { 1e20 } else { max - min };
-    if settings.use_rainbow {
+    let values = values.par_iter().with_min_len(POINTS_PER_SHARE);
+    let colors = if settings.use_rainbow {
         let color = |value: &f32| {
             let share = (1.0 - f64::from((value - min) / range)) as f32;
             rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share }).to_rgba8()
         };
-        values.par_iter().with_min_len(POINTS_PER_SHARE).map(color).collect_into_vec(&mut colors);
+        values.map(color).collect()
     } else {
         let [low, high] = [settings.min_color, settings.max_color].map(|rgb| Rgba::from_rgb8(rgb, 1.0));
         let color = |value: &f32| {
@@ -176,17 +165,12 @@ fn by_intensity(
             let mix = |low: f32, high: f32| high * share + low * (1.0 - share);
             Rgba::new(mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b), 1.0).to_rgba8()
         };
-        values.par_iter().with_min_len(POINTS_PER_SHARE).map(color).collect_into_vec(&mut colors);
-    }
+        values.map(color).collect()
+    };
     PointColor::PerPoint(colors)
 }
 
-fn by_axis(
-    settings: &AxisColorSettings,
-    mut rainbow: AxisRainbow,
-    positions: &[[f32; 3]],
-    mut colors: Vec<[u8; 4]>,
-) -> Vec<[u8; 4]> {
+fn by_axis(settings: &AxisColorSettings, mut rainbow: AxisRainbow, positions: &[[f32; 3]]) -> Vec<[u8; 4]> {
     if settings.auto_bounds {
         let outermost = 9999.0;
         // Unlike among intensities, a NaN is ignored.
@@ -196,8 +180,7 @@ fn by_axis(
         rainbow = rainbow.between(min, max);
     }
     let shares = positions.par_iter().with_min_len(POINTS_PER_SHARE);
-    shares.map(|position| rainbow.color(position)).collect_into_vec(&mut colors);
-    colors
+    shares.map(|position| rainbow.color(position)).collect()
 }
 
 #[cfg(test)]

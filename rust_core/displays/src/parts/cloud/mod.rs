@@ -4,7 +4,6 @@
 //! ([`CloudSource`]); that is decoded and coloured once, when it is placed, and drawing it again costs no decoding. A
 //! cloud stands where its frame was at its stamp. Without a decay time the newest cloud replaces the one before it.
 
-mod buffer_pool;
 mod clouds;
 mod color;
 mod display;

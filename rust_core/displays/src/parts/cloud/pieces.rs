@@ -3,8 +3,6 @@
 
 use rcs_scene::{PointBuffer, PointColors, PointStyle};
 
-use super::buffer_pool::CloudPool;
-
 const MAX_VERTICES: usize = 36 * 1024 * 10;
 
 /// Points in a piece of a style.
@@ -19,26 +17,21 @@ pub(crate) fn max_points(style: &PointStyle) -> usize {
 }
 
 /// Cuts a cloud into pieces; one that fits into a piece stays as it is.
-pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, pool: &mut CloudPool) -> Vec<PointBuffer> {
+pub(super) fn cut(buffer: PointBuffer, style: &PointStyle) -> Vec<PointBuffer> {
     let max_points = max_points(style);
     if buffer.positions.len() <= max_points {
         return vec![buffer];
     }
     let mut pieces = Vec::with_capacity(buffer.positions.len().div_ceil(max_points));
     for (i, some) in buffer.positions.chunks(max_points).enumerate() {
-        let mut positions = pool.positions.take(some.len());
-        positions.extend_from_slice(some);
         let colors = match &buffer.colors {
             PointColors::Uniform(color) => PointColors::Uniform(*color),
             PointColors::PerPoint(all) => {
-                let mut colors = pool.colors.take(some.len());
-                colors.extend(all.iter().skip(i * max_points).take(some.len()));
-                PointColors::PerPoint(colors)
+                PointColors::PerPoint(all.iter().skip(i * max_points).take(some.len()).copied().collect())
             }
         };
-        pieces.push(PointBuffer { positions, colors });
+        pieces.push(PointBuffer { positions: some.to_vec(), colors });
     }
-    pool.give(buffer);
     pieces
 }
 
@@ -52,7 +45,7 @@ mod tests {
         let positions: Vec<[f32; 3]> = (0..count).map(|i| [i as f32; 3]).collect();
         let colors: Vec<[u8; 4]> = (0..count as u32).map(u32::to_le_bytes).collect();
         let whole = PointBuffer { positions: positions.clone(), colors: PointColors::PerPoint(colors) };
-        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] }, &mut CloudPool::default());
+        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] });
         let lens: Vec<usize> = pieces.iter().map(|piece| piece.positions.len()).collect();
         assert_eq!(lens, [10_240, 10_240, 4_520]);
         assert_eq!(pieces.iter().flat_map(|piece| piece.positions.clone()).collect::<Vec<_>>(), positions);

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 use rcs_messages::PointCloud2;
 use rcs_scene::{has_finite_position, PointBuffer, PointBytes, PointColors, POINTS_PER_SHARE};
 
-use super::buffer_pool::CloudPool;
 use super::color::{Coloring, PointColor};
 use super::fields::CloudLayout;
 
@@ -26,15 +25,13 @@ pub(crate) fn read(
     layout: &CloudLayout,
     coloring: &Coloring<'_>,
     non_finite: NonFinite,
-    pool: &mut CloudPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
     let place = layout.positions(cloud.is_bigendian);
-    let mut shown = std::mem::take(&mut pool.shown);
     let shown_in = |points: &[u8]| {
         points.chunks_exact(point_step).filter(|point| has_finite_position(&place.in_point(point))).count()
     };
-    data.par_chunks(POINTS_PER_SHARE * point_step).map(shown_in).collect_into_vec(&mut shown);
+    let mut shown: Vec<usize> = data.par_chunks(POINTS_PER_SHARE * point_step).map(shown_in).collect();
     let non_finite_count = layout.point_count - shown.iter().sum::<usize>();
     let is_all_shown = non_finite_count == 0 || non_finite == NonFinite::FarAway;
     if is_all_shown {
@@ -45,13 +42,11 @@ pub(crate) fn read(
             .for_each(|(shown, share)| *shown = points_in(share));
     }
     let points = PointBytes { data, point_step, positions: place, shown: &shown, is_all_shown };
-    let mut positions = pool.positions.take_filled(points.count());
-    points.map(&mut positions, |point| place.in_point(point));
-    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, pool) {
+    let mut positions = points.map(|point| place.in_point(point));
+    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
-    pool.shown = shown;
     if non_finite_count > 0 && non_finite == NonFinite::FarAway {
         for position in positions.iter_mut().filter(|position| !has_finite_position(position)) {
             *position = FAR_AWAY;
@@ -97,7 +92,7 @@ mod tests {
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
-        Ok(read(cloud, &layout, &coloring, NonFinite::LeftOut, &mut CloudPool::default()).0)
+        Ok(read(cloud, &layout, &coloring, NonFinite::LeftOut).0)
     }
 
     #[test]
@@ -121,8 +116,7 @@ mod tests {
         let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
-            let (buffer, non_finite_count) =
-                read(&cloud, &layout, &coloring, NonFinite::FarAway, &mut CloudPool::default());
+            let (buffer, non_finite_count) = read(&cloud, &layout, &coloring, NonFinite::FarAway);
             assert_eq!((buffer.positions[0], non_finite_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));

@@ -6,7 +6,7 @@ use rcs_messages::{point_xyz, quaternion_xyzw};
 
 /// A message's pose; `None` if a number is not finite. A zero quaternion, which planners leave in paths, is the
 /// identity.
-pub fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
+pub(crate) fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
     let [x, y, z] = point_xyz(&pose.position);
     let [i, j, k, w] = quaternion_xyzw(&pose.orientation);
     if ![x, y, z, i, j, k, w].iter().all(|number| number.is_finite()) {
@@ -17,7 +17,7 @@ pub fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
 }
 
 /// A pose message.
-pub fn pose_message(pose: &Isometry3<f64>) -> Pose {
+pub(crate) fn pose_message(pose: &Isometry3<f64>) -> Pose {
     let (position, rotation) = (pose.translation.vector, pose.rotation.coords);
     Pose {
         position: Point { x: position.x, y: position.y, z: position.z },

@@ -1,0 +1,8 @@
+//! What a whole process shares: locks, threads, and memory that goes back to the system.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod memory;
+mod threads;
+
+pub use memory::{keep_one_heap, trim_regularly};
+pub use threads::{join_within, lock, name_threads, wait_timeout, wait_while, IDLE_PERIOD};
