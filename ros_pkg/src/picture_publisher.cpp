@@ -180,11 +180,11 @@ std::string PicturePublisher::publishPicture(const Frame& frame, const std_msgs:
 
   const auto image = boost::make_shared<sensor_msgs::Image>();
   image->header = header;
-  image->width = view_.picture_width;
-  image->height = view_.picture_height;
+  image->width = view_.image_width;
+  image->height = view_.image_height;
   image->encoding = rcs_encoding_name(frame.encoding);
   image->is_bigendian = false;
-  image->step = static_cast<uint32_t>(view_.picture_width * rcs_encoding_bytes_per_pixel(frame.encoding));
+  image->step = static_cast<uint32_t>(view_.image_width * rcs_encoding_bytes_per_pixel(frame.encoding));
   image->data.resize(size_t(image->step) * image->height);
   if (rcs_camera_encode(converter_.get(), &pixels, frame.encoding, frame.background_rgb, image->data.data(),
                         image->data.size()) != RCS_RESULT_OK)
@@ -205,11 +205,11 @@ std::string PicturePublisher::publishDepths(const Frame& frame, const std_msgs::
   const ReadPixels& read = frame.pixels;
   const auto image = boost::make_shared<sensor_msgs::Image>();
   image->header = header;
-  image->width = view_.picture_width;
-  image->height = view_.picture_height;
+  image->width = view_.image_width;
+  image->height = view_.image_height;
   image->encoding = sensor_msgs::image_encodings::TYPE_32FC1;
   image->is_bigendian = false;
-  image->step = view_.picture_width * static_cast<uint32_t>(sizeof(float));
+  image->step = view_.image_width * static_cast<uint32_t>(sizeof(float));
   const size_t count = size_t(image->width) * image->height;
   image->data.resize(sizeof(float) * count);
   // A vector's memory is aligned for every type.

@@ -1,5 +1,5 @@
 //! The renderer by the number of lines: `lines/20px/COUNT` for lines of one pixel's width and 20 pixels' length,
-//! `lines/ribbons/ELEMENTS` for wide lines of ten elements each. The picture has 1280×800 pixels; `RCS_RENDERER=gpu`
+//! `lines/ribbons/ELEMENTS` for wide lines of ten elements each. The image has 1280×800 pixels; `RCS_RENDERER=gpu`
 //! measures the GPU renderer.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw measures nothing")]
 

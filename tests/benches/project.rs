@@ -5,7 +5,7 @@
 //! - `beside`: the same squares, all of them beside the view. No point decides that the cloud has to be drawn, so
 //!   the box around all of them is computed as well.
 //!
-//! The picture has 64×40 pixels, so that clearing and encoding it does not count; for projecting a point its size does
+//! The image has 64×40 pixels, so that clearing and encoding it does not count; for projecting a point its size does
 //! not matter. `RCS_RENDERER=gpu` measures the GPU renderer.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw measures nothing")]
 

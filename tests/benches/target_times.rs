@@ -1,4 +1,4 @@
-//! The scenes with a target time, each a picture of 1280×800 pixels on two cores:
+//! The scenes with a target time, each an image of 1280×800 pixels on two cores:
 //!
 //! - `target_times/points_15px` and `target_times/squares_15px`: the clusters of a few objects, 1,200 points of
 //!   15 pixels. Target: below 1 ms.

@@ -1,8 +1,8 @@
-//! Measures scenes of very many small solids, from a message's bytes to its picture: how long each step takes, the
+//! Measures scenes of very many small solids, from a message's bytes to its image: how long each step takes, the
 //! most memory, and what is left of it when everything is deleted.
 //!
 //! `cargo run --release -p rcs_tests --example many_solids [-- FILTER]` prints a table; `RCS_RENDERER` chooses the
-//! renderer. Each row is measured in a process of its own. The *first picture* includes decoding the message, the
+//! renderer. Each row is measured in a process of its own. The *first image* includes decoding the message, the
 //! display and the scene, the *next one* shows the same scene again, and the *changed one* a new message with all of
 //! it moved; both are the fastest of five. Memory is what the process uses beyond that of the messages' bytes.
 

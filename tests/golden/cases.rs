@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{bail, ensure, Context as _};
 use saphyr_parser::{Event, Parser};
 
-/// A scene and the picture that rviz drew of it.
+/// A scene and the image that rviz drew of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
     /// The folder's name, which begins with the subject.
@@ -29,7 +29,7 @@ pub(crate) struct Case {
 /// one away.
 const USUAL_MIN_CLOSE: f64 = 0.98;
 
-/// The fields that describe how rviz's picture was recorded. They are not needed to draw it.
+/// The fields that describe how rviz's image was recorded. They are not needed to draw it.
 const RECORDING: [&str; 10] =
     ["at", "encoding", "frame_id", "freezes", "height", "note", "stable", "unsubscribed_ok", "varies", "width"];
 

@@ -1,7 +1,7 @@
-//! The gallery `docs/reference/displays.md`: its pictures are what the CPU renderer draws, and each display has its
+//! The gallery `docs/reference/displays.md`: its images are what the CPU renderer draws, and each display has its
 //! section.
 //!
-//! A picture `docs/images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures again.
+//! An image `docs/images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the images again.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::{load, render, score, SharedRenderer};
 /// Classes of other packages have a section of their own.
 const OTHER_PLUGINS: &str = "other plugins";
 
-/// The lowest *close* score that passes between a picture of the gallery and the one drawn now. Both are of the same
+/// The lowest *close* score that passes between an image of the gallery and the one drawn now. Both are of the same
 /// renderer, but floating point may be rounded differently on another processor.
 const MIN_CLOSE: f64 = 0.999;
 
@@ -21,11 +21,11 @@ fn page() -> String {
     std::fs::read_to_string(cases::repository().join("docs/reference/displays.md")).unwrap_or_default()
 }
 
-fn picture(name: &str) -> PathBuf {
+fn image(name: &str) -> PathBuf {
     cases::repository().join("docs/images/displays").join(format!("{name}.png"))
 }
 
-/// The names of the cases whose pictures the page shows.
+/// The names of the cases whose images the page shows.
 fn shown(page: &str) -> Vec<&str> {
     let mut names: Vec<&str> =
         page.split("images/displays/").skip(1).filter_map(|rest| Some(rest.split_once(".png")?.0)).collect();
@@ -34,7 +34,7 @@ fn shown(page: &str) -> Vec<&str> {
     names
 }
 
-/// One test for each picture, and one for the sections.
+/// One test for each image, and one for the sections.
 pub(crate) fn trials(all: &[Case], cpu: &SharedRenderer) -> Vec<Trial> {
     let page = page();
     let mut trials = Vec::new();
@@ -63,7 +63,7 @@ fn sections(page: &str) -> Result<(), Failed> {
 }
 
 fn test(case: &Case, cpu: &SharedRenderer) -> Result<(), Failed> {
-    let file = picture(&case.name);
+    let file = image(&case.name);
     if std::env::var_os("UPDATE_GALLERY").is_some() {
         return render(case, &file, cpu).map_err(|error| format!("{error:#}").into());
     }

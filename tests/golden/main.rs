@@ -1,7 +1,7 @@
 //! Golden tests: what rviz drew, drawn again by both renderers.
 //!
 //! Each case is a folder with `scene.rviz`, `scene.bag` and the `expected.png` that rviz 1.14.19 with its CameraPub
-//! plugin published for them; `tests/conformance/README.md` describes them. The pictures of the gallery in `docs` are
+//! plugin published for them; `tests/conformance/README.md` describes them. The images of the gallery in `docs` are
 //! tested with them.
 //!
 //! ```text
@@ -10,8 +10,8 @@
 //! cargo test --release -p rcs_tests --test golden -- marker_text               all tests with this text in their names
 //! cargo test --release -p rcs_tests --test golden -- --exact gpu::pc2_points_1px      one case on the GPU
 //! cargo test --release -p rcs_tests --test golden -- --list                    their names
-//! GOLDEN_OUTPUT=DIR cargo test ...                                             keeps every rendered picture in DIR
-//! UPDATE_GALLERY=1 cargo test ... -- gallery::                                 writes the gallery's pictures again
+//! GOLDEN_OUTPUT=DIR cargo test ...                                             keeps every rendered image in DIR
+//! UPDATE_GALLERY=1 cargo test ... -- gallery::                                 writes the gallery's images again
 //! ```
 //!
 //! A failing case leaves `expected | difference | actual` in `test_output/golden/RENDERER/NAME_difference.png`.
@@ -176,7 +176,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
     let mut stage = SceneState::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
-    let target = RenderTarget::Picture { file: file.to_owned() };
+    let target = RenderTarget::Image { file: file.to_owned() };
     let mut renderer = lock(renderer);
     let bag = case.folder.join("scene.bag");
     let (camera, section, model) = (case.camera.as_deref(), BagSection::default(), Projection::Rviz.into());
@@ -195,15 +195,15 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
 }
 
 fn load(file: &Path) -> Result<Rgb, Failed> {
-    let picture = image::open(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let image = image::open(file).map_err(|error| format!("{}: {error}", file.display()))?;
     // A 16-bit grey becomes 8 bits: the scorer's levels are of 255.
-    let picture = picture.to_rgb8();
-    let pixels = picture.pixels().map(|pixel| pixel.0).collect();
-    Ok(Rgb { width: picture.width() as usize, height: picture.height() as usize, pixels })
+    let image = image.to_rgb8();
+    let pixels = image.pixels().map(|pixel| pixel.0).collect();
+    Ok(Rgb { width: image.width() as usize, height: image.height() as usize, pixels })
 }
 
-fn save(file: &Path, picture: &Rgb) -> Result<(), Failed> {
-    let bytes = picture.pixels.as_flattened();
-    image::save_buffer(file, bytes, picture.width as u32, picture.height as u32, image::ExtendedColorType::Rgb8)
+fn save(file: &Path, image: &Rgb) -> Result<(), Failed> {
+    let bytes = image.pixels.as_flattened();
+    image::save_buffer(file, bytes, image.width as u32, image.height as u32, image::ExtendedColorType::Rgb8)
         .map_err(|error| format!("{}: {error}", file.display()).into())
 }

@@ -1,13 +1,13 @@
-//! How near a picture is to the one that rviz drew.
+//! How near an image is to the one that rviz drew.
 //!
-//! A content pixel is one that differs by more than 2 levels from the expected picture's most frequent colour, in
-//! either picture. *strict* is the share of content pixels whose channels all differ by at most 2 levels; *close* is
+//! A content pixel is one that differs by more than 2 levels from the expected image's most frequent colour, in
+//! either image. *strict* is the share of content pixels whose channels all differ by at most 2 levels; *close* is
 //! the share that match within 16 levels, the match being allowed one pixel away, in both directions: it forgives one
 //! pixel of rasterisation, not a wrong size, place, order, shade or colour.
 
 use std::collections::HashMap;
 
-/// A colour picture; grey ones have three equal channels.
+/// A colour image; grey ones have three equal channels.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rgb {
     pub(crate) width: usize,
@@ -39,7 +39,7 @@ impl Rgb {
     }
 }
 
-/// Compares two pictures; `None` when their sizes differ.
+/// Compares two images; `None` when their sizes differ.
 pub(crate) fn score(expected: &Rgb, actual: &Rgb) -> Option<Score> {
     if (expected.width, expected.height) != (actual.width, actual.height) {
         return None;

@@ -78,7 +78,7 @@ fn is_found_after(setup: &Path) {
     assert_eq!(printed.lines().count(), 2 + nodes.len(), "one line for each: {printed}");
 }
 
-/// After `source SETUP`: rviz loads the plugin from this library, and the plugin publishes a picture.
+/// After `source SETUP`: rviz loads the plugin from this library, and the plugin publishes an image.
 fn rviz_loads_the_plugin_after(setup: &Path, library: &Path) {
     let printed = succeed(&format!(
         "unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH; set +u; source {}; set -u

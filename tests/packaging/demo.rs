@@ -31,7 +31,7 @@ fn master_of(printed: &str) -> String {
     format!("ROS_MASTER_URI={}", line.unwrap_or_else(|| panic!("no master: {printed}")))
 }
 
-/// Runs the demo to its end. Returns the picture that it saved and what it printed.
+/// Runs the demo to its end. Returns the image that it saved and what it printed.
 fn show(folder: &Path, arguments: &str) -> (PathBuf, String) {
     let file = folder.join("shown.png");
     let printed = succeed(&format!("./demo --seconds 1 --renderer cpu --output {} {arguments}", file.display()));

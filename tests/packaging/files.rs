@@ -44,7 +44,7 @@ fn every_config_is_understood() {
         let output = Command::new(program("camera_stream")).arg("check").arg(&config).output().unwrap();
         let printed = printed_by(&output);
         if config.ends_with("demo_window.rviz") {
-            // It is for rviz's window, which shows the cameras' pictures: that it has none is all there is to report.
+            // It is for rviz's window, which shows the cameras' images: that it has none is all there is to report.
             let reports =
                 printed.lines().skip(1).filter(|line| !line.trim().is_empty() && !line.starts_with("  line "));
             let reports: Vec<&str> = reports.collect();
@@ -123,7 +123,7 @@ fn the_sample_scene_is_what_its_script_makes() {
 }
 
 #[test]
-fn the_readmes_picture_is_what_the_demo_draws() {
+fn the_readmes_image_is_what_the_demo_draws() {
     let folder = tempfile::tempdir().unwrap();
     let drawn = folder.path().join("demo.png");
     succeed(&format!("./demo --offline --renderer cpu --output {}", drawn.display()));
@@ -132,8 +132,8 @@ fn the_readmes_picture_is_what_the_demo_draws() {
 
 /// Width, height and RGB of a PNG.
 pub(crate) fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
-    let picture = image::open(path).unwrap().into_rgb8();
-    (picture.width(), picture.height(), picture.into_raw())
+    let image = image::open(path).unwrap().into_rgb8();
+    (image.width(), image.height(), image.into_raw())
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The launch files: which nodes they start, and that these publish pictures.
+//! The launch files: which nodes they start, and that these publish images.
 
 use std::collections::BTreeSet;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -386,8 +386,8 @@ impl Drop for Launched {
     }
 }
 
-/// Waits for one picture and returns what rostopic prints of it without its data.
-pub(crate) fn picture(master: &RosMaster, topic: &str, launched: &Launched) -> String {
+/// Waits for one image and returns what rostopic prints of it without its data.
+pub(crate) fn image(master: &RosMaster, topic: &str, launched: &Launched) -> String {
     let printed = master.output("rostopic", &["echo", "-n", "1", "--noarr", topic]).unwrap();
     assert!(!printed.is_empty(), "{topic}: {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
     printed
@@ -398,9 +398,9 @@ fn demo_shows_both_cameras() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(&master, "demo.launch use_rviz:=false renderer:=cpu");
     for (camera, height, width) in [("camera1", 480, 640), ("camera2", 720, 1280)] {
-        let picture = picture(&master, &format!("/rviz1/{camera}/image"), &launched);
-        assert!(picture.contains(&format!("height: {height}\nwidth: {width}\nencoding: \"rgb8\"")), "{picture}");
-        assert!(picture.contains(&format!("frame_id: \"{camera}\"")), "{picture}");
+        let image = image(&master, &format!("/rviz1/{camera}/image"), &launched);
+        assert!(image.contains(&format!("height: {height}\nwidth: {width}\nencoding: \"rgb8\"")), "{image}");
+        assert!(image.contains(&format!("frame_id: \"{camera}\"")), "{image}");
     }
 }
 
@@ -409,7 +409,7 @@ fn demo_without_a_display_reports_that_rviz_does_not_open() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(&master, "demo.launch use_rviz:=true renderer:=cpu");
     assert!(launched.roslaunch.line_with("so rviz does not start").is_some(), "{:?}", launched.roslaunch.lines());
-    picture(&master, "/rviz1/camera1/image", &launched);
+    image(&master, "/rviz1/camera1/image", &launched);
 }
 
 #[test]
@@ -419,17 +419,17 @@ fn projection_publishes_on_the_topics_of_its_arguments() {
         &master,
         "projection.launch viewer:=none renderer:=cpu image_topic:=/wall/image camera_info_topic:=/wall/projector",
     );
-    let picture = picture(&master, "/wall/image", &launched);
-    assert!(picture.contains("height: 800\nwidth: 1280"), "{picture}");
+    let image = image(&master, "/wall/image", &launched);
+    assert!(image.contains("height: 800\nwidth: 1280"), "{image}");
 }
 
 #[test]
-fn both_projectors_have_a_picture() {
+fn both_projectors_have_a_image() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(&master, "two_projectors.launch renderer:=cpu");
     for side in ["left", "right"] {
-        let picture = picture(&master, &format!("/{side}/image"), &launched);
-        assert!(picture.contains(&format!("frame_id: \"{side}_proj_view\"")), "{picture}");
+        let image = image(&master, &format!("/{side}/image"), &launched);
+        assert!(image.contains(&format!("frame_id: \"{side}_proj_view\"")), "{image}");
     }
 }
 
@@ -461,10 +461,10 @@ fn the_whole_paper_runs_in_simulation() {
         let holds = python.wait_for(PATIENCE, "len(set(lit)) > 1 and arrows and len(objects) > 2");
         let seen = python.run("set(lit), len(arrows), len(objects)");
         assert!(holds, "{seen:?} {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
-        // The object to grasp is green, and in the middle of the picture.
+        // The object to grasp is green, and in the middle of the image.
         let green = "view.last is not None and any(p[1] > 1.3 * max(p[0], p[2], 1) for p in (view.pixel(u, v) \
                      for u in range(560, 720, 4) for v in range(320, 480, 4)))";
         assert!(python.wait_for(PATIENCE, green));
-        picture(&master, "/observer/image", &launched);
+        image(&master, "/observer/image", &launched);
     }
 }

@@ -7,7 +7,7 @@ use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 
-use crate::launch::{picture, Launched};
+use crate::launch::{image, Launched};
 
 /// Writes a folder from flags alone.
 fn setup(folder: &Path, options: &[&str]) {
@@ -25,8 +25,8 @@ fn a_first_image_appears_without_perception() {
     let master = RosMaster::start().unwrap();
     let file = folder.path().join("projection.launch");
     let launched = Launched::run(&master, &format!("{} viewer:=none renderer:=cpu", file.display()));
-    let picture = picture(&master, "/proj_view/image", &launched);
-    assert!(picture.contains("height: 400\nwidth: 640") && picture.contains("frame_id: \"proj_view\""), "{picture}");
+    let image = image(&master, "/proj_view/image", &launched);
+    assert!(image.contains("height: 400\nwidth: 640") && image.contains("frame_id: \"proj_view\""), "{image}");
     let python = PythonNode::start(&master, &[]).unwrap();
     python.run("view = Viewer('/proj_view/image')").unwrap();
     let lit = "view.last is not None and sum(view.pixel(u, 100)[2] > 200 for u in range(640)) > 20";

@@ -1,11 +1,11 @@
-//! Publishing pictures.
+//! Publishing images.
 
 use crate::probe;
 use rcs_tests::ros::RosMaster;
 use std::time::Duration;
 
 #[test]
-fn rospy_receives_picture_and_camera_info_with_the_same_header() {
+fn rospy_receives_image_and_camera_info_with_the_same_header() {
     let master = RosMaster::start().unwrap();
     let publisher = probe(&master, &["image", "/view/image", "64", "48", "10"]);
     let ready = publisher.line_with("ready").unwrap();

@@ -13,36 +13,36 @@ use std::time::{Duration, Instant, SystemTime};
 
 const TOPIC: &str = "/view/image";
 const RATE: u32 = 20;
-const PICTURE_BYTES: usize = 1280 * 800 * 3;
+const IMAGE_BYTES: usize = 1280 * 800 * 3;
 /// How long others are beside a good viewer.
 const BESIDE: Duration = Duration::from_secs(5);
 
-fn pictures(master: &RosMaster) -> Running {
+fn images(master: &RosMaster) -> Running {
     let publisher = probe(master, &["image", TOPIC, "1280", "800", &RATE.to_string()]);
     assert!(publisher.line_with("ready").is_some(), "{:?}", publisher.errors());
     publisher
 }
 
-/// A picture's sequence number, which its message begins with.
+/// An image's sequence number, which its message begins with.
 fn seq(message: &[u8]) -> u32 {
     u32::from_le_bytes([message[0], message[1], message[2], message[3]])
 }
 
-/// How long ago a picture was published: its stamp follows the sequence number.
+/// How long ago an image was published: its stamp follows the sequence number.
 fn latency(message: &[u8]) -> Duration {
     let [secs, nanos] = [4, 8].map(|at| u32::from_le_bytes(std::array::from_fn(|index| message[at + index])));
     let stamp = SystemTime::UNIX_EPOCH + Duration::new(secs.into(), nanos);
     SystemTime::now().duration_since(stamp).unwrap_or_default()
 }
 
-/// A picture as it arrived.
+/// An image as it arrived.
 struct Seen {
     at: Instant,
     seq: u32,
     latency: Duration,
 }
 
-/// Reads pictures as they come, and notes when.
+/// Reads images as they come, and notes when.
 struct Viewer {
     seen: Arc<Mutex<Vec<Seen>>>,
     is_ended: Arc<AtomicBool>,
@@ -63,7 +63,7 @@ impl Viewer {
         Self { seen, is_ended, thread: Some(thread) }
     }
 
-    /// How many pictures it has seen since a moment. They and the longest time between two of them are printed.
+    /// How many images it has seen since a moment. They and the longest time between two of them are printed.
     fn count_since(&self, begin: Instant) -> usize {
         let all = self.seen.lock().unwrap();
         let seen: Vec<&Seen> = all.iter().filter(|seen| seen.at >= begin).collect();
@@ -107,8 +107,8 @@ impl SlowReader {
         Self { is_ended, bytes }
     }
 
-    fn pictures(&self) -> usize {
-        self.bytes.load(Ordering::Acquire) / PICTURE_BYTES
+    fn images(&self) -> usize {
+        self.bytes.load(Ordering::Acquire) / IMAGE_BYTES
     }
 }
 
@@ -118,16 +118,16 @@ impl Drop for SlowReader {
     }
 }
 
-/// Fails when a good viewer does not see many more pictures than those beside it, of which these are the pictures.
-fn assert_undisturbed<T>(master: &RosMaster, others: impl FnOnce() -> T, pictures: impl Fn(&T) -> usize) {
+/// Fails when a good viewer does not see many more images than those beside it, of which these are the images.
+fn assert_undisturbed<T>(master: &RosMaster, others: impl FnOnce() -> T, images: impl Fn(&T) -> usize) {
     let good = Viewer::start(subscribe(master, "/probe", TOPIC, "/good"));
     let begin = Instant::now();
     std::thread::sleep(BESIDE / 2);
     good.count_since(begin);
     let present = others();
-    let (begin, before) = (Instant::now(), pictures(&present));
+    let (begin, before) = (Instant::now(), images(&present));
     std::thread::sleep(BESIDE);
-    let (beside, of_others) = (good.count_since(begin), pictures(&present) - before);
+    let (beside, of_others) = (good.count_since(begin), images(&present) - before);
     println!("the others saw up to {of_others}");
     assert!(beside > 2 * of_others, "{beside} and {of_others} pictures");
 }
@@ -135,7 +135,7 @@ fn assert_undisturbed<T>(master: &RosMaster, others: impl FnOnce() -> T, picture
 #[test]
 fn slow_and_stopped_viewers_cost_the_others_nothing() {
     let master = RosMaster::start().unwrap();
-    let publisher = pictures(&master);
+    let publisher = images(&master);
     let others = || {
         let slow = [1_000_000, 10_000_000]
             .map(|rate| SlowReader::start(subscribe(&master, "/probe", TOPIC, &format!("/reads_{rate}")), rate));
@@ -143,7 +143,7 @@ fn slow_and_stopped_viewers_cost_the_others_nothing() {
         assert!(publisher.prints_again("to 8 in"));
         (slow, stopped)
     };
-    assert_undisturbed(&master, others, |(slow, _)| slow.iter().map(SlowReader::pictures).max().unwrap());
+    assert_undisturbed(&master, others, |(slow, _)| slow.iter().map(SlowReader::images).max().unwrap());
 }
 
 /// Subscribes until it is dropped.
@@ -157,9 +157,9 @@ impl Drop for Subscribed<'_> {
 }
 
 #[test]
-fn a_rospy_viewer_that_takes_long_for_each_picture_costs_the_others_nothing() {
+fn a_rospy_viewer_that_takes_long_for_each_image_costs_the_others_nothing() {
     let master = RosMaster::start().unwrap();
-    let _publisher = pictures(&master);
+    let _publisher = images(&master);
     let slow = PythonNode::start(&master, &["__name:=slow"]).unwrap();
     slow.run("times = []\ndef see(image):\n    times.append(time.monotonic())\n    time.sleep(0.3)").unwrap();
     let others = || {
@@ -171,21 +171,21 @@ fn a_rospy_viewer_that_takes_long_for_each_picture_costs_the_others_nothing() {
     assert_undisturbed(&master, others, count);
 }
 
-/// How many pictures of so many bytes the kernel may hold whole for a viewer that does not read: they fill the buffer
+/// How many images of so many bytes the kernel may hold whole for a viewer that does not read: they fill the buffer
 /// of the viewer's side, which grows up to a limit of the system while the viewer reads much, and the node's (512 kB,
 /// which Linux doubles).
-fn held_by_kernel(picture_bytes: usize) -> usize {
+fn held_by_kernel(image_bytes: usize) -> usize {
     let limits = std::fs::read_to_string("/proc/sys/net/ipv4/tcp_rmem").unwrap();
     let longest: usize = limits.split_whitespace().last().unwrap().parse().unwrap();
-    (longest + 2 * 512 * 1024) / picture_bytes
+    (longest + 2 * 512 * 1024) / image_bytes
 }
 
 #[test]
-fn a_stopped_viewer_is_never_cut_and_goes_on_with_the_newest_picture() {
+fn a_stopped_viewer_is_never_cut_and_goes_on_with_the_newest_image() {
     let master = RosMaster::start().unwrap();
-    let _publisher = pictures(&master);
+    let _publisher = images(&master);
     let good = Viewer::start(subscribe(&master, "/probe", TOPIC, "/good"));
-    // One that has watched for a while, and one that has not read a picture yet: its buffers are small.
+    // One that has watched for a while, and one that has not read an image yet: its buffers are small.
     let mut watched = subscribe(&master, "/probe", TOPIC, "/watched");
     let bytes = (0..40).map(|_| read_framed(&mut watched).unwrap().len()).max().unwrap();
     let unwatched = subscribe(&master, "/probe", TOPIC, "/unwatched");
@@ -208,9 +208,9 @@ fn a_stopped_viewer_is_never_cut_and_goes_on_with_the_newest_picture() {
 }
 
 #[test]
-fn a_viewer_that_leaves_is_noticed_at_once_and_gets_a_picture_at_once_when_it_returns() {
+fn a_viewer_that_leaves_is_noticed_at_once_and_gets_a_image_at_once_when_it_returns() {
     let master = RosMaster::start().unwrap();
-    let publisher = pictures(&master);
+    let publisher = images(&master);
     for round in 0..3 {
         let name = format!("/viewer{round}");
         let mut viewer = subscribe(&master, "/probe", TOPIC, &name);

@@ -1,11 +1,11 @@
 //! Captures of patterns of which it is known where the light comes from, and what goes wrong with the order of their
-//! pictures.
+//! images.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use rcs_calibration::patterns::{gray_code, Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Pictures};
+use rcs_calibration::{decode, Decoded, Images};
 use rcs_files::capture::Capture;
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
 
@@ -19,13 +19,13 @@ const CLEAR: f64 = 0.25;
 
 /// A capture, and where its light comes from.
 pub struct KnownCapture {
-    /// Width and height of the camera's pictures, pixels.
+    /// Width and height of the camera's images, pixels.
     pub size_px: [u32; 2],
-    /// Width and height of the projector's picture, pixels.
+    /// Width and height of the projector's image, pixels.
     pub projector_px: [u32; 2],
-    /// The pattern that each picture shows.
+    /// The pattern that each image shows.
     pub patterns: Vec<Pattern>,
-    /// Grey levels of the camera's pictures, row by row.
+    /// Grey levels of the camera's images, row by row.
     pub greys: Vec<Vec<u8>>,
     /// The projector's column and row that light each pixel, where that is known.
     pub truth: Vec<Option<[f64; 2]>>,
@@ -47,9 +47,9 @@ impl KnownCapture {
     /// A folder that cannot be read, or is without white, black or an inverse.
     pub fn read(folder: &Path) -> Result<Self> {
         let capture = Capture::read(folder)?;
-        let patterns: Vec<Pattern> = capture.pictures.iter().map(|picture| picture.pattern).collect();
+        let patterns: Vec<Pattern> = capture.images.iter().map(|image| image.pattern).collect();
         let (size_px, projector_px) = (capture.image_size_px(), capture.projector_size_px);
-        let greys: Vec<Vec<u8>> = capture.pictures.into_iter().map(|picture| picture.grey).collect();
+        let greys: Vec<Vec<u8>> = capture.images.into_iter().map(|image| image.grey).collect();
         let truth = by_signs(&patterns, &greys)?;
         Ok(Self { size_px, projector_px, patterns, greys, truth })
     }
@@ -70,14 +70,14 @@ impl KnownCapture {
         Self { size_px, projector_px: PROJECTOR_PX, patterns, greys, truth }
     }
 
-    /// Decodes with each picture replaced by the one with this index.
+    /// Decodes with each image replaced by the one with this index.
     ///
     /// # Errors
     /// Patterns that cannot be decoded.
     pub fn decode(&self, order: &[usize]) -> Result<Decoded> {
-        let levels = order.iter().map(|picture| self.greys[*picture].as_slice()).collect();
-        let pictures = Pictures { size_px: self.size_px, patterns: &self.patterns, levels };
-        Ok(decode(&pictures, self.projector_px)?)
+        let levels = order.iter().map(|image| self.greys[*image].as_slice()).collect();
+        let images = Images { size_px: self.size_px, patterns: &self.patterns, levels };
+        Ok(decode(&images, self.projector_px)?)
     }
 
     /// How many pixels are decoded, and how many of them wrongly.
@@ -97,21 +97,21 @@ impl KnownCapture {
         }
     }
 
-    /// The pictures as they should be.
+    /// The images as they should be.
     pub fn in_order(&self) -> Vec<usize> {
         (0..self.greys.len()).collect()
     }
 
-    /// Orders in which a picture is the one before or after it, or a pair is the pair before or after it, or two pairs
-    /// come one too early; each with its name and the first picture that is another.
+    /// Orders in which an image is the one before or after it, or a pair is the pair before or after it, or two pairs
+    /// come one too early; each with its name and the first image that is another.
     pub fn lapses(&self) -> Vec<(String, usize, Vec<usize>)> {
         let count = self.greys.len();
-        let shifted = |from: usize, pictures: usize, by: isize| {
+        let shifted = |from: usize, images: usize, by: isize| {
             let mut order = self.in_order();
-            for place in order.iter_mut().skip(from).take(pictures) {
+            for place in order.iter_mut().skip(from).take(images) {
                 *place = place.checked_add_signed(by).filter(|other| *other < count)?;
             }
-            Some((format!("{pictures} from {from} by {by}"), from, order))
+            Some((format!("{images} from {from} by {by}"), from, order))
         };
         let singles = (0..count).flat_map(|at| [shifted(at, 1, -1), shifted(at, 1, 1)]);
         // Pairs begin after white and black, and are not those.
@@ -131,11 +131,11 @@ fn by_signs(patterns: &[Pattern], greys: &[Vec<u8>]) -> Result<Vec<Option<[f64; 
     };
     let (white, black) = (&greys[find(Pattern::White)?], &greys[find(Pattern::Black)?]);
     let mut axes = [Vec::new(), Vec::new()];
-    for (picture, pattern) in patterns.iter().enumerate() {
+    for (image, pattern) in patterns.iter().enumerate() {
         if let Pattern::GrayCode(stripes) = pattern {
             if !stripes.inverted {
                 let inverse = find(Pattern::GrayCode(stripes.inverse()))?;
-                axes[stripes.axis.index()].push((stripes, &greys[picture], &greys[inverse]));
+                axes[stripes.axis.index()].push((stripes, &greys[image], &greys[inverse]));
             }
         }
     }

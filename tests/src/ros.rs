@@ -16,7 +16,7 @@ use rcs_process::lock;
 
 /// Timeout of the longest waits: ten times what a large array through Python needs on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(300);
-/// Timeout of short waits: the end of a program, the next picture. Ten times what a slow machine needs.
+/// Timeout of short waits: the end of a program, the next image. Ten times what a slow machine needs.
 pub const PROMPT: Duration = Duration::from_secs(20);
 /// How long an ended program's last lines may take to be read.
 const LAST_LINES: Duration = Duration::from_secs(60);

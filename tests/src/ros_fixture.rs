@@ -190,12 +190,12 @@ impl RosFixture {
         }
     }
 
-    /// Has the Python node's `viewer` receive so many pictures more, and prints the longest time between two of them.
+    /// Has the Python node's `viewer` receive so many images more, and prints the longest time between two of them.
     ///
     /// # Panics
-    /// When that is more than [`PROMPT`], or the pictures do not come.
+    /// When that is more than [`PROMPT`], or the images do not come.
     #[expect(clippy::panic, reason = "a test cannot go on")]
-    pub fn pictures_go_on(&self, count: usize) {
+    pub fn images_go_on(&self, count: usize) {
         self.python("viewer.forget()");
         self.wait_for(format!("len(viewer.images) > {count}"));
         let gap = self.python("max(b[0] - a[0] for a, b in zip(viewer.images, viewer.images[1:]))");
@@ -206,7 +206,7 @@ impl RosFixture {
     }
 
     /// Waits until so long a time has passed in which all that the Python node's `viewer` received was this: of a
-    /// publisher that is held up for as long as data may be old, the picture is rightly black for a moment.
+    /// publisher that is held up for as long as data may be old, the image is rightly black for a moment.
     ///
     /// # Panics
     /// When there is no such time.

@@ -2,12 +2,12 @@
 //!
 //! Every allocation of the process is counted while frames take the same path as in the node, except for the
 //! connections to ROS: a message's bytes as a connection hands them over, the message, its display, the scene, the CPU
-//! renderer, the picture, the picture's bytes on the wire. Each kind of scene is rendered small and large; a frame of
+//! renderer, the image, the image's bytes on the wire. Each kind of scene is rendered small and large; a frame of
 //! the large one may allocate no more than one of the small one, except for what a thread pool allocates now and then.
 //!
 //! What is left out, and why:
 //!
-//! - The connections, which read a message into the bytes that it keeps, and send a picture's from where they are.
+//! - The connections, which read a message into the bytes that it keeps, and send an image's from where they are.
 //! - The GPU renderer: the driver's allocations are not ours.
 //! - Loading meshes and textures, and laying out text: that happens once.
 //! - What a display makes of a new message, and the list of drawables of a scene in which something has changed.
@@ -23,11 +23,11 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
-use rcs_messages::{AnyMessage, Image};
+use rcs_messages::{AnyMessage, Image as ImageMessage};
 use rcs_process::lock;
 use rcs_render::CpuRenderer;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_scene::{Drawable, Picture};
+use rcs_scene::{Drawable, Image};
 use rcs_tests::big_robot;
 use rcs_tests::scenes::clouds::{drawable, in_rows, STYLES};
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
@@ -195,16 +195,16 @@ Visualization Manager:
 }
 
 #[test]
-fn an_encoded_picture_is_copied_only_once() {
+fn an_encoded_image_is_copied_only_once() {
     let _guard = lock(&ONE_AT_A_TIME);
     let mut rendering = rendering(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
     rendering.draw().unwrap();
-    let Picture { width_px, height_px, encoding, .. } = rendering.picture;
-    let step_bytes = rendering.picture.step() as u32;
-    let pixels = Arc::new(std::mem::take(&mut rendering.picture.data));
+    let Image { width_px, height_px, encoding, .. } = rendering.image;
+    let step_bytes = rendering.image.step() as u32;
+    let pixels = Arc::new(std::mem::take(&mut rendering.image.data));
     let bytes = bytes_of_a_frame(|_| {
         let size_px = [width_px, height_px];
-        let image = Image::new(Header::default(), size_px, encoding.name(), step_bytes, Arc::clone(&pixels));
+        let image = ImageMessage::new(Header::default(), size_px, encoding.name(), step_bytes, Arc::clone(&pixels));
         let (beginning, rest) = image.parts();
         assert!(!beginning.is_empty() && (*rest).as_ref().len() == pixels.len());
     });

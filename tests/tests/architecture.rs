@@ -10,7 +10,8 @@ use rcs_tests::programs::repository;
 use rcs_tests::sources::{missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 28] = [
+const LAYERS: [(&str, &[&str]); 29] = [
+    ("text", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
     ("user_files", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("process", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -34,7 +35,7 @@ const LAYERS: [(&str, &[&str]); 28] = [
     ("node_support", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
     ("samples", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
     ("scan", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
-    ("calibrate", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
+    ("projector_calibrate", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
     ("setup", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
     ("camera_stream", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
     ("app", &["rosrust", "rosrust_msg", "wgpu", "winit", "rosbag"]),
@@ -43,14 +44,14 @@ const LAYERS: [(&str, &[&str]); 28] = [
 
 /// The crates that may be part of the static library that rviz's plugin links, so that it is built in less than a
 /// minute and without the definitions of messages.
-const IN_THE_STATIC_LIBRARY: [&str; 7] =
-    ["calibration", "camera", "capi", "process", "rviz_config", "scene", "user_files"];
+const IN_THE_STATIC_LIBRARY: [&str; 8] =
+    ["calibration", "camera", "capi", "process", "rviz_config", "scene", "text", "user_files"];
 
 /// The crates that may have `unsafe`: neither C's pointers can be read nor the C library be called without it.
 const UNSAFE: [&str; 2] = ["capi", "process"];
 
 /// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and
-/// so on. What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
+/// so on. What is allowed across: an image encoding or an image of `scene`, which settings, topics and windows share.
 const APART: [(&str, &[&str]); 13] = [
     ("robot", &["scene", "transforms"]),
     ("rviz_config", &["transforms", "messages"]),
@@ -61,7 +62,7 @@ const APART: [(&str, &[&str]); 13] = [
     ("files", &["transforms", "rviz_config", "resources", "displays", "render"]),
     ("bag", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files"]),
     ("ros", &["transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
-    ("setup", &["displays", "render", "bag", "scan", "calibrate"]),
+    ("setup", &["displays", "render", "bag", "scan", "projector_calibrate"]),
     ("scan", &["ros", "window", "render", "logging", "node_support", "samples"]),
     ("web", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "files", "bag", "ros"]),
     ("window", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "bag", "ros"]),
@@ -276,7 +277,7 @@ fn the_pool_of_threads_is_named_by_all_that_use_it() {
         sources.iter().filter(|(_, code)| code.contains(naming)).map(|(file, _)| file.as_str()).collect();
     let expected = [
         "rust_core/app/src/projector_blend/mod.rs",
-        "rust_core/calibrate/src/lib.rs",
+        "rust_core/projector_calibrate/src/lib.rs",
         "rust_core/camera_stream/src/check/session.rs",
         "rust_core/camera_stream/src/lib.rs",
         "rust_core/camera_stream/src/runtime/mod.rs",
@@ -285,9 +286,9 @@ fn the_pool_of_threads_is_named_by_all_that_use_it() {
     assert_eq!(found, BTreeSet::from(expected));
 }
 
-/// What works for the pictures on a thread of its own is watched, or a hang of it is not named in the log.
+/// What works for the images on a thread of its own is watched, or a hang of it is not named in the log.
 #[test]
-fn what_works_for_the_pictures_is_watched() {
+fn what_works_for_the_images_is_watched() {
     let registering = [
         ("runtime/mod.rs", "let_watchdog=Watchdog::start()"),
         ("runtime/shared.rs", "watchdog::watch(&activity);"),

@@ -1,4 +1,4 @@
-//! A full-size robot on the CPU renderer: how long it takes to load, and a picture of it while its joints move.
+//! A full-size robot on the CPU renderer: how long it takes to load, and an image of it while its joints move.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
@@ -13,7 +13,7 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::AnyMessage;
 use rcs_render::{CpuRenderer, Renderer, View};
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use rcs_tests::big_robot::{self, BigJoint};
 use rcs_transforms::Time;
 
@@ -31,7 +31,7 @@ const FRAMES: u32 = 60;
 struct Bench {
     stage: SceneState,
     renderer: CpuRenderer,
-    picture: Picture,
+    image: Image,
     joints: Vec<BigJoint>,
 }
 
@@ -48,13 +48,13 @@ fn stamped(frame: u32, parent: &str, child: &str, xyz: [f64; 3], xyzw: [f64; 4])
 }
 
 impl Bench {
-    /// Loads the robot. Returns how long that took, its first picture included, as well.
+    /// Loads the robot. Returns how long that took, its first image included, as well.
     fn load(folder: &Path, joints: Vec<BigJoint>) -> (Self, Duration) {
         let description = std::fs::read_to_string(folder.join("big_robot/robot.urdf")).unwrap();
         let config = rcs_rviz_config::parse(CONFIG, "big.rviz").unwrap();
         let begin = Instant::now();
         let stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([folder.to_owned()])));
-        let mut bench = Self { stage, renderer: CpuRenderer::with_threads(2), picture: Picture::default(), joints };
+        let mut bench = Self { stage, renderer: CpuRenderer::with_threads(2), image: Image::default(), joints };
         let mut info = CameraInfo { width: 1280, height: 800, ..CameraInfo::default() };
         info.header.frame_id = "eye".to_owned();
         info.P = [1000.0, 0.0, 640.0, 0.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -89,12 +89,12 @@ impl Bench {
             background: [0; 3],
             encoding: Encoding::default(),
         };
-        self.renderer.render(&view, &mut self.picture).unwrap();
+        self.renderer.render(&view, &mut self.image).unwrap();
     }
 
-    /// The share of the picture that is not background.
+    /// The share of the image that is not background.
     fn covered(&self) -> f64 {
-        let pixels = self.picture.data.chunks_exact(3);
+        let pixels = self.image.data.chunks_exact(3);
         let count = pixels.len() as f64;
         pixels.filter(|pixel| pixel.iter().any(|level| *level > 0)).count() as f64 / count
     }
@@ -115,7 +115,7 @@ fn a_full_size_robot_loads_and_moves() {
         })
         .collect();
     assert_eq!(faults, [""; 0]);
-    let first = bench.picture.data.clone();
+    let first = bench.image.data.clone();
     assert!(bench.covered() > 0.1, "{}", bench.covered());
     let mut times: Vec<Duration> = (1..=FRAMES)
         .map(|frame| {
@@ -130,5 +130,5 @@ fn a_full_size_robot_loads_and_moves() {
         times[0],
         times[times.len() / 2]
     );
-    assert_ne!(bench.picture.data, first, "the robot moved");
+    assert_ne!(bench.image.data, first, "the robot moved");
 }

@@ -1,10 +1,10 @@
-//! Captures that other tools made, and captures whose pictures are not in the order that they say. `tests/captures`
+//! Captures that other tools made, and captures whose images are not in the order that they say. `tests/captures`
 //! says where the former come from.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 use std::path::{Path, PathBuf};
 
-use rcs_calibration::{PictureFault, ScanProblem};
+use rcs_calibration::{ImageFault, ScanProblem};
 use rcs_scan_simulator::{has_many_seeds, seeds};
 use rcs_tests::captures::KnownCapture;
 
@@ -39,8 +39,8 @@ fn captures_of_other_tools_are_decoded_with_a_warning_of_what_is_clipped() {
 #[test]
 fn an_exposure_that_settles_is_no_motion() {
     let mut capture = read("kamino");
-    for (picture, grey) in capture.greys.iter_mut().enumerate() {
-        let brighter = 1.0 + 0.25 * (-(picture as f64) / 6.0).exp();
+    for (image, grey) in capture.greys.iter_mut().enumerate() {
+        let brighter = 1.0 + 0.25 * (-(image as f64) / 6.0).exp();
         grey.iter_mut().for_each(|level| *level = (f64::from(*level) * brighter).round().min(255.0) as u8);
     }
     let decoded = capture.decode(&capture.in_order()).unwrap();
@@ -62,9 +62,9 @@ fn a_camera_that_moves_by_a_pixel_is_still_noticed() {
 }
 
 #[test]
-fn a_real_captures_wrong_picture_is_named() {
+fn a_real_captures_wrong_image_is_named() {
     let capture = read("kamino");
-    // Pictures, by how much they are another, and those that have to be named.
+    // Images, by how much they are another, and those that have to be named.
     let lapses = [
         (15..16, -1, &[14, 15][..]),
         (15..16, 1, &[15]),
@@ -79,21 +79,19 @@ fn a_real_captures_wrong_picture_is_named() {
         (30..32, 2, &[30, 31]),
         (32..34, -2, &[32, 33]),
     ];
-    for (pictures, by, named) in lapses {
+    for (images, by, named) in lapses {
         let mut order = capture.in_order();
-        for at in pictures.clone() {
+        for at in images.clone() {
             order[at] = at.checked_add_signed(by).unwrap();
         }
         let refusals = refusals(&capture, &order);
-        let [ScanProblem::WrongPicture(misplaced), ..] = refusals[..] else {
-            panic!("{pictures:?} {by}: {refusals:?}")
+        let [ScanProblem::WrongImage(misplaced), ..] = refusals[..] else { panic!("{images:?} {by}: {refusals:?}") };
+        let images_named = match misplaced.fault {
+            ImageFault::Copy([image, _]) => vec![image],
+            ImageFault::NoInverse(both) | ImageFault::Shows(both, _) | ImageFault::NoEdges(both) => both.to_vec(),
+            ImageFault::Alike(..) => Vec::new(),
         };
-        let pictures_named = match misplaced.fault {
-            PictureFault::Copy([picture, _]) => vec![picture],
-            PictureFault::NoInverse(both) | PictureFault::Shows(both, _) | PictureFault::NoEdges(both) => both.to_vec(),
-            PictureFault::Alike(..) => Vec::new(),
-        };
-        assert_eq!(pictures_named, named, "{pictures:?} {by}: {misplaced:?}");
+        assert_eq!(images_named, named, "{images:?} {by}: {misplaced:?}");
         let message = misplaced.describe(|index| format!("c{index:02}.png"));
         assert!(named.iter().all(|index| message.contains(&format!("c{index:02}.png"))), "{message}");
     }
@@ -106,7 +104,7 @@ fn a_coarse_pair_that_shows_fine_stripes_is_refused() {
     let mut order = capture.in_order();
     order.copy_within(20..22, 22);
     let refusals = refusals(&capture, &order);
-    assert!(matches!(refusals[..], [ScanProblem::WrongPicture(_), ..]), "{refusals:?}");
+    assert!(matches!(refusals[..], [ScanProblem::WrongImage(_), ..]), "{refusals:?}");
 }
 
 #[test]
@@ -116,11 +114,11 @@ fn what_is_coarsest_twice_is_refused() {
     let mut order = capture.in_order();
     order.copy_within(4..8, 2);
     let refusals = refusals(&capture, &order);
-    assert!(matches!(refusals[..], [ScanProblem::WrongPicture(_), ..]), "{refusals:?}");
+    assert!(matches!(refusals[..], [ScanProblem::WrongImage(_), ..]), "{refusals:?}");
 }
 
 #[test]
-fn rooms_whose_pictures_are_in_order_are_not_suspected() {
+fn rooms_whose_images_are_in_order_are_not_suspected() {
     for seed in seeds(3000, 3, 120) {
         let capture = KnownCapture::simulated(seed);
         let quality = capture.decode(&capture.in_order()).unwrap().quality;

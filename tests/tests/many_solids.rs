@@ -1,7 +1,7 @@
 //! Very many small solids take little memory, and give it back.
 //!
 //! Scenes that `examples/many_solids.rs` measures, some of them with a tenth of their things, from a message's bytes to
-//! its picture on the CPU.
+//! its image on the CPU.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
@@ -21,7 +21,7 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// Allocations are counted for the whole process, so only one test runs at a time.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// What may stay of a scene that was deleted: buffers that every picture needs, and lists with a few bytes for each
+/// What may stay of a scene that was deleted: buffers that every image needs, and lists with a few bytes for each
 /// thing that was drawn.
 const LEFT_BYTES: usize = 1 << 20;
 
@@ -37,7 +37,7 @@ fn measure(name: &str, solids: &ManySolids, threads: usize) -> [usize; 2] {
     let mut pipeline = DisplayPipeline::new(&solids.config());
     let mut rendering =
         Rendering::new(Vec::new(), many_solids_camera().unwrap(), Box::new(CpuRenderer::with_threads(threads)));
-    // What is made once, whatever the scene: glyphs, shapes, buffers for the picture.
+    // What is made once, whatever the scene: glyphs, shapes, buffers for the image.
     let warm = ManySolids { count: 2_000, ..*solids };
     pipeline.receive("/many", &warm.kind().decode(&warm.bytes(0.0)).unwrap());
     rendering.draw_of(&pipeline.scene).unwrap();
@@ -65,7 +65,7 @@ fn check(name: &str, content: Content, count: usize, most_bytes: usize) {
     let solids = ManySolids { content, count };
     let [bytes, _] = measure(name, &solids, 2);
     // A thread makes its buffers (0.6 MB here) when it draws first. Of several, one may draw nothing until after the
-    // first pictures, and its buffers would count as left.
+    // first images, and its buffers would count as left.
     let [_, left_bytes] = measure(name, &solids, 1);
     println!("{name}: {} bytes each, {left_bytes} bytes left", bytes / count);
     assert!(bytes / count <= most_bytes, "{name}: {} bytes each", bytes / count);

@@ -1,4 +1,4 @@
-//! CameraInfos with negative focal lengths: the picture is bit for bit the flipped one of the positive ones, with the
+//! CameraInfos with negative focal lengths: the image is bit for bit the flipped one of the positive ones, with the
 //! principal point where a mirror shows it, on both renderers; depths and keep-out silhouettes too.
 #![expect(clippy::unwrap_used, reason = "the functions that tests call fail as these do")]
 
@@ -10,12 +10,12 @@ use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
 use rcs_render::{
-    create, DepthRequest, Depths, Finished, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View,
+    create, DepthRequest, Depths, Finished, KeepOut, Orientation, PostProcess, RendererChoice, Sphere, View,
 };
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
-    Blending, Camera, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
-    LineTopology, Lines, Material, Mesh, Picture, PointBuffer, PointColors, PointStyle, Points, Rgba, Scene, Text,
+    Blending, Camera, DepthImage, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
+    Image, LineTopology, Lines, Material, Mesh, PointBuffer, PointColors, PointStyle, Points, Rgba, Scene, Text,
     Vertex, VerticalAlignment,
 };
 use rcs_tests::scenes::solids::drawable;
@@ -119,25 +119,25 @@ fn scene() -> Scene {
     Scene { drawables, light }
 }
 
-/// What both renderers draw: the picture and the depths of each.
-fn drawn(camera: &Camera, encoding: Encoding) -> Vec<(Picture, DepthPicture)> {
+/// What both renderers draw: the image and the depths of each.
+fn drawn(camera: &Camera, encoding: Encoding) -> Vec<(Image, DepthImage)> {
     let (scene, visible) = (scene(), DisplayMask::all());
     let view = View { scene: &scene, camera, visible: &visible, background: [9, 20, 31], encoding };
     let draw = |choice| {
         let mut renderer = create(choice).unwrap();
-        let (mut picture, mut depths) = (Picture::default(), Depths::default());
+        let (mut image, mut depths) = (Image::default(), Depths::default());
         renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: None }).unwrap();
-        assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
-        let mut alone = Picture::default();
+        assert_eq!(renderer.finish_with_depths(&mut image, &mut depths).unwrap(), Finished::Drawn);
+        let mut alone = Image::default();
         renderer.render(&view, &mut alone).unwrap();
-        assert_eq!(picture, alone);
-        (picture, depths.opaque)
+        assert_eq!(image, alone);
+        (image, depths.opaque)
     };
     [RendererChoice::Cpu, RendererChoice::Gpu].map(draw).into()
 }
 
-/// A picture as a mirror shows it, by the code that turns pictures for outputs.
-fn flipped(picture: &Picture, [is_left_right, is_up_down]: [bool; 2]) -> Picture {
+/// An image as a mirror shows it, by the code that turns images for outputs.
+fn flipped(image: &Image, [is_left_right, is_up_down]: [bool; 2]) -> Image {
     let orientation: Orientation = match (is_left_right, is_up_down) {
         (true, false) => "mirrored",
         (false, true) => "mirrored-180",
@@ -145,34 +145,34 @@ fn flipped(picture: &Picture, [is_left_right, is_up_down]: [bool; 2]) -> Picture
     }
     .parse()
     .unwrap();
-    let mut picture = picture.clone();
-    LastStep { orientation, ..LastStep::default() }.apply(&mut picture, &mut Picture::default());
-    picture
+    let mut image = image.clone();
+    PostProcess { orientation, ..PostProcess::default() }.apply(&mut image, &mut Image::default());
+    image
 }
 
-/// Depths as bytes of a picture, so that equal ones are equal where they are none.
-fn as_picture(depth: &DepthPicture) -> Picture {
+/// Depths as bytes of an image, so that equal ones are equal where they are none.
+fn as_image(depth: &DepthImage) -> Image {
     let data = depth.depths_m.iter().flat_map(|depth_m| depth_m.to_le_bytes()).collect();
-    Picture { width_px: depth.width_px, height_px: depth.height_px, encoding: Encoding::Rgba8, data }
+    Image { width_px: depth.width_px, height_px: depth.height_px, encoding: Encoding::Rgba8, data }
 }
 
 #[test]
-fn a_mirrored_projection_is_bit_for_bit_the_flipped_picture() {
+fn a_mirrored_projection_is_bit_for_bit_the_flipped_image() {
     for model in [EXACT, UNDISTORTED] {
         for encoding in [Encoding::Rgb8, Encoding::Mono16] {
             let expected = drawn(&camera(&straight(), model), encoding);
-            for (picture, depth) in &expected {
-                let lit = picture.data.iter().filter(|level| **level > 100).count();
-                assert!(lit > picture.data.len() / 20, "{lit} bytes are lit");
+            for (image, depth) in &expected {
+                let lit = image.data.iter().filter(|level| **level > 100).count();
+                assert!(lit > image.data.len() / 20, "{lit} bytes are lit");
                 assert!(depth.depths_m.iter().filter(|depth_m| depth_m.is_finite()).count() > 5000);
-                assert_ne!(flipped(picture, [true, false]), *picture);
+                assert_ne!(flipped(image, [true, false]), *image);
             }
             for mirror in MIRRORS {
                 let found = drawn(&camera(&mirrored(mirror), model), encoding);
-                for ((found, found_depth), (picture, depth)) in found.iter().zip(&expected) {
+                for ((found, found_depth), (image, depth)) in found.iter().zip(&expected) {
                     let what = format!("{mirror:?} {encoding:?} {model:?}");
-                    assert!(*found == flipped(picture, mirror), "{what}");
-                    assert!(as_picture(found_depth) == flipped(&as_picture(depth), mirror), "depths: {what}");
+                    assert!(*found == flipped(image, mirror), "{what}");
+                    assert!(as_image(found_depth) == flipped(&as_image(depth), mirror), "depths: {what}");
                 }
             }
         }
@@ -180,15 +180,15 @@ fn a_mirrored_projection_is_bit_for_bit_the_flipped_picture() {
 }
 
 #[test]
-fn the_silhouette_of_a_mirrored_picture_stays_dark_where_the_mirror_shows_it() {
+fn the_silhouette_of_a_mirrored_image_stays_dark_where_the_mirror_shows_it() {
     let spheres = [Sphere { center: Point3::new(0.2, -0.15, 1.3), radius_m: 0.12 }];
     let dark = |info: &CameraInfo, model| {
         let keep_out = KeepOut::new(&camera(info, model), &spheres);
-        let mut picture = Picture::default();
-        picture.reset(320, 240, Encoding::Mono8);
-        picture.data.fill(255);
-        LastStep { keep_out, ..LastStep::default() }.apply(&mut picture, &mut Picture::default());
-        picture
+        let mut image = Image::default();
+        image.reset(320, 240, Encoding::Mono8);
+        image.data.fill(255);
+        PostProcess { keep_out, ..PostProcess::default() }.apply(&mut image, &mut Image::default());
+        image
     };
     for model in [EXACT, UNDISTORTED] {
         let expected = dark(&straight(), model);
@@ -200,13 +200,13 @@ fn the_silhouette_of_a_mirrored_picture_stays_dark_where_the_mirror_shows_it() {
     }
 }
 
-/// rviz gives both focal lengths one sign: a picture that P mirrors is not mirrored, and none is inside out.
+/// rviz gives both focal lengths one sign: an image that P mirrors is not mirrored, and none is inside out.
 #[test]
-fn rvizs_projection_of_a_mirrored_camera_info_is_rvizs_picture() {
+fn rvizs_projection_of_a_mirrored_camera_info_is_rvizs_image() {
     let rviz = CameraModel::from(Projection::Rviz);
     let mut as_rviz = straight();
     let mut left_right = mirrored([true, false]);
-    // rviz mirrors the principal point about the picture's middle, edges included.
+    // rviz mirrors the principal point about the image's middle, edges included.
     (as_rviz.P[2], as_rviz.P[3]) = (320.0 - left_right.P[2], -left_right.P[3]);
     left_right.P[7] = as_rviz.P[7];
     let [found, expected] = [left_right, as_rviz].map(|info| drawn(&camera(&info, rviz), Encoding::Rgb8));

@@ -1,4 +1,4 @@
-//! Pictures for a projector with distortion: after its lens, light lies where it should, on both renderers.
+//! Images for a projector with distortion: after its lens, light lies where it should, on both renderers.
 //!
 //! Each pixel's expected place comes from `rcs_calibration::Lens`, whose own tests compare it with OpenCV's figures.
 #![expect(clippy::unwrap_used, reason = "the functions that tests call fail as these do")]
@@ -14,8 +14,8 @@ use rcs_messages::AnyMessage;
 use rcs_render::{create, CpuRenderer, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
-    Blending, Camera, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, LineTopology, Lines, Material,
-    Mesh, Picture, Rgba, Scene, Text, Vertex, VerticalAlignment,
+    Blending, Camera, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Image, LineTopology, Lines,
+    Material, Mesh, Rgba, Scene, Text, Vertex, VerticalAlignment,
 };
 use rcs_tests::scenes::solids::drawable;
 use rcs_transforms::Time;
@@ -91,7 +91,7 @@ Visualization Manager:
 
 /// White things on black.
 struct Light {
-    picture: Picture,
+    image: Image,
 }
 
 impl Light {
@@ -99,16 +99,16 @@ impl Light {
         let scene = Scene { drawables, light: None };
         let visible = DisplayMask::all();
         let view = View { scene: &scene, camera, visible: &visible, background: [0; 3], encoding: Encoding::Mono8 };
-        let mut picture = Picture::default();
-        renderer.render(&view, &mut picture).unwrap();
-        Self { picture }
+        let mut image = Image::default();
+        renderer.render(&view, &mut image).unwrap();
+        Self { image }
     }
 
-    /// 0 to 1; dark beside the picture.
+    /// 0 to 1; dark beside the image.
     fn at(&self, x: i64, y: i64) -> f64 {
-        let [width, height] = [self.picture.width_px, self.picture.height_px].map(i64::from);
+        let [width, height] = [self.image.width_px, self.image.height_px].map(i64::from);
         if (0..width).contains(&x) && (0..height).contains(&y) {
-            f64::from(self.picture.data[(y * width + x) as usize]) / 255.0
+            f64::from(self.image.data[(y * width + x) as usize]) / 255.0
         } else {
             0.0
         }
@@ -190,7 +190,7 @@ fn points_land_where_k_d_and_p_send_them() {
             for radius_px in RADII_PX {
                 let discs = points.iter().map(|point| disc(&info, *point, radius_px)).collect();
                 let light = Light::of(discs, &camera(&info, UNDISTORTED), renderer.as_mut());
-                assert_eq!((light.picture.width_px, light.picture.height_px), (640, 400));
+                assert_eq!((light.image.width_px, light.image.height_px), (640, 400));
                 for (off, point) in off.iter_mut().zip(&points) {
                     let expected = middle_lands_on(&info, *point, radius_px);
                     assert!((expected - lands_on(&info, point)).norm() < 2.0 * LIMIT_PX, "the disc is too large");
@@ -205,8 +205,8 @@ fn points_land_where_k_d_and_p_send_them() {
     }
 }
 
-/// The edge of light along a curve in the picture, how far it is from there on average: positive to the right of the
-/// way from the first point to the last one, as the picture shows it.
+/// The edge of light along a curve in the image, how far it is from there on average: positive to the right of the
+/// way from the first point to the last one, as the image shows it.
 fn edge_offset(light: &Light, curve: &[Point2<f64>]) -> f64 {
     const REACH_PX: f64 = 3.0;
     const STEPS: i32 = 60;
@@ -232,7 +232,7 @@ fn edges_of_triangles_and_lines_bend_as_the_lens_unbends_them() {
     let mut renderers = renderers();
     for info in projectors() {
         let corner = |u, v, distance_m| lit_by(&info, [u, v], distance_m);
-        // Counter-clockwise as the picture shows it, so that the inside is on the left.
+        // Counter-clockwise as the image shows it, so that the inside is on the left.
         let corners = [corner(60.0, 350.0, 1.4), corner(330.3, 371.0, 1.2), corner(285.0, 22.0, 1.6)];
         let vertices = corners.map(|point| Vertex::new(point.cast::<f32>().into(), [0.0, 0.0, -1.0])).to_vec();
         let mesh = Arc::new(Mesh { vertices, indices: vec![0, 1, 2] });
@@ -291,14 +291,13 @@ fn text_lands_where_it_should() {
 }
 
 #[test]
-fn without_distortion_the_picture_is_the_same() {
+fn without_distortion_the_image_is_the_same() {
     for coefficients in [&[][..], &[0.0; 5]] {
         let info = projector("plumb_bob", coefficients);
         let discs = || vec![disc(&info, lit_by(&projector("plumb_bob", &[]), [100.0, 100.0], 1.0), 20.0)];
         for projection in [Projection::Rviz, Projection::Exact] {
             let [with, without] = [true, false].map(|undistort| {
-                Light::of(discs(), &camera(&info, CameraModel { projection, undistort }), &mut CpuRenderer::new())
-                    .picture
+                Light::of(discs(), &camera(&info, CameraModel { projection, undistort }), &mut CpuRenderer::new()).image
             });
             assert_eq!(with, without);
             assert!(with.data.iter().any(|level| *level > 0));
@@ -318,11 +317,11 @@ fn beyond_the_lens_models_valid_radius_nothing_is_drawn_twice() {
     for renderer in &mut renderers {
         let camera = camera(&info, UNDISTORTED);
         let folded = Light::of(vec![disc(1.1)], &camera, renderer.as_mut());
-        assert!(folded.picture.data.iter().all(|level| *level == 0), "{}", renderer.describe());
+        assert!(folded.image.data.iter().all(|level| *level == 0), "{}", renderer.describe());
         let seen = Light::of(vec![disc(0.344)], &camera, renderer.as_mut());
         let expected = lands_on(&info, &Point3::new(0.344, 0.0, 1.0));
         assert!((seen.center(expected, 12.0) - expected).norm() < 2.0 * LIMIT_PX);
-        let lit = seen.picture.data.iter().filter(|level| **level > 127).count();
+        let lit = seen.image.data.iter().filter(|level| **level > 127).count();
         assert!((40..=120).contains(&lit), "{lit}");
     }
 }
@@ -338,7 +337,7 @@ fn exact_hits_the_pixels_that_p_names() {
     for renderer in &mut renderers {
         for (projection, shift) in [(Projection::Exact, 0.0), (Projection::Rviz, -0.5)] {
             let mut info = info.clone();
-            // One focal length: elsewhere rviz draws another picture.
+            // One focal length: elsewhere rviz draws another image.
             info.P[5] = info.P[0];
             let light = Light::of(discs.clone(), &camera(&info, projection.into()), renderer.as_mut());
             let off = points.iter().map(|point| {

@@ -210,11 +210,11 @@ typedef struct RcsView {
   /**
    * Width of the published picture, pixels: the CameraInfo's.
    */
-  uint32_t picture_width;
+  uint32_t image_width;
   /**
    * Height of the published picture, pixels.
    */
-  uint32_t picture_height;
+  uint32_t image_height;
   /**
    * The projection of the texture, as OpenGL's, row by row: from the view frame (x right, y up, looking along -z,
    * metres) to clip coordinates with depths from -w to w.

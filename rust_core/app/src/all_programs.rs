@@ -52,9 +52,9 @@ pub static PROGRAMS: [Program; 9] = [
     },
     Program {
         name: "projector_calibrate",
-        main: rcs_calibrate::main,
-        command: rcs_calibrate::command,
-        ros_names: rcs_calibrate::ROS_NAMES,
+        main: rcs_projector_calibrate::main,
+        command: rcs_projector_calibrate::command,
+        ros_names: rcs_projector_calibrate::ROS_NAMES,
         has_parameters: false,
     },
     node("projector_window", projector_window::main, projector_window::command, projector_window::ROS_NAMES),

@@ -3,7 +3,7 @@
 
 use nalgebra::Matrix3;
 use rcs_calibration::patterns::{gray_code, Pattern};
-use rcs_calibration::{decode, points, solve, Keystone, Pictures, Report, SolveOptions};
+use rcs_calibration::{decode, points, solve, Images, Keystone, Report, SolveOptions};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, SmoothError, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
@@ -48,22 +48,22 @@ fn main() {
 }
 
 impl Counts {
-    fn add(&mut self, seed: u64, smooth_m: f64, picture_from_panel: Matrix3<f64>, names: bool) {
+    fn add(&mut self, seed: u64, smooth_m: f64, image_from_panel: Matrix3<f64>, names: bool) {
         let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
         let view = View::new(&room, &rig);
         let patterns = gray_code(PROJECTOR_PX);
-        let conditions = Conditions { picture_from_panel, ..Conditions::random(seed) };
-        let pictures = Scan::new(&view, conditions).capture_all(&patterns);
+        let conditions = Conditions { image_from_panel, ..Conditions::random(seed) };
+        let images = Scan::new(&view, conditions).capture_all(&patterns);
         let smooth_error = (smooth_m > 0.0).then_some(SmoothError { rms_m: smooth_m, seed });
         let depth_m = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
         let is_coarse =
             |pattern: &Pattern| !matches!(pattern, Pattern::GrayCode(stripes) if stripes.bit >= COARSE_BITS);
-        let coarse: Vec<(Pattern, &[u8])> = (patterns.iter().zip(&pictures))
+        let coarse: Vec<(Pattern, &[u8])> = (patterns.iter().zip(&images))
             .filter(|(pattern, _)| is_coarse(pattern))
-            .map(|(pattern, picture)| (*pattern, picture.as_slice()))
+            .map(|(pattern, image)| (*pattern, image.as_slice()))
             .collect();
         let (coarse, levels): (Vec<Pattern>, Vec<&[u8]>) = coarse.into_iter().unzip();
-        let coarse = Pictures { size_px: view.size_px(), patterns: &coarse, levels };
+        let coarse = Images { size_px: view.size_px(), patterns: &coarse, levels };
         self.rooms += 1;
         match Keystone::find(&coarse, &depth_m, &rig.camera, PROJECTOR_PX) {
             Some(Keystone::Skewed(reason)) => {
@@ -75,8 +75,8 @@ impl Counts {
             Some(Keystone::Stretched(_)) => self.early[1] += 1,
             None => {}
         }
-        let levels = pictures.iter().map(Vec::as_slice).collect();
-        let whole = Pictures { size_px: view.size_px(), patterns: &patterns, levels };
+        let levels = images.iter().map(Vec::as_slice).collect();
+        let whole = Images { size_px: view.size_px(), patterns: &patterns, levels };
         let solved = decode(&whole, PROJECTOR_PX)
             .ok()
             .and_then(|decoded| points(&decoded, &depth_m, &rig.camera).ok())

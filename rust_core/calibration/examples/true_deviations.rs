@@ -2,7 +2,7 @@
 //! an RMS of one. `cargo run --release -p rcs_calibration --example true_deviations [COUNT [FIRST_SEED]]`
 
 use rcs_calibration::patterns::gray_code;
-use rcs_calibration::{decode, points, solve, Parameter, Pictures, SolveOptions};
+use rcs_calibration::{decode, points, solve, Images, Parameter, SolveOptions};
 use rcs_scan_simulator::{Conditions, DepthCamera, LightError, Rig, Room, Scan, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
@@ -69,9 +69,9 @@ fn calibrate(seed: u64) -> Result<([f64; 10], [f64; 2]), String> {
     let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
     let view = View::new(&room, &rig);
     let patterns = gray_code(PROJECTOR_PX);
-    let pictures = Scan::new(&view, Conditions::random(seed)).capture_all(&patterns);
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX)
+    let images = Scan::new(&view, Conditions::random(seed)).capture_all(&patterns);
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX)
         .map_err(|error| error.to_string())?;
     let depth_m = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
     let samples = points(&decoded, &depth_m, &rig.camera).map_err(|error| error.to_string())?;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::decode::channels::{Channels, StripeChannel};
 use crate::decode::response::Response;
 use crate::points::{inverse_depths, DepthWindow};
-use crate::{DecodeError, Lens, Pictures, Sample};
+use crate::{DecodeError, Images, Lens, Sample};
 
 /// Minimum difference of white and black, levels.
 const LIT_LEVELS: u8 = 12;
@@ -28,16 +28,15 @@ const STEPS: usize = 4;
 ///
 /// # Errors
 /// [`DecodeError`]: images are missing.
-pub(crate) fn crossings(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DecodeError> {
-    let channels = Channels::new(pictures.patterns)?;
-    let [width, height] = pictures.size_px.map(|side| side as usize);
+pub(crate) fn crossings(images: &Images<'_>, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DecodeError> {
+    let channels = Channels::new(images.patterns)?;
+    let [width, height] = images.size_px.map(|side| side as usize);
     let count = width * height;
-    if depth_m.len() != count || camera.size_px != pictures.size_px || pictures.levels.iter().any(|l| l.len() != count)
-    {
+    if depth_m.len() != count || camera.size_px != images.size_px || images.levels.iter().any(|l| l.len() != count) {
         return Ok(Vec::new());
     }
-    let response = Response::find(pictures, &channels);
-    let finder = CrossingFinder { pictures, channels: &channels, response: &response, width };
+    let response = Response::find(images, &channels);
+    let finder = CrossingFinder { images, channels: &channels, response: &response, width };
     let inverse = inverse_depths(depth_m);
     let row = |y: usize| -> Vec<Sample> {
         let crossing = |x: usize| {
@@ -63,7 +62,7 @@ pub(crate) fn crossings(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens)
 
 /// Images in linear light, searched for crossings.
 struct CrossingFinder<'a> {
-    pictures: &'a Pictures<'a>,
+    images: &'a Images<'a>,
     channels: &'a Channels,
     response: &'a Response,
     width: usize,
@@ -97,7 +96,7 @@ impl CrossingFinder<'_> {
 
     /// White minus black at four pixels, in linear light; `None` if one is hardly lit.
     fn contrast(&self, square: [usize; 4]) -> Option<[f32; 4]> {
-        let (white, black) = (self.pictures.levels[self.channels.white], self.pictures.levels[self.channels.black]);
+        let (white, black) = (self.images.levels[self.channels.white], self.images.levels[self.channels.black]);
         let is_lit = |pixel: &usize| white[*pixel].saturating_sub(black[*pixel]) >= LIT_LEVELS;
         let contrast = |pixel: usize| self.response.light(white[pixel]) - self.response.light(black[pixel]);
         square.iter().all(is_lit).then(|| square.map(contrast))
@@ -135,7 +134,7 @@ impl CrossingFinder<'_> {
     }
 
     fn differences(&self, channel: &StripeChannel, square: [usize; 4], contrast: [f32; 4]) -> [f32; 4] {
-        let light = |picture: usize, pixel: usize| self.response.light(self.pictures.levels[picture][pixel]);
+        let light = |image: usize, pixel: usize| self.response.light(self.images.levels[image][pixel]);
         std::array::from_fn(|i| (light(channel.lit, square[i]) - light(channel.inverse, square[i])) / contrast[i])
     }
 }

@@ -5,7 +5,7 @@
 //! of coarse stripes, so that a bad scan can be stopped.
 
 use crate::solve::skew_of_all;
-use crate::{crossings, solve, Lens, Parameter, Pictures, Refusal, Skew, Solution, SolveOptions};
+use crate::{crossings, solve, Images, Lens, Parameter, Refusal, Skew, Solution, SolveOptions};
 
 /// Maximum relative difference of the focal lengths of square pixels.
 const SQUARE_PIXELS: f64 = 0.02;
@@ -32,8 +32,8 @@ pub enum Keystone {
 impl Keystone {
     /// Detects a distortion from the coarse stripes, white and black of a scan, with depths as for [`crate::points`].
     /// `None` if there is none, or if the stripes do not determine a lens, as on a flat wall.
-    pub fn find(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens, projector_px: [u32; 2]) -> Option<Self> {
-        let samples = crossings(pictures, depth_m, camera).ok().filter(|samples| samples.len() >= LEAST_CROSSINGS)?;
+    pub fn find(images: &Images<'_>, depth_m: &[f32], camera: &Lens, projector_px: [u32; 2]) -> Option<Self> {
+        let samples = crossings(images, depth_m, camera).ok().filter(|samples| samples.len() >= LEAST_CROSSINGS)?;
         match solve(&samples, &SolveOptions::new(projector_px)) {
             Ok(solution) => skewed(&solution).map(Self::Skewed).or_else(|| stretched(&solution).map(Self::Stretched)),
             // A large skew leaves no solution without one.

@@ -27,9 +27,7 @@ mod verification;
 
 pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use crossings::crossings;
-pub use decode::{
-    decode, DecodeError, Decoded, DecodedPixel, PictureFault, Pictures, Quality, ScanProblem, WrongPicture,
-};
+pub use decode::{decode, DecodeError, Decoded, DecodedPixel, ImageFault, Images, Quality, ScanProblem, WrongImage};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
 pub use keystone::Keystone;
 pub use lens::{Lens, ProjectedPoint};

@@ -93,20 +93,20 @@ impl Pattern {
     }
 
     /// Grey levels, 0 or 255, row by row from the top.
-    pub fn picture(&self, size_px: [u32; 2]) -> Vec<u8> {
+    pub fn image(&self, size_px: [u32; 2]) -> Vec<u8> {
         let [width, height] = size_px;
         let level = |is_lit| if is_lit { 255 } else { 0 };
-        let mut picture = Vec::with_capacity(width as usize * height as usize);
+        let mut image = Vec::with_capacity(width as usize * height as usize);
         match self {
             Self::GrayCode(stripes) if stripes.axis == Axis::X => {
                 let row: Vec<u8> = (0..width).map(|u| level(stripes.is_lit(u))).collect();
-                (0..height).for_each(|_| picture.extend_from_slice(&row));
+                (0..height).for_each(|_| image.extend_from_slice(&row));
             }
             _ => (0..height).for_each(|v| {
-                picture.resize(picture.len() + width as usize, level(self.is_lit(0, v)));
+                image.resize(image.len() + width as usize, level(self.is_lit(0, v)));
             }),
         }
-        picture
+        image
     }
 }
 
@@ -210,18 +210,18 @@ mod tests {
     }
 
     #[test]
-    fn pictures_show_the_stripes() {
+    fn images_show_the_stripes() {
         let size = [37, 23];
         for pattern in gray_code(size) {
-            let picture = pattern.picture(size);
-            assert_eq!(picture.len(), 37 * 23);
-            for (index, level) in picture.into_iter().enumerate() {
+            let image = pattern.image(size);
+            assert_eq!(image.len(), 37 * 23);
+            for (index, level) in image.into_iter().enumerate() {
                 let (u, v) = (index as u32 % 37, index as u32 / 37);
                 assert_eq!(level == 255, pattern.is_lit(u, v));
             }
         }
-        assert_eq!(Pattern::White.picture([3, 2]), [255; 6]);
-        assert_eq!(Pattern::Black.picture([3, 2]), [0; 6]);
+        assert_eq!(Pattern::White.image([3, 2]), [255; 6]);
+        assert_eq!(Pattern::Black.image([3, 2]), [0; 6]);
     }
 
     #[test]

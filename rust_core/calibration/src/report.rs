@@ -6,7 +6,7 @@ use crate::statistics::{quantile, root_mean_square};
 use crate::{keystone, Sample, Solution};
 
 /// Cells of the projector's image along u and v, each covered or not.
-const PICTURE_CELLS: [usize; 2] = [8, 6];
+const IMAGE_CELLS: [usize; 2] = [8, 6];
 /// Minimum samples of a covered cell, as a share of an even distribution; at least one.
 const COVERED: f64 = 0.05;
 /// Cells along the longer side of the camera's view; samples of one cell are neighbours.
@@ -29,9 +29,9 @@ const GOOD_PREDICTION_M: f64 = 0.001;
 /// Maximum prediction uncertainty of a usable calibration, pixels.
 const AGAIN_PREDICTION_PX: f64 = 3.0;
 /// Minimum covered share of the image of a good calibration.
-const GOOD_PICTURE: f64 = 0.5;
+const GOOD_IMAGE: f64 = 0.5;
 /// Minimum covered share of the image of a usable calibration.
-const AGAIN_PICTURE: f64 = 0.2;
+const AGAIN_IMAGE: f64 = 0.2;
 /// Minimum ratio of the farthest and the nearest depth of a good calibration.
 const GOOD_DEPTH_RATIO: f64 = 1.3;
 /// Minimum share of inliers of a good calibration.
@@ -48,7 +48,7 @@ struct Advice {
     fit: &'static str,
     inliers: &'static str,
     certainty: &'static str,
-    picture: &'static str,
+    image: &'static str,
     depth: &'static str,
     /// `None` where no depth camera measures.
     smooth_depth: Option<&'static str>,
@@ -58,7 +58,7 @@ const SCAN_ADVICE: Advice = Advice {
     fit: "keep camera, projector and scene at rest, and check that the depth is registered to the image",
     inliers: "remove mirrors and glossy objects, darken the room",
     certainty: "add scans of objects at more different depths, from other camera poses",
-    picture: "move the camera, or put objects at the dark sides",
+    image: "move the camera, or put objects at the dark sides",
     depth: "put objects nearer to the projector and farther off",
     smooth_depth: Some("average 5 scans from different places"),
 };
@@ -67,7 +67,7 @@ const BOARD_ADVICE: Advice = Advice {
     fit: "keep camera and projector fixed to each other, and the board flat and at rest",
     inliers: "use a flat board, avoid reflections on it, darken the room",
     certainty: "add poses of the board at more different distances and tilts",
-    picture: "hold the board at the dark sides, too",
+    image: "hold the board at the dark sides, too",
     depth: "hold the board nearer to the projector and farther off, too",
     smooth_depth: None,
 };
@@ -98,7 +98,7 @@ impl Verdict {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coverage {
     /// Share of the image, in 8×6 cells, with inliers.
-    pub picture: f64,
+    pub image: f64,
     /// Range of 98 % of the inliers' depths, metres from the projector.
     pub depth_m: [f64; 2],
     /// Number of camera poses.
@@ -218,10 +218,10 @@ impl Report {
         if self.solution.estimates.iter().all(|estimate| estimate.sigma == 0.0) {
             return;
         }
-        let Coverage { picture, depth_m: [near, far], .. } = self.coverage;
-        if picture < GOOD_PICTURE {
-            let covered = format!("points cover {:.0} % of the picture", 100.0 * picture);
-            self.say(picture < AGAIN_PICTURE, format!("{covered}: {}", advice.picture));
+        let Coverage { image, depth_m: [near, far], .. } = self.coverage;
+        if image < GOOD_IMAGE {
+            let covered = format!("points cover {:.0} % of the picture", 100.0 * image);
+            self.say(image < AGAIN_IMAGE, format!("{covered}: {}", advice.image));
         }
         if far < GOOD_DEPTH_RATIO * near {
             self.say(false, format!("points lie between {near:.2} m and {far:.2} m only: {}", advice.depth));
@@ -239,7 +239,7 @@ impl Report {
 }
 
 fn coverage(samples: &[Sample], solution: &Solution) -> Coverage {
-    let [columns, rows] = PICTURE_CELLS;
+    let [columns, rows] = IMAGE_CELLS;
     let mut cells = vec![0_usize; columns * rows];
     let mut depths = Vec::new();
     for residual in solution.residuals.iter().filter(|residual| residual.is_inlier) {
@@ -254,7 +254,7 @@ fn coverage(samples: &[Sample], solution: &Solution) -> Coverage {
     let needed = ((COVERED * depths.len() as f64 / cells.len() as f64) as usize).max(1);
     let covered = cells.iter().filter(|count| **count >= needed).count();
     let depth_m = if depths.is_empty() { [0.0; 2] } else { [0.01, 0.99].map(|share| quantile(&mut depths, share)) };
-    Coverage { picture: covered as f64 / cells.len() as f64, depth_m, scans: solution.poses.len() }
+    Coverage { image: covered as f64 / cells.len() as f64, depth_m, scans: solution.poses.len() }
 }
 
 /// Depth error that neighbours share. A wrong depth moves a point along the camera's ray, and so its pixel along the

@@ -7,7 +7,7 @@ use rcs_calibration::board::{
     BoardSolveOptions, BoardView, Chessboard,
 };
 use rcs_calibration::patterns::{gray_code, Pattern};
-use rcs_calibration::{decode, Lens, Pictures, SolveOptions, Verdict};
+use rcs_calibration::{decode, Images, Lens, SolveOptions, Verdict};
 use rcs_scan_simulator::{seeds, Conditions, Random, Rig, Room, Scan, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
@@ -44,7 +44,7 @@ fn scanned(rig: &Rig, seed: u64, pose: usize) -> BoardView {
     let scan = Scan::new(&view, Conditions { seed: 10 * seed + pose as u64, ..Conditions::random(seed) });
     let images = scan.capture_all(&patterns);
     let levels = images.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
     assert_eq!(patterns[0], Pattern::White);
     let corners = find_chessboard(&images[0], view.size_px(), &BOARD).unwrap_or_else(|error| panic!("{pose}: {error}"));
     BoardView { name: format!("pose {pose}"), corners: lit_corners(&corners, &decoded) }

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern, Stripes};
 use rcs_calibration::statistics::median;
-use rcs_calibration::{decode, Decoded, Pictures, ScanProblem};
+use rcs_calibration::{decode, Decoded, Images, ScanProblem};
 use rcs_scan_simulator::{seeds, Conditions, Motion, Rig, Room, Scan, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
@@ -16,9 +16,9 @@ fn decoded(view: &View, conditions: Conditions, patterns: &[Pattern]) -> Decoded
     decoded_as(view, &Scan::new(view, conditions).capture_all(patterns), patterns, PROJECTOR_PX)
 }
 
-fn decoded_as(view: &View, pictures: &[Vec<u8>], patterns: &[Pattern], projector_px: [u32; 2]) -> Decoded {
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns, levels }, projector_px);
+fn decoded_as(view: &View, images: &[Vec<u8>], patterns: &[Pattern], projector_px: [u32; 2]) -> Decoded {
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns, levels }, projector_px);
     decoded.unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -100,7 +100,7 @@ fn the_cameras_gamma_is_found() {
 fn a_camera_that_moves_is_noticed() {
     let view = view(33);
     for shift_px in [Vector2::new(1.0, 0.3), Vector2::new(-0.2, 2.5), Vector2::new(6.0, -4.0)] {
-        let motion = Some(Motion { from_picture: 20, shift_px });
+        let motion = Some(Motion { from_image: 20, shift_px });
         let conditions = Conditions { motion, ..Conditions::random(33) };
         let problems = decoded(&view, conditions, &gray_code(PROJECTOR_PX)).quality.problems();
         assert!(matches!(problems[..], [ScanProblem::Moved(_), ..]), "{shift_px:?}: {problems:?}");
@@ -111,7 +111,7 @@ fn a_camera_that_moves_is_noticed() {
 #[test]
 fn an_exposure_that_drifts_is_noticed() {
     let view = view(34);
-    let conditions = Conditions { drift_per_picture: 0.004, ..Conditions::random(34) };
+    let conditions = Conditions { drift_per_image: 0.004, ..Conditions::random(34) };
     let problems = decoded(&view, conditions, &gray_code(PROJECTOR_PX)).quality.problems();
     assert!(matches!(problems[..], [ScanProblem::Exposure(change)] if (0.08..0.25).contains(&change)), "{problems:?}");
     assert!(problems[0].to_string().contains("automatic exposure"));
@@ -130,9 +130,9 @@ fn too_long_an_exposure_is_noticed() {
 fn patterns_of_another_projector_are_noticed() {
     let view = view(8);
     let patterns = gray_code(PROJECTOR_PX);
-    let pictures = Scan::new(&view, Conditions::random(8)).capture_all(&patterns);
+    let images = Scan::new(&view, Conditions::random(8)).capture_all(&patterns);
     let beyond = |patterns: &[Pattern], projector_px| {
-        let problems = decoded_as(&view, &pictures, patterns, projector_px).quality.problems();
+        let problems = decoded_as(&view, &images, patterns, projector_px).quality.problems();
         problems.first().is_some_and(|problem| matches!(problem, ScanProblem::Beyond { .. }) && problem.is_fatal())
     };
     assert!(!beyond(&patterns, PROJECTOR_PX) && beyond(&patterns, [1024, 768]));
@@ -148,8 +148,8 @@ fn dark_pixels_are_not_decoded() {
     let view = view(36);
     let patterns = gray_code(PROJECTOR_PX);
     let black = vec![Pattern::Black; patterns.len()];
-    let pictures = Scan::new(&view, Conditions::random(36)).capture_all(&black);
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
+    let images = Scan::new(&view, Conditions::random(36)).capture_all(&black);
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
     assert!(decoded.lit < 300 && decoded.count() == 0, "{} lit, {} decoded", decoded.lit, decoded.count());
 }

@@ -2,28 +2,28 @@
 
 use nalgebra::Matrix3;
 use rcs_calibration::patterns::{gray_code, Pattern};
-use rcs_calibration::{Keystone, Pictures};
+use rcs_calibration::{Images, Keystone};
 use rcs_scan_simulator::{seeds, Conditions, DepthCamera, Rig, Room, Scan, SmoothError, View};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 
 /// Keystone by the first stripes of a scan of a room, with a Kinect's depth and a smooth error.
-fn first_stripes(room: &Room, seed: u64, picture_from_panel: Matrix3<f64>) -> Option<Keystone> {
+fn first_stripes(room: &Room, seed: u64, image_from_panel: Matrix3<f64>) -> Option<Keystone> {
     let rig = Rig::random(seed);
     let view = View::new(room, &rig);
     let is_coarse = |pattern: &Pattern| !matches!(pattern, Pattern::GrayCode(stripes) if stripes.bit >= 5);
     let patterns: Vec<Pattern> = gray_code(PROJECTOR_PX).into_iter().filter(is_coarse).collect();
-    let conditions = Conditions { picture_from_panel, ..Conditions::random(seed) };
-    let pictures = Scan::new(&view, conditions).capture_all(&patterns);
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let pictures = Pictures { size_px: view.size_px(), patterns: &patterns, levels };
+    let conditions = Conditions { image_from_panel, ..Conditions::random(seed) };
+    let images = Scan::new(&view, conditions).capture_all(&patterns);
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let images = Images { size_px: view.size_px(), patterns: &patterns, levels };
     let smooth_error = Some(SmoothError { rms_m: 0.001, seed });
     let depth_m = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
-    Keystone::find(&pictures, &depth_m, &rig.camera, PROJECTOR_PX)
+    Keystone::find(&images, &depth_m, &rig.camera, PROJECTOR_PX)
 }
 
 #[test]
-fn a_picture_that_is_not_corrected_raises_no_alarm() {
+fn a_image_that_is_not_corrected_raises_no_alarm() {
     for seed in seeds(300, 2, 4) {
         assert_eq!(first_stripes(&Room::cluttered(seed), seed, Matrix3::identity()), None, "room {seed}");
     }

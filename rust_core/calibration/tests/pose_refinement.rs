@@ -50,15 +50,15 @@ impl World {
             depth_m: &self.depth_m,
             light: &LightMap::new(&white, &black, camera.size_px[0], 2.0),
         })?;
-        let pictures = refinement.pictures();
-        assert!(pictures.len() <= 8);
+        let images = refinement.images();
+        assert!(images.len() <= 8);
         let seen = |(number, shown): (u32, &Vec<u8>)| {
             let light = scan.light_of(shown);
             let mut grey = scan.expose(&light, number);
             change(&mut grey, &light, number);
             grey
         };
-        let images: Vec<Vec<u8>> = (2..).zip(&pictures).map(seen).collect();
+        let images: Vec<Vec<u8>> = (2..).zip(&images).map(seen).collect();
         refinement.refine(&images, &self.depth_m)
     }
 
@@ -209,7 +209,7 @@ fn motion(seed: u64, [least_px, most_px]: [f64; 2]) -> Motion {
     let angle = random.uniform(0.0, std::f64::consts::TAU);
     let shift_px = Vector2::new(angle.cos(), angle.sin()) * random.uniform(least_px, most_px);
     // The second of eight images is the fourth of all.
-    Motion { from_picture: 3 + (seed % 7) as u32, shift_px }
+    Motion { from_image: 3 + (seed % 7) as u32, shift_px }
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn where_nothing_is_seen_nothing_is_refined() {
         light: &lit,
     };
     let refinement = PoseRefinement::new(&scene).unwrap();
-    let black = vec![vec![20; count]; refinement.pictures().len()];
+    let black = vec![vec![20; count]; refinement.images().len()];
     let problem = refinement.refine(&black, &depth_m).unwrap_err();
     assert!(matches!(problem, RefinementProblem::FewSeen { seen: 0, shown } if shown > 30), "{problem}");
     let dark = VerificationScene { depth_m: &vec![0.0; count], ..scene };

@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 use rcs_calibration::patterns::gray_code;
-use rcs_calibration::{decode, points, solve, Lens, Pictures, Report, Sample, SolveOptions, Verdict};
+use rcs_calibration::{decode, points, solve, Images, Lens, Report, Sample, SolveOptions, Verdict};
 use rcs_scan_simulator::{
     has_many_seeds, seeds, Conditions, DepthCamera, LightError, Rig, Room, Scan, SmoothError, View,
 };
@@ -13,9 +13,9 @@ const PROJECTOR_PX: [u32; 2] = [1280, 800];
 fn scan(room: &Room, rig: &Rig, depth_camera: &DepthCamera, number: u32) -> Vec<Sample> {
     let view = View::new(room, rig);
     let patterns = gray_code(PROJECTOR_PX);
-    let pictures = Scan::new(&view, Conditions::random(rig.seed + 1000 * u64::from(number))).capture_all(&patterns);
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX);
+    let images = Scan::new(&view, Conditions::random(rig.seed + 1000 * u64::from(number))).capture_all(&patterns);
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX);
     let decoded = decoded.unwrap_or_else(|error| panic!("{error}"));
     let samples = points(&decoded, &depth_camera.capture(&view), &rig.camera).unwrap_or_else(|error| panic!("{error}"));
     samples.into_iter().map(|sample| Sample { scan: number, ..sample }).collect()
@@ -106,15 +106,14 @@ fn a_flat_wall_gives_the_pose_of_a_known_lens() {
 }
 
 #[test]
-fn a_mirrored_picture_is_refused() {
+fn a_mirrored_image_is_refused() {
     let (room, rig) = (Room::cluttered(230), Rig::random(230));
     let view = View::new(&room, &rig);
     let patterns = gray_code(PROJECTOR_PX);
-    let conditions =
-        Conditions { picture_from_panel: Conditions::mirrored(PROJECTOR_PX[0]), ..Conditions::random(230) };
-    let pictures = Scan::new(&view, conditions).capture_all(&patterns);
-    let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
+    let conditions = Conditions { image_from_panel: Conditions::mirrored(PROJECTOR_PX[0]), ..Conditions::random(230) };
+    let images = Scan::new(&view, conditions).capture_all(&patterns);
+    let levels = images.iter().map(Vec::as_slice).collect();
+    let decoded = decode(&Images { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
     let samples = points(&decoded, &DepthCamera::kinect(230).capture(&view), &rig.camera).unwrap();
     let refusal = solve(&samples, &SolveOptions::new(PROJECTOR_PX)).unwrap_err().to_string();
     assert!(refusal.contains("mirrored"), "{refusal}");

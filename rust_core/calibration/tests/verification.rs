@@ -36,9 +36,9 @@ impl World {
             light: &LightMap::new(&white, &black, rig.camera.size_px[0], 2.0),
         };
         let plan = VerificationPlan::new(&scene)?;
-        let pictures = plan.pictures();
+        let images = plan.images();
         let seen: Vec<Vec<u8>> =
-            (2..).zip(&pictures).map(|(number, shown)| scan.expose(&scan.light_of(shown), number)).collect();
+            (2..).zip(&images).map(|(number, shown)| scan.expose(&scan.light_of(shown), number)).collect();
         plan.measure(&seen)
     }
 
@@ -108,7 +108,7 @@ fn where_nothing_is_seen_nothing_is_said() {
     let plan = VerificationPlan::new(&scene(&lit)).unwrap();
     let [spots, edges] = plan.counts();
     assert!(spots > 30 && edges == 0, "a wall has no edges: {spots} {edges}");
-    let black = vec![vec![20; count]; plan.pictures().len()];
+    let black = vec![vec![20; count]; plan.images().len()];
     assert_eq!(plan.measure(&black), Err(VerificationProblem::FewSeen { seen: 0, shown: spots }));
     let problem = VerificationPlan::new(&VerificationScene { depth_m: &vec![0.0; count], ..scene(&lit) }).unwrap_err();
     assert!(problem.to_string().lines().count() == 1);

@@ -1,11 +1,11 @@
-//! A picture of 1280×800 pixels as rviz's plugin reads it back (blue first, the lowest row first) to `rgb8`: as it
+//! An image of 1280×800 pixels as rviz's plugin reads it back (blue first, the lowest row first) to `rgb8`: as it
 //! is, and through a projector's lens.
 
 use std::hint::black_box;
 
 use criterion::{criterion_group, criterion_main, Criterion};
 use rcs_camera::{optics, write_through, CameraInfoFields, CameraModel, Lenses, Projection, Readback};
-use rcs_scene::{Encoding, Picture, PixelOrder};
+use rcs_scene::{Encoding, Image, PixelOrder};
 
 const SIZE_PX: [u32; 2] = [1280, 800];
 
@@ -16,8 +16,8 @@ fn bench(criterion: &mut Criterion) {
     let mut out = vec![0; 3 * width_px as usize * height_px as usize];
     criterion.bench_function("1280x800 bgra, lowest row first, to rgb8", |bencher| {
         bencher.iter(|| {
-            let picture = Readback::new(black_box(&drawn), SIZE_PX, row_bytes, PixelOrder::Bgra, true);
-            picture.map(|picture| picture.write(Encoding::Rgb8, &mut out)).is_ok()
+            let image = Readback::new(black_box(&drawn), SIZE_PX, row_bytes, PixelOrder::Bgra, true);
+            image.map(|image| image.write(Encoding::Rgb8, &mut out)).is_ok()
         });
     });
 
@@ -28,7 +28,7 @@ fn bench(criterion: &mut Criterion) {
     let info = CameraInfoFields { width_px, height_px, distortion_model, d, k: &k, r: &r, p: &p, binning, region_px };
     let model = CameraModel { projection: Projection::Exact, undistort: true };
     let Some(lens) = optics(&info, "", model, &Lenses::default()).ok().and_then(|optics| optics.lens) else { return };
-    let mut before_lens = Picture::default();
+    let mut before_lens = Image::default();
     let [width_px, height_px] = lens.source_size_px();
     before_lens.reset(width_px, height_px, Encoding::Rgba8);
     criterion.bench_function("through a lens", |bencher| {

@@ -1,7 +1,7 @@
-//! Schedule of pictures for a program that is called regularly, such as rviz once per frame of its window.
+//! Schedule of images for a program that is called regularly, such as rviz once per frame of its window.
 //!
-//! Pictures are due at moments one period apart, each served by the nearest call, so that in the long run the frame
-//! rate is exact, or one picture a call if there are fewer calls. (A minimum time since the last picture would give 15
+//! Images are due at moments one period apart, each served by the nearest call, so that in the long run the frame
+//! rate is exact, or one image a call if there are fewer calls. (A minimum time since the last image would give 15
 //! a second of 30 calls a second for a rate of 20.) After a pause, missed moments are forgotten: there is no burst.
 //!
 //! [`Schedule`](crate::Schedule) is for a program that can wake up whenever it wants to.
@@ -16,7 +16,7 @@ const MOST_LATE: u32 = 2;
 /// Delay that counts as a pause, in intervals between calls.
 const PAUSE: u32 = 4;
 
-/// Decides at which calls a picture is due. Times count from any fixed moment.
+/// Decides at which calls an image is due. Times count from any fixed moment.
 #[derive(Clone, Copy, Debug)]
 pub struct CallPacing {
     pace: Pace,
@@ -24,7 +24,7 @@ pub struct CallPacing {
     last_call: Option<Duration>,
     /// Mean time between calls.
     interval: Option<Duration>,
-    /// Time of the next picture of a frame rate; `None`: at once.
+    /// Time of the next image of a frame rate; `None`: at once.
     next: Option<Duration>,
 }
 
@@ -40,14 +40,14 @@ enum Pace {
 }
 
 impl Default for CallPacing {
-    /// A picture at each call.
+    /// An image at each call.
     fn default() -> Self {
         Self { pace: Pace::EachCall, triggered: false, last_call: None, interval: None, next: None }
     }
 }
 
 impl CallPacing {
-    /// Sets a display's "Frame Rate" in pictures a second: below 0 at each call, at 0 (or NaN) only when triggered.
+    /// Sets a display's "Frame Rate" in images a second: below 0 at each call, at 0 (or NaN) only when triggered.
     pub fn set_frame_rate(&mut self, frame_rate_hz: f32) {
         let pace = if frame_rate_hz < 0.0 {
             Pace::EachCall
@@ -62,18 +62,18 @@ impl CallPacing {
         }
     }
 
-    /// Makes one picture due at the next call, whatever the frame rate.
+    /// Makes one image due at the next call, whatever the frame rate.
     pub fn trigger(&mut self) {
         self.triggered = true;
     }
 
-    /// `true` if a picture is due at this call. Without a subscriber (`watched`) only a triggered one is.
+    /// `true` if an image is due at this call. Without a subscriber (`watched`) only a triggered one is.
     pub fn is_due(&mut self, now: Duration, watched: bool) -> bool {
         self.note_call(now);
         self.triggered || watched && self.is_paced(now)
     }
 
-    /// Records that a picture was begun: the trigger is served, and the next picture is timed. One that was only
+    /// Records that an image was begun: the trigger is served, and the next image is timed. One that was only
     /// triggered moves no other.
     pub fn begin(&mut self, now: Duration) {
         if let Pace::Every(period) = self.pace {
@@ -84,7 +84,7 @@ impl CallPacing {
         self.triggered = false;
     }
 
-    /// The moment that a picture at this call serves: the next one, unless that is long ago. Of the delay of irregular
+    /// The moment that an image at this call serves: the next one, unless that is long ago. Of the delay of irregular
     /// calls [`MOST_LATE`] is caught up with; after a pause, nothing.
     fn served(&self, now: Duration) -> Duration {
         let interval = self.interval.unwrap_or_default();
@@ -131,7 +131,7 @@ mod tests {
         Duration::from_secs_f64(secs)
     }
 
-    /// Times at which pictures are begun, of calls at these times.
+    /// Times at which images are begun, of calls at these times.
     fn begun(pacing: &mut CallPacing, calls: impl Iterator<Item = f64>) -> Vec<f64> {
         calls
             .filter(|call| {
@@ -164,10 +164,10 @@ mod tests {
         for jitter in [0.0, 0.05, 0.4] {
             for calls_hz in [15.0, 29.97, 30.0, 31.0, 60.0] {
                 for rate_hz in [1.0, 7.0, 10.0, 15.0, 20.0, 25.0, 29.9, 30.0, 30.1, 33.0, 60.0, 100.0, 1e9] {
-                    let pictures = begun(&mut paced(rate_hz), calls(calls_hz, 100.0, jitter)).len() as f64;
+                    let images = begun(&mut paced(rate_hz), calls(calls_hz, 100.0, jitter)).len() as f64;
                     let expected = 100.0 * f64::from(rate_hz).min(calls_hz);
-                    let off = (pictures - expected) / expected;
-                    assert!(off.abs() < 0.011, "{rate_hz} Hz at {calls_hz} ± {jitter}: {pictures} not {expected}");
+                    let off = (images - expected) / expected;
+                    assert!(off.abs() < 0.011, "{rate_hz} Hz at {calls_hz} ± {jitter}: {images} not {expected}");
                 }
             }
         }
@@ -175,14 +175,14 @@ mod tests {
 
     #[test]
     fn twenty_of_thirty_calls_are_as_even_as_they_can_be() {
-        let pictures = begun(&mut paced(20.0), calls(30.0, 10.0, 0.0));
-        assert!((199..=201).contains(&pictures.len()), "{}", pictures.len());
-        let gaps = pictures.windows(2).map(|pair| pair[1] - pair[0]);
+        let images = begun(&mut paced(20.0), calls(30.0, 10.0, 0.0));
+        assert!((199..=201).contains(&images.len()), "{}", images.len());
+        let gaps = images.windows(2).map(|pair| pair[1] - pair[0]);
         gaps.for_each(|gap| assert!((0.033..0.067).contains(&gap), "{gap}"));
     }
 
     #[test]
-    fn after_a_pause_there_is_one_picture_at_once_and_no_burst() {
+    fn after_a_pause_there_is_one_image_at_once_and_no_burst() {
         for pause in [0.12, 0.15, 0.5, 100.0] {
             let mut pacing = paced(20.0);
             begun(&mut pacing, calls(60.0, 1.0, 0.0));
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_watching_means_no_picture_and_the_first_watcher_gets_one_at_once() {
+    fn nobody_watching_means_no_image_and_the_first_watcher_gets_one_at_once() {
         let mut pacing = paced(10.0);
         for call in calls(30.0, 5.0, 0.0) {
             assert!(!pacing.is_due(at(call), false));
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trigger_makes_one_picture_due_whatever_the_rate_and_the_watchers() {
+    fn a_trigger_makes_one_image_due_whatever_the_rate_and_the_watchers() {
         for rate_hz in [0.0, f32::NAN, 0.001, 1e-40] {
             let mut pacing = paced(rate_hz);
             if pacing.is_due(at(1.0), true) {
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triggered_picture_moves_no_other() {
+    fn a_triggered_image_moves_no_other() {
         let mut pacing = paced(1.0);
         assert!(pacing.is_due(at(1.0), true));
         pacing.begin(at(1.0));

@@ -1,4 +1,4 @@
-//! Projection errors of a picture that is drawn as rviz does.
+//! Projection errors of an image that is drawn as rviz does.
 //!
 //! rviz uses one focal length and its own sign of `P[7]`, mirrors nothing, leaves out skews and P's third row, and does
 //! not undo the distortion of D; nor does this program unless it is asked to. On a screen that hardly matters; a
@@ -113,7 +113,7 @@ fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
     ))
 }
 
-/// Lens distortion, which is not in the picture.
+/// Lens distortion, which is not in the image.
 fn distortion(
     info: &CameraInfoFields<'_>,
     intrinsics: &Intrinsics,
@@ -140,7 +140,7 @@ fn distortion(
     ))
 }
 
-/// Largest shift by the distortion among the picture's corners, middles of its edges, and centre. `None` for an unknown
+/// Largest shift by the distortion among the image's corners, middles of its edges, and centre. `None` for an unknown
 /// model or a point that it cannot distort.
 fn largest_shift_px(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Option<f64> {
     // By what P means, where it means something; that counts from pixels' edges.
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn binning_and_a_region_of_interest_are_told_unless_they_are_the_whole_picture() {
+    fn binning_and_a_region_of_interest_are_told_unless_they_are_the_whole_image() {
         let (none, p) = ([0.0; 9], [1000.0, 0.0, 500.0, 0.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
         let of = |binning, region_px| {
             let info = CameraInfoFields { binning, region_px, ..ideal(&none, &p) };

@@ -14,15 +14,15 @@ pub struct CameraInfoFields<'a> {
     pub distortion_model: &'a str,
     /// The coefficients of the distortion; empty or all 0 without one.
     pub d: &'a [f64],
-    /// Intrinsics of the raw picture, pixels, 3×3.
+    /// Intrinsics of the raw image, pixels, 3×3.
     pub k: &'a [f64; 9],
-    /// The rotation from the raw picture's frame to that of P, 3×3; all 0 where it is not set.
+    /// The rotation from the raw image's frame to that of P, 3×3; all 0 where it is not set.
     pub r: &'a [f64; 9],
-    /// The projection to the rectified picture, pixels, 3×4.
+    /// The projection to the rectified image, pixels, 3×4.
     pub p: &'a [f64; 12],
     /// Columns and rows that the driver merges into one; 0 and 1 are none.
     pub binning: [u32; 2],
-    /// The region of interest: offset from the left and the top, width and height, pixels; all 0 for the whole picture.
+    /// The region of interest: offset from the left and the top, width and height, pixels; all 0 for the whole image.
     pub region_px: [u32; 4],
 }
 
@@ -32,7 +32,7 @@ impl CameraInfoFields<'_> {
         self.binning.iter().any(|binning| *binning > 1)
     }
 
-    /// `true` if the region of interest is not the whole picture.
+    /// `true` if the region of interest is not the whole image.
     pub(crate) fn is_cropped(&self) -> bool {
         let [left, top, width, height] = self.region_px;
         let is_set = width != 0 || height != 0 || left != 0 || top != 0;
@@ -50,10 +50,10 @@ pub struct LensProblem {
     pub reason: String,
 }
 
-/// The lens of K and D of a CameraInfo, which is that of the raw picture. K counts up to scale.
+/// The lens of K and D of a CameraInfo, which is that of the raw image. K counts up to scale.
 ///
 /// # Errors
-/// [`LensProblem`]: focal lengths of zero, skews that leave no picture, a last row of K that is not (0, 0, s) with s >
+/// [`LensProblem`]: focal lengths of zero, skews that leave no image, a last row of K that is not (0, 0, s) with s >
 /// 0, a distortion that no lens model has.
 pub fn lens_of(info: &CameraInfoFields<'_>) -> Result<Lens, LensProblem> {
     let wrong = |key, reason| Err(LensProblem { key, reason });

@@ -25,7 +25,7 @@ pub enum Projection {
 pub struct CameraModel {
     /// Projection of its P.
     pub projection: Projection,
-    /// `true` if the picture is warped so that the lens of K and D undoes it, where there is distortion. P is taken
+    /// `true` if the image is warped so that the lens of K and D undoes it, where there is distortion. P is taken
     /// [exactly](Projection::Exact) then.
     pub undistort: bool,
 }
@@ -39,11 +39,11 @@ impl From<Projection> for CameraModel {
 /// A camera without its pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
-    /// Intrinsics of the drawn image; with a lens, that is the source of the picture.
+    /// Intrinsics of the drawn image; with a lens, that is the source of the image.
     pub drawn: Intrinsics,
-    /// Map from the drawn image to the picture.
+    /// Map from the drawn image to the image.
     pub lens: Option<Arc<PixelMap>>,
-    /// Flip of the finished picture, where the CameraInfo describes a mirrored one.
+    /// Flip of the finished image, where the CameraInfo describes a mirrored one.
     pub flip: Flip,
 }
 
@@ -58,7 +58,7 @@ impl Optics {
     }
 }
 
-/// Checks a CameraInfo and returns its camera. An invalid lens is no error: the picture is drawn without it, and
+/// Checks a CameraInfo and returns its camera. An invalid lens is no error: the image is drawn without it, and
 /// [`Lenses::problem`] returns the reason. `topic` is the key of the CameraInfo's lens in `lenses`.
 ///
 /// # Errors
@@ -93,7 +93,7 @@ pub fn optics(
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use rcs_scene::{Encoding, Picture, MAX_SIDE_PX};
+    use rcs_scene::{Encoding, Image, MAX_SIDE_PX};
 
     use super::*;
 
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirror_of_k_is_the_pictures_and_one_of_p_that_of_what_nobody_sees() {
+    fn a_mirror_of_k_is_the_images_and_one_of_p_that_of_what_nobody_sees() {
         let model = CameraModel { projection: Projection::Rviz, undistort: true };
         let k = [100.0, 2.0, 30.0, 0.0, 100.0, 40.0, 0.0, 0.0, 1.0];
         let d = [0.1, 0.0, 0.002, 0.0];
@@ -183,7 +183,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_a_camera_info_holds_what_is_drawn_becomes_a_picture(
+        fn whatever_a_camera_info_holds_what_is_drawn_becomes_a_image(
             d in proptest::collection::vec(prop_oneof![9 => -0.5..0.5, 1 => any::<f64>()], 0..6),
             k in proptest::array::uniform9(numbers()),
             p in proptest::array::uniform12(numbers()),
@@ -198,10 +198,10 @@ mod tests {
                 prop_assert!(drawn.width_px <= MAX_SIDE_PX && drawn.height_px <= MAX_SIDE_PX);
                 if let Some(lens) = lens {
                     prop_assert_eq!(lens.source_size_px(), [drawn.width_px, drawn.height_px]);
-                    let (mut source, mut picture) = (Picture::default(), Picture::default());
+                    let (mut source, mut image) = (Image::default(), Image::default());
                     source.reset(drawn.width_px, drawn.height_px, Encoding::Rgba8);
-                    crate::see_through(&lens, &source, [0; 3], Encoding::Mono8, &mut picture);
-                    prop_assert_eq!(picture.data, vec![0; 64 * 48]);
+                    crate::see_through(&lens, &source, [0; 3], Encoding::Mono8, &mut image);
+                    prop_assert_eq!(image.data, vec![0; 64 * 48]);
                 }
             }
         }

@@ -1,6 +1,6 @@
-//! Rate limit of pictures in the long run, with no delay after a pause.
+//! Rate limit of images in the long run, with no delay after a pause.
 //!
-//! A token bucket: each picture takes one, one is added in each period, and [`MOST_TOKENS`] fit in. A change that finds
+//! A token bucket: each image takes one, one is added in each period, and [`MOST_TOKENS`] fit in. A change that finds
 //! no token waits for one, so that changes that come much faster than the rate are drawn at equal intervals. Changes
 //! that come just a little faster, such as 30.05 clouds a second at a rate of 30, would all be late by a slowly
 //! drifting part of a period. There, the change waits for two tokens, by when usually the next one has come, which is
@@ -8,14 +8,14 @@
 
 use std::time::{Duration, Instant};
 
-/// Pictures that may follow each other at once after a pause.
+/// Images that may follow each other at once after a pause.
 const MOST_TOKENS: f64 = 2.0;
 /// Share of a period below which the interval between changes is much faster than the rate.
 const FAST_SHARE: f64 = 0.75;
 /// Weight of the newest interval in the mean.
 const NEWEST_WEIGHT: f64 = 0.2;
 
-/// Limits the rate of pictures.
+/// Limits the rate of images.
 #[derive(Clone, Copy, Debug)]
 pub struct RateLimit {
     period: Duration,
@@ -30,7 +30,7 @@ pub struct RateLimit {
 }
 
 impl RateLimit {
-    /// One picture in each period in the long run.
+    /// One image in each period in the long run.
     pub fn new(period: Duration) -> Self {
         Self { period, tokens: MOST_TOKENS, counted_at: None, is_waiting: false, last_change: None, mean_interval: 1.0 }
     }
@@ -82,7 +82,7 @@ impl RateLimit {
         self.is_waiting.then(|| self.period.mul_f64(missing) + Duration::from_micros(1))
     }
 
-    /// Records that a picture was begun.
+    /// Records that an image was begun.
     pub fn take(&mut self, now: Instant) {
         self.tokens = (self.tokens_at(now) - 1.0).max(0.0);
         self.counted_at = Some(now);
@@ -94,7 +94,7 @@ impl RateLimit {
 mod tests {
     use super::*;
 
-    /// Times in seconds at which pictures are drawn, at a rate of 30, of changes at these times; each change is drawn
+    /// Times in seconds at which images are drawn, at a rate of 30, of changes at these times; each change is drawn
     /// as soon as it may be, with those that came meanwhile.
     fn drawn(changes: impl Iterator<Item = f64>) -> Vec<f64> {
         let start = Instant::now();

@@ -1,11 +1,11 @@
-//! A picture as read back from a graphics library: rows that may be padded, upside down, and in another channel order.
+//! An image as read back from a graphics library: rows that may be padded, upside down, and in another channel order.
 
 use rcs_scene::{Encoding, PixelOrder};
 
 /// Bytes of a pixel.
 const CELL: usize = 4;
 
-/// A drawn picture of four bytes a pixel.
+/// A drawn image of four bytes a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Readback<'a> {
     bytes: &'a [u8],
@@ -16,22 +16,22 @@ pub struct Readback<'a> {
     is_bottom_up: bool,
 }
 
-/// Mismatch of bytes and picture size.
+/// Mismatch of bytes and image size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadbackProblem {
     /// Bytes from one row to the next, the pixels of a row that do not fit, and their bytes.
     #[error("{0} bytes from one row to the next, where {1} pixels need at least {2}")]
     ShortRows(usize, u32, usize),
-    /// Number of bytes, the picture's size, and the bytes that it needs.
+    /// Number of bytes, the image's size, and the bytes that it needs.
     #[error("{0} bytes, where {w}x{h} pixels need at least {2}", w = .1[0], h = .1[1])]
-    ShortPicture(usize, [u32; 2], usize),
+    ShortImage(usize, [u32; 2], usize),
     /// The bytes of a size and of its rows overflow.
     #[error("{w}x{h} pixels in rows of {1} bytes are more than a memory holds", w = .0[0], h = .0[1])]
     TooLarge([u32; 2], usize),
 }
 
 impl<'a> Readback<'a> {
-    /// Bytes from the first row's first pixel to the last row's last one of a picture of this size with `row_bytes`
+    /// Bytes from the first row's first pixel to the last row's last one of an image of this size with `row_bytes`
     /// from one row to the next.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl<'a> Readback<'a> {
         bytes.filter(|bytes| isize::try_from(*bytes).is_ok()).ok_or_else(too_large)
     }
 
-    /// The picture of this size in these bytes; surplus bytes are ignored.
+    /// The image of this size in these bytes; surplus bytes are ignored.
     ///
     /// # Errors
     /// See [`ReadbackProblem`].
@@ -60,12 +60,12 @@ impl<'a> Readback<'a> {
     ) -> Result<Self, ReadbackProblem> {
         let needed = Self::needed_bytes([width_px, height_px], row_bytes)?;
         if bytes.len() < needed {
-            return Err(ReadbackProblem::ShortPicture(bytes.len(), [width_px, height_px], needed));
+            return Err(ReadbackProblem::ShortImage(bytes.len(), [width_px, height_px], needed));
         }
         Ok(Self { bytes, width: width_px as usize, height: height_px as usize, row_bytes, order, is_bottom_up })
     }
 
-    /// Writes the picture in an encoding, from the top, without padding; bytes and rows past the end of `to` are left
+    /// Writes the image in an encoding, from the top, without padding; bytes and rows past the end of `to` are left
     /// out.
     pub fn write(&self, encoding: Encoding, to: &mut [u8]) {
         let step = (self.width * encoding.bytes_per_pixel()).max(1);
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn all_orders_and_encodings_show_the_same_picture() {
+    fn all_orders_and_encodings_show_the_same_image() {
         for encoding in Encoding::ALL {
             let cell = encoding.bytes_per_pixel();
             let mut expected = Vec::new();
@@ -118,12 +118,12 @@ mod tests {
             for order in [PixelOrder::Rgba, PixelOrder::Bgra] {
                 for is_bottom_up in [false, true] {
                     let bytes = bytes(order, is_bottom_up);
-                    let picture = Readback::new(&bytes, [2, 3], 11, order, is_bottom_up).unwrap();
+                    let image = Readback::new(&bytes, [2, 3], 11, order, is_bottom_up).unwrap();
                     let mut written = vec![0; 6 * cell];
-                    picture.write(encoding, &mut written);
+                    image.write(encoding, &mut written);
                     assert_eq!(written, expected, "{encoding:?}, {order:?}, {is_bottom_up}");
                     let mut short = vec![0; 3 * cell];
-                    picture.write(encoding, &mut short);
+                    image.write(encoding, &mut short);
                     assert_eq!(short, expected[..3 * cell], "what does not fit is left out");
                 }
             }

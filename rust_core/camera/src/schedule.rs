@@ -1,17 +1,17 @@
-//! Schedule of a camera's pictures.
+//! Schedule of a camera's images.
 
 use std::time::{Duration, Instant};
 
 use crate::RateLimit;
 
-/// Start of a camera's last picture, and whether it differed from the one before.
+/// Start of a camera's last image, and whether it differed from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LastBegun {
     at: Instant,
     changed: bool,
 }
 
-/// Decides when a camera's pictures are due: by its frame rate, or because its trigger service was called.
+/// Decides when a camera's images are due: by its frame rate, or because its trigger service was called.
 #[derive(Clone, Copy, Debug)]
 pub struct Schedule {
     pace: Pace,
@@ -29,7 +29,7 @@ impl Default for Schedule {
 }
 
 impl Schedule {
-    /// Sets a display's "Frame Rate" and the config's global one, both in pictures a second.
+    /// Sets a display's "Frame Rate" and the config's global one, both in images a second.
     pub fn set_frame_rate(&mut self, frame_rate_hz: f32, global_frame_rate_hz: i32) {
         let pace = Pace::new(frame_rate_hz, global_frame_rate_hz);
         if let Pace::OnChange { repeat } = pace {
@@ -40,17 +40,17 @@ impl Schedule {
         self.pace = pace;
     }
 
-    /// `true` if pictures are published only when triggered.
+    /// `true` if images are published only when triggered.
     pub fn is_on_trigger(&self) -> bool {
         self.pace == Pace::OnTrigger
     }
 
-    /// `true` if each change makes a picture due.
+    /// `true` if each change makes an image due.
     pub fn follows_changes(&self) -> bool {
         matches!(self.pace, Pace::OnChange { .. })
     }
 
-    /// Makes a picture due now, whatever the frame rate.
+    /// Makes an image due now, whatever the frame rate.
     pub fn trigger(&mut self) {
         self.triggered = true;
     }
@@ -60,12 +60,12 @@ impl Schedule {
         self.triggered = false;
     }
 
-    /// Records a change: the next picture would differ from the last one, or in another way than before.
+    /// Records a change: the next image would differ from the last one, or in another way than before.
     pub fn note_change(&mut self, now: Instant) {
         self.limit.note_change(now);
     }
 
-    /// `true` if a picture is due; `changed`: it would differ from the last one.
+    /// `true` if an image is due; `changed`: it would differ from the last one.
     pub fn is_due(&mut self, now: Instant, changed: bool) -> bool {
         if self.triggered {
             return true;
@@ -76,19 +76,19 @@ impl Schedule {
         }
     }
 
-    /// `true` if the last picture is due again, or the next one at a fixed rate.
+    /// `true` if the last image is due again, or the next one at a fixed rate.
     pub fn is_repetition_due(&self, now: Instant) -> bool {
         self.pace.until_due(self.last, now) == Some(Duration::ZERO)
     }
 
-    /// Time until a picture is due by itself: one of a waiting change, or a repetition. `None` if never.
+    /// Time until an image is due by itself: one of a waiting change, or a repetition. `None` if never.
     pub fn until_due(&self, now: Instant) -> Option<Duration> {
         let by_itself = self.pace.until_due(self.last, now)?;
         let change = matches!(self.pace, Pace::OnChange { .. }).then(|| self.limit.until_free(now)).flatten();
         Some(change.map_or(by_itself, |change| change.min(by_itself)))
     }
 
-    /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is
+    /// Records that an image was begun. The next one is timed from here, also when drawing fails, so that it is
     /// retried at the frame rate and not at once.
     pub fn begin(&mut self, now: Instant, changed: bool) {
         self.last = Some(LastBegun { at: now, changed });
@@ -100,7 +100,7 @@ impl Schedule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pace {
     /// Below 0: whenever the scene changes, but in the long run no more often than once in this period; an unchanged
-    /// picture is repeated at this period.
+    /// image is repeated at this period.
     OnChange {
         /// Period of rviz's main loop ("Global Options: Frame Rate").
         repeat: Duration,
@@ -112,7 +112,7 @@ enum Pace {
 }
 
 impl Pace {
-    /// From a display's "Frame Rate" and the config's global one, both in pictures a second.
+    /// From a display's "Frame Rate" and the config's global one, both in images a second.
     fn new(frame_rate_hz: f32, global_frame_rate_hz: i32) -> Self {
         let period = |rate_hz: f64| Duration::try_from_secs_f64(1.0 / rate_hz).unwrap_or(Duration::MAX);
         if frame_rate_hz < 0.0 {
@@ -126,7 +126,7 @@ impl Pace {
 
     fn until_due(self, last: Option<LastBegun>, now: Instant) -> Option<Duration> {
         let period = match self {
-            // A scene that changes about as often as it would be repeated must not be late because its old picture is
+            // A scene that changes about as often as it would be repeated must not be late because its old image is
             // just being sent, so the first repetition waits half a period longer.
             Self::OnChange { repeat } if last.is_some_and(|last| last.changed) => repeat.saturating_add(repeat / 2),
             Self::OnChange { repeat } => repeat,
@@ -142,10 +142,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_are_due_at_the_frame_rate() {
+    fn images_are_due_at_the_frame_rate() {
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
-        // A picture of each kind that was begun at the start.
+        // An image of each kind that was begun at the start.
         let begun = |frame_rate_hz: f32, global_frame_rate_hz: i32, changed: bool| {
             let mut schedule = Schedule::default();
             schedule.set_frame_rate(frame_rate_hz, global_frame_rate_hz);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trigger_makes_one_picture_due_whatever_the_frame_rate() {
+    fn a_trigger_makes_one_image_due_whatever_the_frame_rate() {
         let now = Instant::now();
         let mut schedule = Schedule::default();
         assert!(schedule.is_on_trigger() && !schedule.is_due(now, true));

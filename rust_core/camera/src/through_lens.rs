@@ -1,6 +1,6 @@
-//! The lens of a CameraInfo: map from the rectified picture of P to the raw one that the projector shows.
+//! The lens of a CameraInfo: map from the rectified image of P to the raw one that the projector shows.
 //!
-//! A point is projected as by `image_geometry`'s `unrectifyPoint`: by P to the rectified picture, and from there by R,
+//! A point is projected as by `image_geometry`'s `unrectifyPoint`: by P to the rectified image, and from there by R,
 //! D and K to the raw one, which a projector shows or a camera takes.
 
 use std::cell::RefCell;
@@ -13,14 +13,14 @@ use rcs_scene::{CameraError, Flip, Intrinsics, PixelMap};
 
 use crate::{lens_of, CameraInfoFields, LensProblem};
 
-/// Camera of a picture whose distortion is undone.
+/// Camera of an image whose distortion is undone.
 #[derive(Clone, Debug)]
 pub struct DrawnThroughLens {
     /// Intrinsics of the map's source.
     pub intrinsics: Intrinsics,
-    /// Map from the drawn image to the picture.
+    /// Map from the drawn image to the image.
     pub map: Arc<PixelMap>,
-    /// Flip of the picture after the map, where K has negative focal lengths.
+    /// Flip of the image after the map, where K has negative focal lengths.
     pub flip: Flip,
 }
 
@@ -33,7 +33,7 @@ pub enum NoLens {
     /// R is no rotation.
     #[error("R is not a rotation")]
     NoRotation,
-    /// No pixel of the picture is near the view of P.
+    /// No pixel of the image is near the view of P.
     #[error("no pixel of K and D is in the view of P")]
     Outside,
 }
@@ -44,7 +44,7 @@ pub fn is_distorted(info: &CameraInfoFields<'_>) -> bool {
 }
 
 /// The camera for a CameraInfo's lens, by its P [exactly](Intrinsics::exactly), without a mirror: one of P concerns the
-/// rectified picture, which nobody sees; one of K the picture that comes out.
+/// rectified image, which nobody sees; one of K the image that comes out.
 fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
     let (lens, flip) = without_mirror(lens_of(info)?);
     let rectified_from_raw = rectification(info)?;
@@ -56,7 +56,7 @@ fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<Dra
     Ok(DrawnThroughLens { intrinsics, map: Arc::new(map), flip })
 }
 
-/// The lens with positive focal lengths whose flipped picture is this one's.
+/// The lens with positive focal lengths whose flipped image is this one's.
 fn without_mirror(lens: Lens) -> (Lens, Flip) {
     let flip = Flip { is_left_right: lens.focal_px.x < 0.0, is_up_down: lens.focal_px.y < 0.0 };
     let signs = lens.focal_px.map(f64::signum);
@@ -84,7 +84,7 @@ pub fn rectification(info: &CameraInfoFields<'_>) -> Result<Matrix3<f64>, NoLens
     }
 }
 
-/// Place in the rectified picture of a raw pixel; `None` outside of the view.
+/// Place in the rectified image of a raw pixel; `None` outside of the view.
 fn rectified_pixel(
     lens: &Lens,
     rectified_from_raw: &Matrix3<f64>,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
-use rcs_files::picture_file::PictureFormat;
+use rcs_files::image_file::ImageFormat;
 use rcs_render::RendererChoice;
 use rcs_setup::SetupArgs;
 use rcs_window::MonitorChoice;
@@ -69,7 +69,7 @@ pub const ROS_NAMES: &[RosName] = &[
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
-/// Without a command it is a ROS node that publishes the pictures. ROS arguments (from:=to, _param:=value, __name:=,
+/// Without a command it is a ROS node that publishes the images. ROS arguments (from:=to, _param:=value, __name:=,
 /// __ns:=, __log:=) may stand anywhere.
 ///
 /// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
@@ -85,7 +85,7 @@ pub struct Cli {
     /// Renderer: the faster of the CPU and a hardware GPU (auto); the CPU (cpu); or any GPU driver (gpu)
     #[arg(long, global = true, value_name = "auto|cpu|gpu", default_value = "auto")]
     pub renderer: RendererChoice,
-    /// How CameraInfos become pictures.
+    /// How CameraInfos become images.
     #[command(flatten)]
     pub model: ModelArgs,
     /// Which mesh files may be read.
@@ -111,7 +111,7 @@ impl Cli {
         self.node.log_level_debug || self.node_args().log_level_debug
     }
 
-    /// Whether pictures are drawn, perhaps with a GPU.
+    /// Whether images are drawn, perhaps with a GPU.
     pub fn may_use_gpu(&self) -> bool {
         let draws_nothing = matches!(
             self.command,
@@ -124,7 +124,7 @@ impl Cli {
 /// What to do instead of running as a node.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Renders pictures from a bag, without ROS
+    /// Renders images from a bag, without ROS
     ///
     /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of
     /// the bag's /clock if it has one, else those of recording (also with /clock:=/unused).
@@ -133,7 +133,7 @@ pub enum Command {
     ///
     /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
     ///
-    /// What changes no picture, such as an unknown class of a disabled display, is a note and no failure.
+    /// What changes no image, such as an unknown class of a disabled display, is a note and no failure.
     ///
     /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
     /// 2 invalid arguments, an unreadable config or no ROS master.
@@ -170,10 +170,10 @@ pub struct NewCameraArgs {
     /// The camera's name
     #[arg(long, value_name = "NAME", default_value = "Projector", value_parser = NonEmptyStringValueParser::new())]
     pub name: String,
-    /// The topic of its CameraInfo: size, P and frame of the picture
+    /// The topic of its CameraInfo: size, P and frame of the image
     #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info", value_parser = graph_name)]
     pub camera_info: String,
-    /// The topic that its pictures are published on
+    /// The topic that its images are published on
     #[arg(long, value_name = "TOPIC", default_value = "/proj_view/image", value_parser = graph_name)]
     pub image_topic: String,
     /// The namespace of its service camera_trigger [default: that of the image topic]
@@ -195,16 +195,16 @@ pub struct RenderArgs {
     /// .bag or .mcap of ROS 1
     #[arg(long, value_name = "FILE.bag", required = true, num_args = 1..)]
     pub bag: Vec<PathBuf>,
-    /// Write one picture; its ending, .png, .jpg or .jpeg, is the format
-    #[arg(short = 'o', long, value_name = "FILE.png", value_parser = picture_file)]
+    /// Write one image; its ending, .png, .jpg or .jpeg, is the format
+    #[arg(short = 'o', long, value_name = "FILE.png", value_parser = image_file)]
     pub output: Option<PathBuf>,
-    /// Write a sequence of numbered pictures into this folder, one million at most
+    /// Write a sequence of numbered images into this folder, one million at most
     #[arg(long, value_name = "DIR")]
     pub sequence: Option<PathBuf>,
     /// Write a video with ffmpeg, which must be installed; its ending is the format
     #[arg(long, value_name = "FILE.mp4", value_parser = video_file)]
     pub video: Option<PathBuf>,
-    /// Remove the pictures of an earlier sequence from the folder of --sequence
+    /// Remove the images of an earlier sequence from the folder of --sequence
     #[arg(long, conflicts_with_all = ["output", "video"])]
     pub overwrite: bool,
     /// Render this moment alone, in seconds after the bag's first message or as ROS time [default for -o: the last
@@ -218,7 +218,7 @@ pub struct RenderArgs {
     /// End a sequence or video at this moment [default: the last message]
     #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
     pub end: Option<f64>,
-    /// Pictures a second for --sequence and --video, 1000 at most
+    /// Images a second for --sequence and --video, 1000 at most
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true, value_parser = rate)]
     pub rate: f64,
     /// Take CameraInfo and frames from a projector's file, as the node projector publishes them, in place of the bag's
@@ -227,7 +227,7 @@ pub struct RenderArgs {
     /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Turn the pictures clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
+    /// Turn the images clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
     /// mirrored-180, mirrored-270; with CAMERA= for one camera [default: 0]
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
     pub orientation: Vec<String>,
@@ -304,20 +304,20 @@ pub fn with_hints(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// The highest `--rate` in pictures a second: no monitor or projector shows more.
+/// The highest `--rate` in images a second: no monitor or projector shows more.
 const MAX_RATE_HZ: f64 = 1000.0;
 
-/// Pictures a second: above 0 and not above [`MAX_RATE_HZ`].
+/// Images a second: above 0 and not above [`MAX_RATE_HZ`].
 fn rate(text: &str) -> Result<f64, String> {
     let rate_hz = text.parse::<f64>().ok().filter(|rate_hz| *rate_hz > 0.0 && *rate_hz <= MAX_RATE_HZ);
     rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
 }
 
-/// A picture, whose name ends with a format's ending.
-fn picture_file(text: &str) -> Result<PathBuf, String> {
-    match PictureFormat::of(Path::new(text)) {
+/// An image, whose name ends with a format's ending.
+fn image_file(text: &str) -> Result<PathBuf, String> {
+    match ImageFormat::of(Path::new(text)) {
         Ok(_) => Ok(text.into()),
-        Err(_) => Err(format!("a picture's name ends with {}", PictureFormat::ENDINGS)),
+        Err(_) => Err(format!("a picture's name ends with {}", ImageFormat::ENDINGS)),
     }
 }
 
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn render_takes_one_picture_or_a_sequence() {
+    fn render_takes_one_image_or_a_sequence() {
         let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
         let with = |more: &[&str]| parse(&[&base[..], more].concat());
         assert!(with(&[]).is_err());

@@ -189,7 +189,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     offline::set_parameters(&mut scene, &parameters);
     let (rate_hz, overwrite) = (args.rate, args.overwrite);
     let target = match (&args.output, &args.sequence, &args.video) {
-        (Some(file), ..) => RenderTarget::Picture { file: file.clone() },
+        (Some(file), ..) => RenderTarget::Image { file: file.clone() },
         (_, Some(folder), _) => RenderTarget::Sequence { folder: folder.clone(), rate_hz, overwrite },
         (.., Some(file)) => RenderTarget::Video { file: file.clone(), rate_hz },
         (None, None, None) => {

@@ -1,7 +1,7 @@
 //! Where the light of a projector on a moving robot lands, with and without prediction: a simulation without a clock.
 //!
 //! A base drives at 0.5 m/s and turns at 0.5 rad/s, a turret on it turns at 1 rad/s, both publish 50 transforms a
-//! second, and 30 pictures a second become light 45 ms after their frames were looked up. The light of a point 1.5 m
+//! second, and 30 images a second become light 45 ms after their frames were looked up. The light of a point 1.5 m
 //! before the lens lands where the projector as it stands then throws it. `--nocapture` prints the table of
 //! docs/how-to/turret-and-moving-frames.md.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
@@ -30,8 +30,8 @@ Visualization Manager:
 const PERIOD_SECS: f64 = 0.02;
 /// Between a transform's stamp and its arrival.
 const DELAY_SECS: f64 = 0.003;
-const PICTURE_SECS: f64 = 1.0 / 30.0;
-/// From looking up frames until the picture is light.
+const IMAGE_SECS: f64 = 1.0 / 30.0;
+/// From looking up frames until the image is light.
 const WAY: Duration = Duration::from_millis(45);
 const DISTANCE_M: f64 = 1.5;
 
@@ -148,12 +148,12 @@ impl Simulation {
         }
     }
 
-    /// How far each picture's light lands from the point that it is for, with the time when it is light.
+    /// How far each image's light lands from the point that it is for, with the time when it is light.
     fn errors(mut self, is_predicted: bool) -> Vec<(f64, f64)> {
         let mut sent = [0, 0];
         let mut errors = Vec::new();
-        for picture in 10..120 {
-            let now = f64::from(picture) * PICTURE_SECS;
+        for image in 10..120 {
+            let now = f64::from(image) * IMAGE_SECS;
             self.send_until(now, &mut sent);
             let prediction = Prediction { now: time(now), lead: WAY, limit: Duration::from_millis(100) };
             self.stage.predict(is_predicted.then_some(prediction));
@@ -163,7 +163,7 @@ impl Simulation {
             let light_secs = now + WAY.as_secs_f64();
             let map_from_optical = self.map_from_turret(light_secs) * turret_from_optical();
             let point = map_from_optical * Point3::new(0.1, -0.05, DISTANCE_M);
-            // What the picture has at the point's pixel leaves the lens into that direction of where it is then.
+            // What the image has at the point's pixel leaves the lens into that direction of where it is then.
             let view_from_optical = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
             let in_drawn_view = camera.fixed_from_view().inverse() * point;
             let direction = map_from_optical.rotation * view_from_optical * in_drawn_view.coords.normalize();
@@ -205,7 +205,7 @@ fn prediction_helps_with_noise_and_changing_speeds_as_well() {
 #[test]
 fn light_overshoots_a_sudden_stop_once_and_is_back_with_the_first_transforms() {
     let (mut largest_mm, mut longest_ms) = (0.0, 0.0);
-    // At all phases of transforms and pictures.
+    // At all phases of transforms and images.
     for phase in 0..100 {
         let stop_secs = 1.0 + f64::from(phase) * 0.001;
         let errors = Simulation::new(move |secs| secs.min(stop_secs), 0.0).errors(true);
@@ -222,7 +222,7 @@ fn light_overshoots_a_sudden_stop_once_and_is_back_with_the_first_transforms() {
     // The light goes on at its speed of 2.7 m/s for what the lead and the age of the transforms take.
     let (way_ms, age_ms) = (WAY.as_secs_f64() * 1e3, (PERIOD_SECS + DELAY_SECS) * 1e3);
     assert!(largest_mm < 2.75 * (way_ms + age_ms), "{largest_mm} mm");
-    // The last wrong picture was begun just before the first transforms that stand still arrived.
+    // The last wrong image was begun just before the first transforms that stand still arrived.
     assert!(longest_ms < way_ms + age_ms + PERIOD_SECS * 1e3, "{longest_ms} ms");
 }
 

@@ -5,9 +5,9 @@ use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 use rcs_camera::{
-    deviations, is_distorted, optics, Advice, CallPacing, CameraModel, Lenses, NoLens, PictureRate, StepTimes,
+    deviations, is_distorted, optics, Advice, CallPacing, CameraModel, ImageRate, Lenses, NoLens, StepTimes,
 };
-use rcs_scene::{DepthPicture, Flip, Picture, PixelMap};
+use rcs_scene::{DepthImage, Flip, Image, PixelMap};
 
 use crate::fault::{Fault, RcsResult};
 use crate::guard;
@@ -32,11 +32,11 @@ pub struct RcsCamera {
     warning: String,
     pub(crate) pacing: CallPacing,
     pub(crate) steps: StepTimes<3>,
-    pub(crate) rate: PictureRate,
-    /// Scratch buffer for the picture before the lens.
-    pub(crate) before_lens: Picture,
+    pub(crate) rate: ImageRate,
+    /// Scratch buffer for the image before the lens.
+    pub(crate) before_lens: Image,
     /// Scratch buffer for depths before the lens.
-    pub(crate) depth_before_lens: DepthPicture,
+    pub(crate) depth_before_lens: DepthImage,
 }
 
 /// The view of the CameraInfo that was set.
@@ -53,7 +53,7 @@ impl RcsCamera {
     }
 }
 
-/// A camera without a CameraInfo, for which a picture is due at each call. The caller frees it with `rcs_camera_free`.
+/// A camera without a CameraInfo, for which an image is due at each call. The caller frees it with `rcs_camera_free`.
 /// NULL only after a bug of this library.
 #[no_mangle]
 pub extern "C" fn rcs_camera_new() -> Option<Box<RcsCamera>> {
@@ -70,9 +70,9 @@ pub extern "C" fn rcs_camera_free(camera: Option<Box<RcsCamera>>) {
 }
 
 /// Sets the camera's CameraInfo: checks it as the node does, and writes the view to draw for it to `view`.
-/// `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
+/// `undistort`: where D is not 0, or the lens is equidistant, the image is bent so that it is right after the lens of
 /// K and D; the texture is larger then, and P is followed exactly at any `projection`. A lens that cannot be corrected
-/// is no error: the picture is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
+/// is no error: the image is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
 /// clamped to 1e-6 to 99.9.
 ///
 /// A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
@@ -106,13 +106,13 @@ pub unsafe extern "C" fn rcs_camera_set_info(
     })
 }
 
-/// Forgets the CameraInfo: pictures cannot be encoded until the next one is set. NULL is allowed.
+/// Forgets the CameraInfo: images cannot be encoded until the next one is set. NULL is allowed.
 #[no_mangle]
 pub extern "C" fn rcs_camera_clear_info(camera: Option<&mut RcsCamera>) {
     guard::with(camera, (), RcsCamera::clear_info);
 }
 
-/// Writes the reasons why a projection of the picture misses its objects, as in the node's status Camera Info: with
+/// Writes the reasons why a projection of the image misses its objects, as in the node's status Camera Info: with
 /// rviz's projection fx ≠ fy, P[7] ≠ 0, skews, a mirror and a third row of P; D ≠ 0 without lens correction, each with
 /// its size in pixels; why a lens could not be corrected; and binning and regions of interest, which are not applied.
 /// Empty without reasons or CameraInfo. Buffer and returned length are as in `rcs_last_error`.
@@ -152,8 +152,8 @@ impl RcsCamera {
             })
         }?;
         let (lens, flip) = (optics.lens.clone(), optics.flip);
-        let picture_size_px = lens.as_ref().map_or([info.width, info.height], |lens| lens.size_px());
-        self.current = Some(Current { view: view(optics, picture_size_px, near_clip_m)?, lens, flip });
+        let image_size_px = lens.as_ref().map_or([info.width, info.height], |lens| lens.size_px());
+        self.current = Some(Current { view: view(optics, image_size_px, near_clip_m)?, lens, flip });
         self.warning = warning;
         Ok(())
     }

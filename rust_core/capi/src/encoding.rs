@@ -1,4 +1,4 @@
-//! The encodings of a published picture.
+//! The encodings of a published image.
 
 use std::ffi::{c_char, CStr};
 use std::mem::MaybeUninit;
@@ -9,7 +9,7 @@ use crate::fault::{Fault, RcsResult};
 use crate::numbers::EncodingNumber;
 use crate::{guard, pointers};
 
-/// The encodings of a published picture, by the names of `sensor_msgs/image_encodings`, in the order of the property's
+/// The encodings of a published image, by the names of `sensor_msgs/image_encodings`, in the order of the property's
 /// menu.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

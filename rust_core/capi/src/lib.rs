@@ -1,5 +1,5 @@
 //! The C interface of the Rust core, which rviz's CameraPub plugin links: the projection of a CameraInfo, pacing, the
-//! bytes of a finished picture, its lens, statistics, and the node's report on a config.
+//! bytes of a finished image, its lens, statistics, and the node's report on a config.
 //!
 //! ```text
 //!   C ──► extern "C" functions ──► guard: panics and errors become text

@@ -19,7 +19,7 @@ pub enum RcsPixelOrder {
     Bgra,
 }
 
-/// A drawn picture as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
+/// A drawn image as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RcsPixels {
@@ -35,7 +35,7 @@ pub struct RcsPixels {
     pub row_bytes: usize,
     /// The order of a pixel's bytes.
     pub order: PixelOrderNumber,
-    /// True if the first row in memory is the picture's lowest one, as OpenGL reads back.
+    /// True if the first row in memory is the image's lowest one, as OpenGL reads back.
     pub bottom_up: Flag,
 }
 
@@ -45,11 +45,11 @@ impl From<ReadbackProblem> for Fault {
     }
 }
 
-/// Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
-/// lens the picture is bent, and pixels outside of the drawn picture have the background's colour. A mirrored picture
+/// Writes a drawn image in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
+/// lens the image is bent, and pixels outside of the drawn image have the background's colour. A mirrored image
 /// is flipped.
 ///
-/// `pixels` has the view's drawn size; `out_length` is exactly the picture's width · height ·
+/// `pixels` has the view's drawn size; `out_length` is exactly the image's width · height ·
 /// `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
 /// overlap `pixels` (`RCS_RESULT_BAD_VALUE`). `RCS_RESULT_NO_CAMERA_INFO` without a CameraInfo.
 ///
@@ -85,17 +85,17 @@ pub unsafe extern "C" fn rcs_camera_encode(
                 write_through(lens, source, background[0], encoding, out);
             }
         }
-        current.flip.bytes(current.view.picture_width, encoding.bytes_per_pixel(), out);
+        current.flip.bytes(current.view.image_width, encoding.bytes_per_pixel(), out);
         Ok(())
     })
 }
 
 /// Writes a depth buffer as metres along the optical axis, as a `32FC1` image: rows from the top; NaN where nothing was
 /// drawn, as on the node's depth topic. With a lens each pixel has the depth of the nearest drawn pixel. A mirrored
-/// picture is flipped.
+/// image is flipped.
 ///
 /// `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
-/// with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are
+/// with the lowest row first if `bottom_up`; `out_count` is the image's width · height. Other counts are
 /// `RCS_RESULT_BAD_LENGTH`, buffers that overlap or are not aligned `RCS_RESULT_BAD_VALUE`.
 ///
 /// # Safety
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn rcs_camera_encode_depth(
         let current = camera.current.as_ref().ok_or_else(Fault::no_camera_info)?;
         let view = &current.view;
         require_length("depth_count", depth_count, pixels_of(view.drawn_width, view.drawn_height))?;
-        require_length("out_count", out_count, pixels_of(view.picture_width, view.picture_height))?;
+        require_length("out_count", out_count, pixels_of(view.image_width, view.image_height))?;
         pointers::apart((depth, depth_count), (out, out_count))?;
         // SAFETY: as the caller promises.
         let depth = unsafe { pointers::slice(depth, depth_count, "depth") }?;
@@ -129,12 +129,12 @@ pub unsafe extern "C" fn rcs_camera_encode_depth(
                 write_depth_through(lens, source, out);
             }
         }
-        current.flip.cells(view.picture_width, out);
+        current.flip.cells(view.image_width, out);
         Ok(())
     })
 }
 
-/// The drawn picture behind the pointers.
+/// The drawn image behind the pointers.
 ///
 /// # Safety
 /// The pointers are as [`RcsPixels`] says.
@@ -156,9 +156,9 @@ fn pixels_of(width: u32, height: u32) -> Option<usize> {
     (width as usize).checked_mul(height as usize)
 }
 
-/// Bytes of the published picture.
+/// Bytes of the published image.
 fn bytes(current: &Current, encoding: Encoding) -> Option<usize> {
-    let pixels = pixels_of(current.view.picture_width, current.view.picture_height)?;
+    let pixels = pixels_of(current.view.image_width, current.view.image_height)?;
     pixels.checked_mul(encoding.bytes_per_pixel())
 }
 

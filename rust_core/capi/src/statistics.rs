@@ -1,9 +1,9 @@
-//! Durations of the last pictures.
+//! Durations of the last images.
 
 use std::ffi::c_char;
 use std::time::Duration;
 
-use rcs_camera::{figure, RollingWindow, PICTURES};
+use rcs_camera::{figure, RollingWindow, IMAGES};
 
 use crate::camera::RcsCamera;
 use crate::fault::{Fault, RcsResult};
@@ -11,7 +11,7 @@ use crate::guard;
 use crate::pointers::required;
 use crate::text::write_text;
 
-/// Times at which the steps of one picture ended: nanoseconds of the clock that is used with `rcs_camera_due`.
+/// Times at which the steps of one image ended: nanoseconds of the clock that is used with `rcs_camera_due`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RcsTimes {
@@ -21,11 +21,11 @@ pub struct RcsTimes {
     pub drawn_ns: u64,
     /// The pixels were read back.
     pub read_ns: u64,
-    /// The picture was converted and published.
+    /// The image was converted and published.
     pub published_ns: u64,
 }
 
-/// Records a published picture. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
+/// Records a published image. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
 #[no_mangle]
 pub extern "C" fn rcs_camera_record(camera: Option<&mut RcsCamera>, times: Option<&RcsTimes>) -> RcsResult {
     guard::result(|| {
@@ -42,7 +42,7 @@ pub extern "C" fn rcs_camera_record(camera: Option<&mut RcsCamera>, times: Optio
     })
 }
 
-/// Writes one line about the last hundred recorded pictures: their rate, and the median and the 95th percentile of each
+/// Writes one line about the last hundred recorded images: their rate, and the median and the 95th percentile of each
 /// step and of the whole in milliseconds. Empty before the first one. Buffer and returned length are as in
 /// `rcs_last_error`.
 ///
@@ -64,15 +64,15 @@ pub unsafe extern "C" fn rcs_camera_statistics(
 
 fn line(camera: &RcsCamera, now: Duration) -> String {
     let RcsCamera { steps, rate, .. } = camera;
-    if steps.pictures() == 0 {
+    if steps.images() == 0 {
         return String::new();
     }
     let hz = figure(rate.hz(now).map(|hz| format!("{hz:.1}")));
-    let ms = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
+    let ms = |window: &RollingWindow<IMAGES>| figure(window.percentiles());
     let [draw, read, publish] = steps.steps_ms().each_ref().map(ms);
-    let (pictures, whole) = (steps.pictures(), ms(steps.whole_ms()));
+    let (images, whole) = (steps.images(), ms(steps.whole_ms()));
     format!(
-        "{hz} pictures/s; median / p95 ms of the last {pictures}: draw {draw}, read back {read}, publish {publish}, \
+        "{hz} pictures/s; median / p95 ms of the last {images}: draw {draw}, read back {read}, publish {publish}, \
          whole {whole}"
     )
 }

@@ -56,7 +56,7 @@ fn set_info(
     }
 }
 
-/// The published picture in mono8, and the depths, of pixels and depths that are all different.
+/// The published image in mono8, and the depths, of pixels and depths that are all different.
 fn published(camera: &mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
     let size = view.drawn_width as usize * view.drawn_height as usize;
     let data: Vec<u8> = (0..size).flat_map(|i| [i as u8; 4]).collect();
@@ -70,7 +70,7 @@ fn published(camera: &mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
         bottom_up: Flag(1),
     };
     let depths: Vec<f32> = (0..size).map(|i| i as f32 / (2 * size) as f32).collect();
-    let (mut picture, mut metres) = (vec![0; 16 * 8], vec![0.0; 16 * 8]);
+    let (mut image, mut metres) = (vec![0; 16 * 8], vec![0.0; 16 * 8]);
     let (encoding, background) = (EncodingNumber(RcsEncoding::Mono8 as u32), [0_u8; 3]);
     // SAFETY: all pointers and lengths are valid.
     let results = unsafe {
@@ -80,8 +80,8 @@ fn published(camera: &mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
                 Some(&pixels),
                 encoding,
                 background.as_ptr(),
-                picture.as_mut_ptr(),
-                picture.len(),
+                image.as_mut_ptr(),
+                image.len(),
             ),
             rcs_camera_encode_depth(
                 Some(camera),
@@ -94,7 +94,7 @@ fn published(camera: &mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
         ]
     };
     assert_eq!(results, [RcsResult::Ok; 2]);
-    (picture, metres)
+    (image, metres)
 }
 
 /// Rows and columns exchanged as a mirror does.
@@ -123,8 +123,8 @@ fn a_mirrored_camera_info_is_drawn_without_the_mirror_and_published_with_it() {
             }
             let (mut camera, view) = camera_of(&mirrored, RcsProjection::Exact, undistort);
             assert_eq!(view, straight.1, "{is_left_right} {is_up_down}");
-            let (picture, metres) = published(&mut camera, &view);
-            assert_eq!(picture, flipped(&expected.0, [is_left_right, is_up_down]));
+            let (image, metres) = published(&mut camera, &view);
+            assert_eq!(image, flipped(&expected.0, [is_left_right, is_up_down]));
             let bits = |metres: &[f32]| metres.iter().map(|metres| metres.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&metres), bits(&flipped(&expected.1, [is_left_right, is_up_down])));
         }
@@ -167,11 +167,11 @@ fn text(write: impl Fn(*mut c_char, usize) -> usize) -> String {
 }
 
 #[test]
-fn a_picture_is_converted_with_and_without_a_lens() {
+fn a_image_is_converted_with_and_without_a_lens() {
     for undistort in [false, true] {
         let (mut camera, view) = camera(undistort);
         let camera = Some(&mut *camera);
-        assert_eq!((view.picture_width, view.picture_height), (16, 8));
+        assert_eq!((view.image_width, view.image_height), (16, 8));
         assert_eq!(view.drawn_width > 16, undistort);
         let data = [10, 20, 30, 40].repeat(view.drawn_width as usize * view.drawn_height as usize);
         let pixels = RcsPixels {
@@ -231,7 +231,7 @@ fn nothing_is_read_or_written_behind_null() {
 }
 
 #[test]
-fn pictures_are_paced_and_counted() {
+fn images_are_paced_and_counted() {
     let mut camera = rcs_camera_new();
     rcs_camera_set_frame_rate(camera.as_deref_mut(), 10.0);
     assert!(rcs_camera_due(camera.as_deref_mut(), 0, Flag(1)));

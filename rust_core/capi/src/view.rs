@@ -34,7 +34,7 @@ pub struct RcsCameraInfo {
     /// P, 3×4 row by row, pixels.
     pub p: [f64; 12],
     /// `binning_x`. Binning and region of interest are not applied, as `rcs_camera_warning` reports: publish the whole
-    /// picture's CameraInfo with it (these fields 0).
+    /// image's CameraInfo with it (these fields 0).
     pub binning_x: u32,
     /// `binning_y`.
     pub binning_y: u32,
@@ -42,9 +42,9 @@ pub struct RcsCameraInfo {
     pub roi_x_offset: u32,
     /// `roi.y_offset`.
     pub roi_y_offset: u32,
-    /// `roi.width`; 0 for the whole picture.
+    /// `roi.width`; 0 for the whole image.
     pub roi_width: u32,
-    /// `roi.height`; 0 for the whole picture.
+    /// `roi.height`; 0 for the whole image.
     pub roi_height: u32,
 }
 
@@ -58,19 +58,19 @@ pub enum RcsProjection {
     Exact,
 }
 
-/// The view to draw for a CameraInfo. For a mirrored picture (negative focal lengths) the texture is drawn unmirrored:
+/// The view to draw for a CameraInfo. For a mirrored image (negative focal lengths) the texture is drawn unmirrored:
 /// `rcs_camera_encode` and `rcs_camera_encode_depth` flip it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RcsView {
-    /// Width of the texture to draw, pixels, at most 16384: the picture's, or another one for a lens.
+    /// Width of the texture to draw, pixels, at most 16384: the image's, or another one for a lens.
     pub drawn_width: u32,
     /// Height of the texture, pixels.
     pub drawn_height: u32,
-    /// Width of the published picture, pixels: the CameraInfo's.
-    pub picture_width: u32,
-    /// Height of the published picture, pixels.
-    pub picture_height: u32,
+    /// Width of the published image, pixels: the CameraInfo's.
+    pub image_width: u32,
+    /// Height of the published image, pixels.
+    pub image_height: u32,
     /// The projection of the texture, as OpenGL's, row by row: from the view frame (x right, y up, looking along -z,
     /// metres) to clip coordinates with depths from -w to w.
     pub clip_from_view: [f64; 16],
@@ -112,15 +112,11 @@ pub(crate) unsafe fn with_fields<T>(
     })
 }
 
-/// The view of a CameraInfo's optics and its picture's size.
+/// The view of a CameraInfo's optics and its image's size.
 ///
 /// # Errors
 /// Numbers that are infinite in the 32 bits of a graphics library.
-pub(crate) fn view(
-    optics: Optics,
-    [picture_width, picture_height]: [u32; 2],
-    near_clip_m: f64,
-) -> Result<RcsView, Fault> {
+pub(crate) fn view(optics: Optics, [image_width, image_height]: [u32; 2], near_clip_m: f64) -> Result<RcsView, Fault> {
     let camera = optics.camera(&Isometry3::identity(), near_clip_m);
     let (clip_from_view, optical_from_eye) = (row_by_row(&camera), camera.eye().coords.into());
     if clip_from_view.iter().chain(&optical_from_eye).any(|number| !(*number as f32).is_finite()) {
@@ -129,8 +125,8 @@ pub(crate) fn view(
     Ok(RcsView {
         drawn_width: camera.width_px(),
         drawn_height: camera.height_px(),
-        picture_width,
-        picture_height,
+        image_width,
+        image_height,
         clip_from_view,
         optical_from_eye,
         near_m: camera.near_m(),

@@ -10,7 +10,7 @@ use rcs_scene::Camera;
 use crate::cells::{cells_of, CELL_PX};
 use crate::comparison::{mask_levels, Comparison};
 use crate::hold_times::HoldTimes;
-use crate::picture_cells::{is_as_drawn, picture_px, PictureCells};
+use crate::image_cells::{image_px, is_as_drawn, ImageCells};
 use crate::surface::{Bounds, Surface};
 use crate::tiles::Tiles;
 use crate::{ConfirmSettings, ObjectDepths, PointGrid, Shares};
@@ -57,14 +57,14 @@ pub struct Confirmation {
 pub struct Confirmer {
     settings: ConfirmSettings,
     surface: Surface,
-    /// Size of the finished picture that has a surface.
+    /// Size of the finished image that has a surface.
     surface_px: Option<[u32; 2]>,
-    /// Cells of the finished picture, if it is not the drawn one.
-    picture_cells: Option<PictureCells>,
-    /// Bounds in the finished picture, and in the drawn one if that is another.
+    /// Cells of the finished image, if it is not the drawn one.
+    image_cells: Option<ImageCells>,
+    /// Bounds in the finished image, and in the drawn one if that is another.
     bounds: Bounds,
     drawn_bounds: Bounds,
-    /// Tiles with light in the finished picture, and in the drawn one if that is another.
+    /// Tiles with light in the finished image, and in the drawn one if that is another.
     lit: Tiles,
     drawn_lit: Tiles,
     comparison: Comparison,
@@ -80,7 +80,7 @@ impl Confirmer {
             settings,
             surface: Surface::default(),
             surface_px: None,
-            picture_cells: None,
+            image_cells: None,
             bounds: Bounds::default(),
             drawn_bounds: Bounds::default(),
             lit: Tiles::default(),
@@ -108,9 +108,9 @@ impl Confirmer {
             return;
         }
         self.surface.take(camera.intrinsics(), projector_from_sensor, grid);
-        let known = self.picture_cells.take().filter(|cells| cells.are_of(camera));
-        self.picture_cells = known.or_else(|| (!is_as_drawn(camera)).then(|| PictureCells::new(camera)));
-        self.surface_px = Some(picture_px(camera));
+        let known = self.image_cells.take().filter(|cells| cells.are_of(camera));
+        self.image_cells = known.or_else(|| (!is_as_drawn(camera)).then(|| ImageCells::new(camera)));
+        self.surface_px = Some(image_px(camera));
         self.uncompared = Some(now);
     }
 
@@ -143,7 +143,7 @@ impl Confirmer {
     /// Brings the bounds up to date where there is light.
     fn draw_bounds(&mut self, size_px: [u32; 2]) {
         let tolerance_m = self.settings.tolerance_m;
-        let Some(cells) = &self.picture_cells else {
+        let Some(cells) = &self.image_cells else {
             self.surface.draw(&self.lit, tolerance_m, &mut self.bounds);
             return;
         };

@@ -240,7 +240,7 @@ fn strong_lens() -> (Camera, impl Fn([f64; 2]) -> [f64; 2]) {
     let (cx_px, cy_px) = (drawn.cx_px - f64::from(left), drawn.cy_px - f64::from(top));
     let drawn = Intrinsics { width_px, height_px, cx_px, cy_px, ..drawn };
     let camera = Camera::new(drawn, &Isometry3::identity(), 0.01).with_lens(Arc::new(map));
-    // Picture pixel whose place in the drawn image is that of a pixel: by fixed-point iteration.
+    // Image pixel whose place in the drawn image is that of a pixel: by fixed-point iteration.
     let unbend = move |drawn: [f64; 2]| {
         (0..200).fold(drawn, |at, _| {
             let bent = bend(at, 0.25);
@@ -271,7 +271,7 @@ fn behind_a_strong_lens_a_hand_is_dark_where_the_light_meets_it() {
 }
 
 #[test]
-fn a_flipped_picture_has_a_flipped_mask() {
+fn a_flipped_image_has_a_flipped_mask() {
     let from_sensor = beside(0.2, 0.0, 0.0);
     let hand = Sheet { center: [0.15, -0.1, 1.0], ..HAND };
     let grid = measured(&[WALL, hand], &from_sensor);

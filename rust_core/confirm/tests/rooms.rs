@@ -162,7 +162,7 @@ fn by_one_image(world: &World, depths_m: &[f32]) -> Confirmation {
 
 /// Figures of a room while an arm reaches into it in three steps, each with the first depth image that shows it and two
 /// more: as the node does it, and by each depth image alone.
-fn with_an_arm(seed: u64, mut picture: impl FnMut(&World, &View, &[Vec<f32>], &Confirmation)) -> [Figures; 2] {
+fn with_an_arm(seed: u64, mut draw: impl FnMut(&World, &View, &[Vec<f32>], &Confirmation)) -> [Figures; 2] {
     let world = World::new(seed);
     let arm = Arm::reaching(&world.room, &world.rig, seed).expect("the projector lights something");
     let mut figures = [Figures::default(); 2];
@@ -180,7 +180,7 @@ fn with_an_arm(seed: u64, mut picture: impl FnMut(&World, &View, &[Vec<f32>], &C
             figures[0].add(&world, &view, images, &confirmation);
             figures[1].add(&world, &view, newest, &by_one_image(&world, &newest[0]));
             if step == 2 && image == 0 {
-                picture(&world, &view, images, &confirmation);
+                draw(&world, &view, images, &confirmation);
             }
         }
     }
@@ -304,7 +304,7 @@ fn draw_a_room() {
     with_an_arm(seed, |world, view, images, confirmation| {
         let mask = confirmation.mask.as_ref().unwrap();
         let [width, height] = world.size_px();
-        let picture = image::RgbImage::from_fn(width, height, |column, row| {
+        let image = image::RgbImage::from_fn(width, height, |column, row| {
             let pixel = (row * width + column) as usize;
             let is_dark = mask.levels()[pixel] == 0;
             let shade = (255.0 - 70.0 * world.objects[pixel]).clamp(40.0, 255.0) as u8;
@@ -317,7 +317,7 @@ fn draw_a_room() {
                 (Truth::Gone | Truth::Undecided, _) => [0; 3],
             })
         });
-        picture.save(&path).unwrap();
+        image.save(&path).unwrap();
     });
     println!("{}", path.display());
 }

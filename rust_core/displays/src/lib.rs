@@ -2,7 +2,7 @@
 //!
 //! One file for each display class. [`SceneState`] holds all displays of a config; it takes messages, updates the
 //! displays, and hands out the [`rcs_scene::Scene`] that every camera looks at. Nothing here connects to
-//! ROS, reads a clock or draws: the picture is a function of the config, the messages and a time.
+//! ROS, reads a clock or draws: the image is a function of the config, the messages and a time.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,7 +1,7 @@
 //! Blend weights of a projector as a PNG, which `projector_blend` writes and `camera_stream --blend` reads.
 //!
 //! Grey is the weight in linear light, and transparency the black-level lift in linear light, so that an opaque
-//! picture, such as a mask drawn by hand, lifts nothing. Files have 16 bits; 8 bits are read, too.
+//! image, such as a mask drawn by hand, lifts nothing. Files have 16 bits; 8 bits are read, too.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -10,11 +10,11 @@ use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError};
 
 use crate::atomic_file::write_atomically;
-use crate::picture_limits::PictureLimits;
+use crate::image_limits::ImageLimits;
 use crate::FileError;
 
 /// 8K has 33 million pixels.
-const LIMITS: PictureLimits = PictureLimits { most_px: 1 << 25, to_do: "save it in the projector's size" };
+const LIMITS: ImageLimits = ImageLimits { most_px: 1 << 25, to_do: "save it in the projector's size" };
 /// Weight 1.
 const FULL: f32 = 65535.0;
 
@@ -45,9 +45,9 @@ impl BlendFile {
         let file = BufReader::new(LIMITS.open(path)?);
         let decoder = PngDecoder::with_limits(file, LIMITS.of_decoder()).map_err(decode_error)?;
         LIMITS.check(path, &decoder)?;
-        let picture = DynamicImage::from_decoder(decoder).map_err(decode_error)?.into_luma_alpha16();
-        let size_px = [picture.width(), picture.height()];
-        let (weights, lifts) = picture.pixels().map(|pixel| (pixel.0[0], u16::MAX - pixel.0[1])).unzip();
+        let image = DynamicImage::from_decoder(decoder).map_err(decode_error)?.into_luma_alpha16();
+        let size_px = [image.width(), image.height()];
+        let (weights, lifts) = image.pixels().map(|pixel| (pixel.0[0], u16::MAX - pixel.0[1])).unzip();
         Ok(Self { size_px, weights, lifts })
     }
 
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grey_picture_of_any_tool_is_weights_without_lifts() {
+    fn a_grey_image_of_any_tool_is_weights_without_lifts() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mask.png");
         image::GrayImage::from_raw(2, 1, vec![0, 255]).unwrap().save(&path).unwrap();
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_missing_or_no_picture_is_named() {
+    fn a_file_that_is_missing_or_no_image_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("left.png");
         assert!(BlendFile::read(&path).unwrap_err().to_string().contains("left.png: cannot read it"));
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// A black picture, which is a small file.
+    /// A black image, which is a small file.
     fn png_of_zeros([width, height]: [u32; 2]) -> Vec<u8> {
         let mut bytes = Vec::new();
         let pixels = vec![0; width as usize * height as usize];

@@ -1,14 +1,14 @@
-//! Drawing marks on a small picture: crosses, dots and lines one pixel wide, without blending. An integer is a pixel's
+//! Drawing marks on a small image: crosses, dots and lines one pixel wide, without blending. An integer is a pixel's
 //! centre, as in ROS; marks are clipped.
 
 use nalgebra::Point2;
 
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 
 /// Most pixels of a line.
 const MOST_STEPS: u32 = 4000;
 
-/// A colour picture to draw on.
+/// A colour image to draw on.
 #[derive(Debug, Clone)]
 pub struct Canvas {
     width: u32,
@@ -17,7 +17,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A picture of grey levels, row by row; missing ones are black.
+    /// An image of grey levels, row by row; missing ones are black.
     pub fn from_grey(size_px: [u32; 2], levels: impl IntoIterator<Item = u8>) -> Self {
         let [width, height] = size_px;
         let mut rgb: Vec<u8> = levels.into_iter().flat_map(|level| [level; 3]).collect();
@@ -61,9 +61,9 @@ impl Canvas {
         }
     }
 
-    /// Converts it to a picture.
-    pub fn into_picture(self) -> Picture {
-        Picture { width_px: self.width, height_px: self.height, encoding: Encoding::Rgb8, data: self.rgb }
+    /// Converts it to an image.
+    pub fn into_image(self) -> Image {
+        Image { width_px: self.width, height_px: self.height, encoding: Encoding::Rgb8, data: self.rgb }
     }
 }
 
@@ -72,13 +72,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn marks_are_drawn_where_the_picture_is() {
+    fn marks_are_drawn_where_the_image_is() {
         let mut canvas = Canvas::from_grey([10, 8], [7; 79]);
         canvas.line(Point2::new(-3.0, 2.0), Point2::new(30.0, 2.0), [9, 0, 0]);
         canvas.dot(Point2::new(0.2, 6.9), [0, 9, 0]);
         canvas.cross(Point2::new(20.0, 5.0), [0, 0, 9]);
-        let picture = canvas.into_picture();
-        let colors: Vec<&[u8]> = picture.data.chunks(3).collect();
+        let image = canvas.into_image();
+        let colors: Vec<&[u8]> = image.data.chunks(3).collect();
         let count = |color: [u8; 3]| colors.iter().filter(|other| **other == color).count();
         assert_eq!((count([9, 0, 0]), count([0, 9, 0]), count([0, 0, 9]), colors[79]), (10, 4, 0, &[0; 3][..]));
         assert_eq!(colors.len(), 80);

@@ -1,6 +1,6 @@
 //! File formats: a projector's geometry ([`projector`]), the calibration's input and output ([`capture`],
-//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]), pictures
-//! ([`picture_file`], [`canvas`]) and sizes as a user types them ([`sizes`]).
+//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]), images
+//! ([`image_file`], [`canvas`]) and sizes as a user types them ([`sizes`]).
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -12,9 +12,9 @@ pub mod canvas;
 pub mod capture;
 pub mod correspondences;
 mod file_error;
+pub mod image_file;
+mod image_limits;
 pub mod pcd;
-pub mod picture_file;
-mod picture_limits;
 pub mod projector;
 pub mod sizes;
 pub mod verification;

@@ -1,6 +1,6 @@
 //! The table of causes of a blackout. There are no others.
 //!
-//! | cause | test pictures, patterns | note in the image (`~stale_note`) |
+//! | cause | test images, patterns | note in the image (`~stale_note`) |
 //! |---|---|---|
 //! | the operator has blacked it out (`~blackout`, the camera's switch, key B of its window) | dark | dark |
 //! | a rule names a camera or display that the config does not have | dark | dark |
@@ -23,7 +23,7 @@ use std::fmt;
 pub enum Content {
     /// The scene, live or paused.
     Scene,
-    /// A test picture or a calibration pattern, which shows no data.
+    /// A test image or a calibration pattern, which shows no data.
     Test,
     /// A line of text that says why the image is black.
     Note,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rcs_render::LastStep;
+use rcs_render::PostProcess;
 
 use crate::cause::{Content, DarkCause, DarkReason};
 use crate::grant::{Generation, Grant, GrantedLight};
@@ -54,12 +54,12 @@ impl LightRules {
 pub struct Evidence {
     rules: LightRules,
     rows: Vec<(DarkCause, Condition)>,
-    post: Arc<LastStep>,
+    post: Arc<PostProcess>,
 }
 
 impl Evidence {
     /// Evidence of which nothing is known yet: dark for each of the causes, which are in the table's order.
-    pub fn unknown(causes: &[DarkCause], rules: LightRules, post: Arc<LastStep>) -> Self {
+    pub fn unknown(causes: &[DarkCause], rules: LightRules, post: Arc<PostProcess>) -> Self {
         let rows = causes.iter().map(|cause| (*cause, Condition::Dark("nothing is known yet".to_owned()))).collect();
         Self { rules, rows, post }
     }
@@ -85,7 +85,7 @@ impl Evidence {
     }
 
     /// Post-processing with the allowed light at each pixel, and the orientation.
-    pub fn post(&self) -> &Arc<LastStep> {
+    pub fn post(&self) -> &Arc<PostProcess> {
         &self.post
     }
 
@@ -121,7 +121,7 @@ impl Evidence {
         let post = match blend == self.post.blend {
             true => Arc::clone(&self.post),
             // Blending lifts the black of scenes only.
-            false => Arc::new(LastStep { blend, ..LastStep::clone(&self.post) }),
+            false => Arc::new(PostProcess { blend, ..PostProcess::clone(&self.post) }),
         };
         Ok(Grant::new(until, generation, GrantedLight { size_px, post, must_confirm: self.rules.must_confirm }))
     }
@@ -152,7 +152,7 @@ mod tests {
     const LIMIT: Duration = Duration::from_secs(1);
 
     /// Evidence of a camera with all causes well.
-    fn lit(protects_eyes: bool, post: LastStep) -> Evidence {
+    fn lit(protects_eyes: bool, post: PostProcess) -> Evidence {
         let rules = LightRules { protects_eyes, must_confirm: false, limit: LIMIT };
         let mut evidence = Evidence::unknown(&DarkCause::OF_CAMERA, rules, Arc::new(post));
         DarkCause::OF_CAMERA.iter().for_each(|cause| evidence.set(*cause, Condition::Always));
@@ -177,7 +177,7 @@ mod tests {
             assert_eq!(decide(&evidence, Content::Scene, now).err(), Some(missing));
             assert_eq!(evidence.dark_reason(now).map(|dark| dark.cause), Some(missing));
         }
-        let mut evidence = lit(true, LastStep::default());
+        let mut evidence = lit(true, PostProcess::default());
         assert!(decide(&evidence, Content::Scene, now).is_ok() && evidence.dark_reason(now).is_none());
         evidence.set(DarkCause::BlackImage, Condition::Always);
         assert_eq!(decide(&evidence, Content::Scene, now).err(), Some(DarkCause::BlackImage));
@@ -186,13 +186,13 @@ mod tests {
     #[test]
     fn the_operator_comes_before_all() {
         let black = Err(DarkReason::new(DarkCause::Blackout, "key b"));
-        let decided = lit(false, LastStep::default()).decide(Content::Test, [1, 1], black, Instant::now());
+        let decided = lit(false, PostProcess::default()).decide(Content::Test, [1, 1], black, Instant::now());
         assert_eq!(decided.err().map(|dark| dark.cause), Some(DarkCause::Blackout));
     }
 
     #[test]
     fn a_grant_ends_with_the_first_condition_and_after_the_limit_at_the_latest() {
-        let (now, mut evidence) = (Instant::now(), lit(true, LastStep::default()));
+        let (now, mut evidence) = (Instant::now(), lit(true, PostProcess::default()));
         let after = |millis| now + Duration::from_millis(millis);
         assert_eq!(decide(&evidence, Content::Scene, now).unwrap().until(), now + LIMIT);
         assert_eq!(evidence.end(), None);
@@ -211,7 +211,7 @@ mod tests {
     fn what_darkens_a_note_depends_on_whether_eyes_are_protected() {
         let now = Instant::now();
         for (protects_eyes, expected) in [(false, None), (true, Some(DarkCause::NoCamera))] {
-            let mut evidence = lit(protects_eyes, LastStep::default());
+            let mut evidence = lit(protects_eyes, PostProcess::default());
             evidence.set(DarkCause::NoCamera, Condition::Dark("no pose".to_owned()));
             assert_eq!(decide(&evidence, Content::Note, now).err(), expected);
         }
@@ -219,14 +219,14 @@ mod tests {
 
     #[test]
     fn the_state_of_a_cause_is_taken_over() {
-        let (known, mut evidence) = (lit(false, LastStep::default()), unknown());
+        let (known, mut evidence) = (lit(false, PostProcess::default()), unknown());
         evidence.keep(DarkCause::NoCamera, &known);
         evidence.keep(DarkCause::NoImage, &known);
         assert_eq!(evidence.dark_reason(Instant::now()).map(|dark| dark.cause), Some(DarkCause::UnknownName));
         let others = DarkCause::OF_CAMERA.into_iter().filter(|cause| *cause != DarkCause::NoCamera);
         others.for_each(|cause| evidence.set(cause, Condition::Always));
         assert_eq!(evidence.dark_reason(Instant::now()), None);
-        let mut dark = lit(false, LastStep::default());
+        let mut dark = lit(false, PostProcess::default());
         dark.set(DarkCause::NoCamera, Condition::Dark("no pose".to_owned()));
         evidence.keep(DarkCause::NoCamera, &dark);
         assert_eq!(evidence.dark_reason(Instant::now()).map(|dark| dark.cause), Some(DarkCause::NoCamera));
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn blending_lifts_the_black_of_scenes_only() {
         let blend = Blend::new([1, 1], &[u16::MAX], &[], 2.2).ok().map(Arc::new);
-        let (now, evidence) = (Instant::now(), lit(false, LastStep { blend, ..LastStep::default() }));
+        let (now, evidence) = (Instant::now(), lit(false, PostProcess { blend, ..PostProcess::default() }));
         assert!(evidence.post().blend.is_some());
         let has_blend = |content| decide(&evidence, content, now).unwrap().post().blend.is_some();
         assert_eq!([Content::Scene, Content::Test, Content::Note].map(has_blend), [true, false, false]);

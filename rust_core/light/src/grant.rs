@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rcs_render::{LastStep, LightMask};
-use rcs_scene::{Encoding, Picture};
+use rcs_render::{LightMask, PostProcess};
+use rcs_scene::{Encoding, Image};
 
 /// Duration of the grant of a tool that a person runs at the projector.
 const TOOL_LIMIT: Duration = Duration::from_secs(86_400);
@@ -39,7 +39,7 @@ pub(crate) struct GrantedLight {
     /// Width and height of the images before they are turned.
     pub(crate) size_px: [u32; 2],
     /// Post-processing: masks, keep-out frames, orientation.
-    pub(crate) post: Arc<LastStep>,
+    pub(crate) post: Arc<PostProcess>,
     /// `true`: nothing is lit before [`Grant::confirm`].
     pub(crate) must_confirm: bool,
 }
@@ -80,7 +80,7 @@ impl Grant {
     }
 
     /// Post-processing of images.
-    pub fn post(&self) -> &Arc<LastStep> {
+    pub fn post(&self) -> &Arc<PostProcess> {
         &self.light.post
     }
 
@@ -94,7 +94,7 @@ impl Grant {
     pub fn confirm(mut self, mask: Option<Arc<LightMask>>) -> Self {
         let mask = mask.filter(|mask| mask.size_px() == self.light.size_px);
         if self.light.must_confirm {
-            self.light.post = Arc::new(LastStep { confirmed: mask, ..LastStep::clone(&self.light.post) });
+            self.light.post = Arc::new(PostProcess { confirmed: mask, ..PostProcess::clone(&self.light.post) });
         }
         self
     }
@@ -104,43 +104,43 @@ impl Grant {
         self.light.must_confirm && self.light.post.confirmed.is_none()
     }
 
-    /// Post-processes a picture: what is not allowed becomes dark, and it is turned. `None` for one of another size or
+    /// Post-processes an image: what is not allowed becomes dark, and it is turned. `None` for one of another size or
     /// without confirmation: it is not to be shown.
-    pub fn light(self, mut picture: Picture, scratch: &mut Picture) -> Option<Lit<Arc<Picture>>> {
-        if self.is_unconfirmed() || [picture.width_px, picture.height_px] != self.light.size_px {
+    pub fn light(self, mut image: Image, scratch: &mut Image) -> Option<Lit<Arc<Image>>> {
+        if self.is_unconfirmed() || [image.width_px, image.height_px] != self.light.size_px {
             return None;
         }
-        self.light.post.apply(&mut picture, scratch);
-        Some(Lit { content: Arc::new(picture), grant: self })
+        self.light.post.apply(&mut image, scratch);
+        Some(Lit { content: Arc::new(image), grant: self })
     }
 
-    /// Darkens what is not allowed in a picture that stands on the projector as it is, and so is not turned. `None` as
+    /// Darkens what is not allowed in an image that stands on the projector as it is, and so is not turned. `None` as
     /// for [`light`](Self::light).
-    pub fn light_turned(self, mut picture: Picture) -> Option<Lit<Arc<Picture>>> {
-        let shown_px = [picture.width_px, picture.height_px];
+    pub fn light_turned(self, mut image: Image) -> Option<Lit<Arc<Image>>> {
+        let shown_px = [image.width_px, image.height_px];
         if self.is_unconfirmed() || shown_px != self.light.post.orientation.size_px(self.light.size_px) {
             return None;
         }
         let allowed = LightMask::new(shown_px, self.allowed().data)?;
-        let dim = LastStep { masks: vec![Arc::new(allowed)], ..LastStep::default() };
-        dim.apply(&mut picture, &mut Picture::default());
-        Some(Lit { content: Arc::new(picture), grant: self })
+        let dim = PostProcess { masks: vec![Arc::new(allowed)], ..PostProcess::default() };
+        dim.apply(&mut image, &mut Image::default());
+        Some(Lit { content: Arc::new(image), grant: self })
     }
 
     /// Content of any kind, where the grant allows all light at each pixel; `None` where it does not.
     pub fn show<T>(self, content: T) -> Option<Lit<T>> {
-        let has_no_limit = *self.light.post == LastStep::default() && !self.light.must_confirm;
+        let has_no_limit = *self.light.post == PostProcess::default() && !self.light.must_confirm;
         has_no_limit.then_some(Lit { content, grant: self })
     }
 
     /// The share of light that is allowed at each pixel of the turned image: mono8, 255 for all.
-    pub fn allowed(&self) -> Picture {
-        let mut allowed = Picture::default();
+    pub fn allowed(&self) -> Image {
+        let mut allowed = Image::default();
         allowed.reset(self.light.size_px[0], self.light.size_px[1], Encoding::Mono8);
         allowed.data.fill(if self.is_unconfirmed() { 0 } else { u8::MAX });
         // Blending is no mask.
-        let post = LastStep { blend: None, ..LastStep::clone(&self.light.post) };
-        post.apply(&mut allowed, &mut Picture::default());
+        let post = PostProcess { blend: None, ..PostProcess::clone(&self.light.post) };
+        post.apply(&mut allowed, &mut Image::default());
         allowed
     }
 }
@@ -152,13 +152,13 @@ impl<T> Lit<Arc<T>> {
     }
 }
 
-impl Lit<Arc<Picture>> {
+impl Lit<Arc<Image>> {
     /// Width and height.
     pub fn size_px(&self) -> [u32; 2] {
         [self.content.width_px, self.content.height_px]
     }
 
-    /// Encoding of the picture.
+    /// Encoding of the image.
     pub fn encoding(&self) -> Encoding {
         self.content.encoding
     }
@@ -214,26 +214,26 @@ mod tests {
     }
 
     /// A grant for a second, of images of 2 × 1 pixels.
-    fn grant(now: Instant, post: LastStep, must_confirm: bool) -> Grant {
+    fn grant(now: Instant, post: PostProcess, must_confirm: bool) -> Grant {
         let light = GrantedLight { size_px: [2, 1], post: Arc::new(post), must_confirm };
         Grant::new(now + Duration::from_secs(1), Generation::default(), light)
     }
 
-    fn white([width_px, height_px]: [u32; 2]) -> Picture {
-        let mut picture = Picture::default();
-        picture.reset(width_px, height_px, Encoding::Mono8);
-        picture.data.fill(200);
-        picture
+    fn white([width_px, height_px]: [u32; 2]) -> Image {
+        let mut image = Image::default();
+        image.reset(width_px, height_px, Encoding::Mono8);
+        image.data.fill(200);
+        image
     }
 
-    fn levels(lit: Option<Lit<Arc<Picture>>>, now: Instant) -> Option<Vec<u8>> {
+    fn levels(lit: Option<Lit<Arc<Image>>>, now: Instant) -> Option<Vec<u8>> {
         lit.map(|lit| lit.content(now).unwrap().data.clone())
     }
 
     #[test]
     fn content_is_shown_until_the_end_and_not_after_another_word() {
         let (now, mut generation) = (Instant::now(), Generation::default());
-        let grant = Grant { generation: generation.clone(), ..grant(now, LastStep::default(), false) };
+        let grant = Grant { generation: generation.clone(), ..grant(now, PostProcess::default(), false) };
         let end = now + Duration::from_secs(1);
         assert!(grant.is_valid(now) && !grant.is_valid(end));
         let lit = grant.clone().show(7).unwrap();
@@ -252,23 +252,24 @@ mod tests {
             let grant = grant(now, post, false);
             Grant { generation: generation.clone(), until: now + Duration::from_secs(secs), ..grant }
         };
-        let mut lit = of(&generation, LastStep::default(), 1).show(()).unwrap();
-        assert!(lit.renew(&of(&generation, LastStep::default(), 3)));
+        let mut lit = of(&generation, PostProcess::default(), 1).show(()).unwrap();
+        assert!(lit.renew(&of(&generation, PostProcess::default(), 3)));
         assert!(lit.content(now + Duration::from_secs(2)).is_some());
-        let masked = LastStep { masks: mask([2, 1], &[255, 0]).into_iter().collect(), ..LastStep::default() };
+        let masked = PostProcess { masks: mask([2, 1], &[255, 0]).into_iter().collect(), ..PostProcess::default() };
         assert!(
-            !lit.renew(&of(&generation, masked, 9)) && !lit.renew(&of(&Generation::default(), LastStep::default(), 9))
+            !lit.renew(&of(&generation, masked, 9))
+                && !lit.renew(&of(&Generation::default(), PostProcess::default(), 9))
         );
         generation.advance();
-        assert!(!lit.renew(&of(&generation, LastStep::default(), 9)));
+        assert!(!lit.renew(&of(&generation, PostProcess::default(), 9)));
         assert!(lit.content(now + Duration::from_secs(4)).is_none());
     }
 
     #[test]
     fn light_that_must_be_confirmed_is_dark_without_a_mask_of_its_size() {
         let now = Instant::now();
-        let light = |grant: Grant| levels(grant.light(white([2, 1]), &mut Picture::default()), now);
-        let unconfirmed = grant(now, LastStep::default(), true);
+        let light = |grant: Grant| levels(grant.light(white([2, 1]), &mut Image::default()), now);
+        let unconfirmed = grant(now, PostProcess::default(), true);
         assert!(unconfirmed.is_unconfirmed() && unconfirmed.allowed().data == [0, 0]);
         assert!(light(unconfirmed.clone()).is_none() && unconfirmed.clone().light_turned(white([2, 1])).is_none());
         assert!(unconfirmed.clone().show(()).is_none());
@@ -279,27 +280,27 @@ mod tests {
         assert!(!confirmed.is_unconfirmed() && confirmed.allowed().data == [0, 255]);
         assert_eq!(light(confirmed.clone()), Some(vec![0, 200]));
         assert!(light(confirmed.confirm(None)).is_none(), "the last check counts");
-        let free = grant(now, LastStep::default(), false).confirm(mask([2, 1], &[0, 0]));
+        let free = grant(now, PostProcess::default(), false).confirm(mask([2, 1], &[0, 0]));
         assert_eq!(light(free), Some(vec![200, 200]), "nothing has to be confirmed");
     }
 
     #[test]
-    fn a_picture_of_another_size_is_not_lit() {
+    fn a_image_of_another_size_is_not_lit() {
         let now = Instant::now();
         for wrong in [[1, 1], [2, 2], [1, 2]] {
-            let grant = || grant(now, LastStep::default(), false);
-            assert!(grant().light(white(wrong), &mut Picture::default()).is_none(), "{wrong:?}");
+            let grant = || grant(now, PostProcess::default(), false);
+            assert!(grant().light(white(wrong), &mut Image::default()).is_none(), "{wrong:?}");
             assert!(grant().light_turned(white(wrong)).is_none(), "{wrong:?}");
         }
     }
 
     #[test]
-    fn masks_darken_scenes_before_they_are_turned_and_test_pictures_after() {
+    fn masks_darken_scenes_before_they_are_turned_and_test_images_after() {
         let now = Instant::now();
         let masks = mask([2, 1], &[255, 0]).into_iter().collect();
-        let post = LastStep { masks, orientation: "90".parse().unwrap(), ..LastStep::default() };
+        let post = PostProcess { masks, orientation: "90".parse().unwrap(), ..PostProcess::default() };
         let grant = grant(now, post, false);
-        let lit = grant.clone().light(white([2, 1]), &mut Picture::default()).unwrap();
+        let lit = grant.clone().light(white([2, 1]), &mut Image::default()).unwrap();
         assert_eq!((lit.size_px(), lit.encoding()), ([1, 2], Encoding::Mono8));
         assert_eq!(levels(Some(lit), now), Some(vec![200, 0]));
         assert_eq!(grant.allowed().data, [255, 0]);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  a condition for each cause ─► Evidence ── decide(content, operator, now) ─┬─► DarkReason ─► black
-//!  masks, keep-out frames ──────────┘                                        └─► Grant ─► Lit picture ─► outputs
+//!  masks, keep-out frames ──────────┘                                        └─► Grant ─► Lit image ─► outputs
 //! ```
 //!
 //! Light is granted, never assumed. Whoever shows something asks [`Evidence`], which holds a [`Condition`] for each

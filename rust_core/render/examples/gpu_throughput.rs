@@ -1,10 +1,10 @@
-//! Measures how many pictures of a cloud the GPU renderer draws in a second, and how long each step takes.
+//! Measures how many images of a cloud the GPU renderer draws in a second, and how long each step takes.
 //!
-//! `cargo run --release -p rcs_render --example gpu_throughput [-- POINTS [PICTURES]]` draws 3,000,000 points at 1280
-//! by 800, with one and with two pictures in flight: a cloud that stays, under a camera that moves, a new cloud for
-//! each picture, and one in its message's bytes of 16 a point (making it is not in the times but shown apart). The
+//! `cargo run --release -p rcs_render --example gpu_throughput [-- POINTS [IMAGES]]` draws 3,000,000 points at 1280
+//! by 800, with one and with two images in flight: a cloud that stays, under a camera that moves, a new cloud for
+//! each image, and one in its message's bytes of 16 a point (making it is not in the times but shown apart). The
 //! empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the GPU's drawing.
-//! With two in flight, `wait` is only what the other picture's steps do not cover.
+//! With two in flight, `wait` is only what the other image's steps do not cover.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rcs_render::{GpuRenderer, GpuStats, Renderer, View};
 use rcs_scene::{
-    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, PackedColors, PackedPoints, Picture, PointBuffer,
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, PackedColors, PackedPoints, PointBuffer,
     PointColors, PointLook, PointStyle, PositionLayout, RenderGroup, Scene, SharedBytes,
 };
 
@@ -34,7 +34,7 @@ fn look(style: PointStyle) -> PointLook {
     PointLook { style, alpha: 1.0, blended: false, auto_size: false }
 }
 
-/// A wavy surface about a metre away that fills the picture. A new one each time: the phase tells them apart.
+/// A wavy surface about a metre away that fills the image. A new one each time: the phase tells them apart.
 fn cloud(points: usize, phase: f64) -> PointBuffer {
     let columns = ((points as f64 * 1.6).sqrt().ceil() as usize).max(1);
     let rows = points.div_ceil(columns).max(1);
@@ -85,26 +85,26 @@ fn camera(turn_rad: f64) -> Result<Camera, Box<dyn Error>> {
     Ok(Camera::new(Intrinsics::from_p(width, height, &p)?, &pose, 0.01))
 }
 
-/// Draws so many pictures, `in_flight` of them at a time. Returns how long that took.
+/// Draws so many images, `in_flight` of them at a time. Returns how long that took.
 fn draw(
     renderer: &mut GpuRenderer,
-    pictures: usize,
+    images: usize,
     in_flight: usize,
     mut next: impl FnMut(usize) -> Result<(Scene, Camera), Box<dyn Error>>,
 ) -> Result<Duration, Box<dyn Error>> {
-    let mut picture = Picture::default();
+    let mut image = Image::default();
     let visible = DisplayMask::all();
     let mut drawing = Duration::ZERO;
-    for i in 0..pictures + in_flight - 1 {
+    for i in 0..images + in_flight - 1 {
         // The scene is made outside of the timing.
-        let wanted = if i < pictures { Some(next(i)?) } else { None };
+        let wanted = if i < images { Some(next(i)?) } else { None };
         let start = Instant::now();
         if let Some((scene, camera)) = &wanted {
             let view = View { scene, camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
             renderer.submit(&view)?;
         }
         if i + 1 >= in_flight {
-            let _ = renderer.finish(&mut picture)?;
+            let _ = renderer.finish(&mut image)?;
         }
         drawing += start.elapsed();
     }
@@ -112,8 +112,8 @@ fn draw(
 }
 
 /// A line of the table.
-fn report(name: &str, in_flight: usize, pictures: usize, took: Duration, before: &GpuStats, after: &GpuStats) {
-    let ms = |time: Duration| time.as_secs_f64() * 1e3 / pictures as f64;
+fn report(name: &str, in_flight: usize, images: usize, took: Duration, before: &GpuStats, after: &GpuStats) {
+    let ms = |time: Duration| time.as_secs_f64() * 1e3 / images as f64;
     let steps = [
         ("prepare", ms(after.prepare - before.prepare)),
         ("submit", ms(after.submit - before.submit)),
@@ -122,18 +122,18 @@ fn report(name: &str, in_flight: usize, pictures: usize, took: Duration, before:
     ];
     let longest = steps.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("", |step| step.0);
     let steps = steps.map(|(_, ms)| format!("{ms:9.2}")).join("");
-    let rate = pictures as f64 / took.as_secs_f64();
+    let rate = images as f64 / took.as_secs_f64();
     println!("{name:34}{in_flight:10}{rate:12.1}{steps}  {longest}");
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut numbers = std::env::args().filter_map(|argument| argument.parse::<usize>().ok());
     let points = numbers.next().unwrap_or(3_000_000);
-    let pictures = numbers.next().unwrap_or(100).max(1);
+    let images = numbers.next().unwrap_or(100).max(1);
     let opening = Instant::now();
     let mut renderer = GpuRenderer::new(false)?;
     println!(
-        "{}, opened in {:.0} ms; {points} points, {} × {} rgb8, {pictures} pictures, {} threads",
+        "{}, opened in {:.0} ms; {points} points, {} × {} rgb8, {images} pictures, {} threads",
         renderer.describe(),
         opening.elapsed().as_secs_f64() * 1e3,
         SIZE_PX[0],
@@ -177,22 +177,22 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             draw(&mut renderer, 2, in_flight, next)?;
             let before = renderer.stats();
-            let took = draw(&mut renderer, pictures, in_flight, next)?;
+            let took = draw(&mut renderer, images, in_flight, next)?;
             let after = renderer.stats();
-            report(name, in_flight, pictures, took, &before, &after);
-            check(content, pictures, &before, &after);
+            report(name, in_flight, images, took, &before, &after);
+            check(content, images, &before, &after);
         }
     }
     Ok(())
 }
 
 /// Asserts that nothing is uploaded or built twice.
-fn check(content: Content, pictures: usize, before: &GpuStats, after: &GpuStats) {
+fn check(content: Content, images: usize, before: &GpuStats, after: &GpuStats) {
     let uploads = after.uploads - before.uploads;
     if after.pipelines != before.pipelines || after.targets != before.targets {
         println!("  pipelines or targets were made on the way: {after:?}");
     }
-    if matches!(content, Content::NewClouds | Content::PackedClouds) != (uploads >= pictures as u64) {
-        println!("  {uploads} uploads for {pictures} pictures");
+    if matches!(content, Content::NewClouds | Content::PackedClouds) != (uploads >= images as u64) {
+        println!("  {uploads} uploads for {images} pictures");
     }
 }

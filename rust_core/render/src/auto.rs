@@ -6,7 +6,7 @@
 use std::sync::mpsc::{sync_channel, Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
-use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
+use rcs_scene::{DisplayId, DisplayMask, Image, Scene};
 
 use crate::{CpuRenderer, DepthRequest, Depths, Finished, GpuRenderer, RenderError, Renderer, View};
 
@@ -43,7 +43,7 @@ struct Trial {
     /// Times of the CPU and the GPU, without the first frame.
     took: [Duration; 2],
     /// Memory for the GPU's frames.
-    picture: Picture,
+    image: Image,
     depths: Depths,
 }
 
@@ -131,14 +131,14 @@ impl AutoRenderer {
 
 impl Trial {
     fn new(gpu: Box<dyn Renderer>) -> Self {
-        Self { gpu, frames: 0, took: Default::default(), picture: Picture::default(), depths: Depths::default() }
+        Self { gpu, frames: 0, took: Default::default(), image: Image::default(), depths: Depths::default() }
     }
 
     /// Draws a frame that took the CPU this long.
     fn draw(&mut self, view: &View<'_>, request: &DepthRequest<'_>, cpu_took: Duration) -> Result<(), RenderError> {
         let start = Instant::now();
         self.gpu.submit_with_depths(view, request)?;
-        let _ = self.gpu.finish_with_depths(&mut self.picture, &mut self.depths)?;
+        let _ = self.gpu.finish_with_depths(&mut self.image, &mut self.depths)?;
         if self.frames > 0 {
             let [cpu, gpu] = &mut self.took;
             *cpu += cpu_took;
@@ -167,8 +167,8 @@ impl Renderer for AutoRenderer {
         self.drawing().costs()
     }
 
-    fn pictures_at_once(&self) -> usize {
-        self.drawing().pictures_at_once()
+    fn images_at_once(&self) -> usize {
+        self.drawing().images_at_once()
     }
 
     fn takes_packed_points(&self) -> bool {
@@ -198,12 +198,12 @@ impl Renderer for AutoRenderer {
         Ok(())
     }
 
-    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+    fn finish_with_depths(&mut self, image: &mut Image, depths: &mut Depths) -> Result<Finished, RenderError> {
         // Frames in flight on the CPU were submitted before the GPU was chosen.
-        let finished = self.cpu.finish_with_depths(picture, depths)?;
+        let finished = self.cpu.finish_with_depths(image, depths)?;
         match &mut self.gpu {
             Gpu::Chosen(gpu) if finished == Finished::NoneInFlight => {
-                let finished = gpu.finish_with_depths(picture, depths);
+                let finished = gpu.finish_with_depths(image, depths);
                 self.checked(finished)
             }
             _ => Ok(finished),
@@ -215,10 +215,10 @@ impl Renderer for AutoRenderer {
     }
 
     /// A frame that the GPU fails to draw is drawn on the CPU.
-    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+    fn render(&mut self, view: &View<'_>, image: &mut Image) -> Result<(), RenderError> {
         let mut draw = || {
             self.submit(view)?;
-            while self.finish(picture)? == Finished::Drawn {}
+            while self.finish(image)? == Finished::Drawn {}
             Ok(())
         };
         match draw() {
@@ -262,7 +262,7 @@ mod tests {
             self.name.to_owned()
         }
 
-        fn pictures_at_once(&self) -> usize {
+        fn images_at_once(&self) -> usize {
             usize::from(self.name == "gpu") * 3 + 1
         }
 
@@ -273,7 +273,7 @@ mod tests {
             Ok(())
         }
 
-        fn finish_with_depths(&mut self, picture: &mut Picture, _: &mut Depths) -> Result<Finished, RenderError> {
+        fn finish_with_depths(&mut self, image: &mut Image, _: &mut Depths) -> Result<Finished, RenderError> {
             if self.finished == self.submitted {
                 return Ok(Finished::NoneInFlight);
             }
@@ -281,7 +281,7 @@ mod tests {
             if self.finished == self.fails_at {
                 return Err(RenderError::Gpu { adapter: self.name.to_owned(), reason: "the device was lost".into() });
             }
-            picture.data = self.name.as_bytes().to_vec();
+            image.data = self.name.as_bytes().to_vec();
             Ok(Finished::Drawn)
         }
     }
@@ -295,10 +295,10 @@ mod tests {
     }
 
     fn draw(renderer: &mut AutoRenderer, background: [u8; 3]) -> Result<Vec<u8>, RenderError> {
-        let mut picture = Picture::default();
+        let mut image = Image::default();
         with_view(background, |view| renderer.submit(view))?;
-        assert_eq!(renderer.finish(&mut picture)?, Finished::Drawn);
-        Ok(picture.data)
+        assert_eq!(renderer.finish(&mut image)?, Finished::Drawn);
+        Ok(image.data)
     }
 
     /// Draws images, and returns the names on them.
@@ -318,10 +318,10 @@ mod tests {
         for (gpu_ms, chosen, at_once) in kinds {
             let (sender, drawn) = channel();
             let mut renderer = opened(Named::new("cpu", |_| 50, &sender), Named::new("gpu", gpu_ms, &sender));
-            assert_eq!(renderer.pictures_at_once(), 1);
+            assert_eq!(renderer.images_at_once(), 1);
             assert_eq!(images(&mut renderer, 4), ["cpu"; 4], "the CPU's are shown");
             assert_eq!(drawn.try_iter().collect::<Vec<_>>(), ["cpu", "gpu"].repeat(4));
-            assert_eq!((renderer.describe().as_str(), renderer.pictures_at_once()), (chosen, at_once));
+            assert_eq!((renderer.describe().as_str(), renderer.images_at_once()), (chosen, at_once));
             assert_eq!(images(&mut renderer, 8), [chosen; 8]);
             assert_eq!(drawn.try_iter().collect::<Vec<_>>(), [chosen; 8]);
         }
@@ -370,12 +370,12 @@ mod tests {
         let (sender, _drawn) = channel();
         let mut renderer = opened(Named::new("cpu", |_| 50, &sender), Named::new("gpu", |_| 0, &sender));
         (0..6).for_each(|_| with_view([0; 3], |view| renderer.submit(view)).unwrap());
-        let mut picture = Picture::default();
+        let mut image = Image::default();
         for name in ["cpu", "cpu", "cpu", "cpu", "gpu", "gpu"] {
-            assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
-            assert_eq!(picture.data, name.as_bytes());
+            assert_eq!(renderer.finish(&mut image).unwrap(), Finished::Drawn);
+            assert_eq!(image.data, name.as_bytes());
         }
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight);
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::NoneInFlight);
     }
 
     #[test]
@@ -387,16 +387,16 @@ mod tests {
             assert_eq!(images(&mut renderer, 5), ["cpu", "cpu", "cpu", "cpu", "gpu"]);
             renderer
         };
-        let (mut renderer, mut picture) = (chosen(), Picture::default());
+        let (mut renderer, mut image) = (chosen(), Image::default());
         with_view([1; 3], |view| renderer.submit(view)).unwrap();
-        assert!(matches!(renderer.finish(&mut picture), Err(RenderError::Gpu { .. })));
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
+        assert!(matches!(renderer.finish(&mut image), Err(RenderError::Gpu { .. })));
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::NoneInFlight, "reported once");
         assert_eq!(draw(&mut renderer, [7, 8, 9]).unwrap(), [7, 8, 9].repeat(48));
         assert!(renderer.describe().starts_with("cpu ("));
 
         let mut renderer = chosen();
-        with_view([7, 8, 9], |view| renderer.render(view, &mut picture)).unwrap();
-        assert_eq!(picture.data, [7, 8, 9].repeat(48), "without an error where the view is still there");
+        with_view([7, 8, 9], |view| renderer.render(view, &mut image)).unwrap();
+        assert_eq!(image.data, [7, 8, 9].repeat(48), "without an error where the view is still there");
         assert!(renderer.describe().starts_with("cpu ("));
     }
 

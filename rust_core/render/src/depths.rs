@@ -1,12 +1,12 @@
-//! Depths of a picture: which are wanted, and the way from a depth buffer's steps to metres.
+//! Depths of an image: which are wanted, and the way from a depth buffer's steps to metres.
 
 use rcs_camera::{see_depth_through, see_through};
-use rcs_scene::{Camera, DepthPicture, DisplayMask, Encoding, Flip, Picture, PixelMap, FAR_CLIP_M};
+use rcs_scene::{Camera, DepthImage, DisplayMask, Encoding, Flip, Image, PixelMap, FAR_CLIP_M};
 
 /// The depth of the far plane, which a depth buffer is cleared to: the largest of 24 bits.
 pub(crate) const FARTHEST: f32 = ((1 << 24) - 1) as f32;
 
-/// Depths that are wanted beside a picture; none by default.
+/// Depths that are wanted beside an image; none by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DepthRequest<'a> {
     /// True for [`Depths::opaque`].
@@ -15,16 +15,16 @@ pub struct DepthRequest<'a> {
     pub objects_of: Option<&'a DisplayMask>,
 }
 
-/// Metres along the optical axis of what a picture shows. Depths that were not wanted have no pixels.
+/// Metres along the optical axis of what an image shows. Depths that were not wanted have no pixels.
 #[derive(Clone, Debug, Default)]
 pub struct Depths {
     /// The first surface that hides what is behind it, of any display, as a depth camera sees it. Translucent faces and
     /// text do not count.
-    pub opaque: DepthPicture,
+    pub opaque: DepthImage,
     /// Depths that the displays of [`DepthRequest::objects_of`] light, translucent and text included: the fragment of
     /// theirs that was drawn last. NaN where they light nothing, as where an opaque fragment of another display is in
     /// front. A translucent one of another display leaves the depth below it, unless its alpha is at least 254/255.
-    pub objects: DepthPicture,
+    pub objects: DepthImage,
 }
 
 /// The least alpha, of 255, with which a blended fragment counts for [`Depths::objects`].
@@ -56,33 +56,33 @@ impl Depths {
     }
 
     /// Both kinds.
-    pub(crate) fn each_mut(&mut self) -> [&mut DepthPicture; 2] {
+    pub(crate) fn each_mut(&mut self) -> [&mut DepthImage; 2] {
         [&mut self.opaque, &mut self.objects]
     }
 }
 
-/// A picture with its depths.
+/// An image with its depths.
 #[derive(Debug, Default)]
 pub(crate) struct Drawn {
-    pub(crate) picture: Picture,
+    pub(crate) image: Image,
     pub(crate) depths: Depths,
 }
 
 impl Drawn {
-    /// Takes the memory of a picture and of depths.
-    pub(crate) fn in_memory_of(picture: &mut Picture, depths: &mut Depths) -> Self {
-        Self { picture: std::mem::take(picture), depths: std::mem::take(depths) }
+    /// Takes the memory of an image and of depths.
+    pub(crate) fn in_memory_of(image: &mut Image, depths: &mut Depths) -> Self {
+        Self { image: std::mem::take(image), depths: std::mem::take(depths) }
     }
 
     /// Exchanges it for what is there, whose memory it takes.
-    pub(crate) fn swap(&mut self, picture: &mut Picture, depths: &mut Depths) {
-        std::mem::swap(&mut self.picture, picture);
+    pub(crate) fn swap(&mut self, image: &mut Image, depths: &mut Depths) {
+        std::mem::swap(&mut self.image, image);
         std::mem::swap(&mut self.depths, depths);
     }
 
-    /// Becomes what was drawn without a lens, an [`Encoding::Rgba8`] picture, as the lens shows it.
+    /// Becomes what was drawn without a lens, an [`Encoding::Rgba8`] image, as the lens shows it.
     pub(crate) fn see_through(&mut self, map: &PixelMap, straight: &Self, background: [u8; 3], encoding: Encoding) {
-        see_through(map, &straight.picture, background, encoding, &mut self.picture);
+        see_through(map, &straight.image, background, encoding, &mut self.image);
         let drawn = [&straight.depths.opaque, &straight.depths.objects];
         for (depth, drawn) in self.depths.each_mut().into_iter().zip(drawn) {
             if drawn.depths_m.is_empty() {
@@ -93,9 +93,9 @@ impl Drawn {
         }
     }
 
-    /// Flips the picture with its depths.
+    /// Flips the image with its depths.
     pub(crate) fn flip(&mut self, flip: Flip) {
-        flip.picture(&mut self.picture);
+        flip.image(&mut self.image);
         self.depths.each_mut().into_iter().for_each(|depth| flip.depth(depth));
     }
 }

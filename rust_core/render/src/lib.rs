@@ -1,11 +1,11 @@
 //! Draws scenes: the [`Renderer`] trait and its two renderers.
 //!
 //! [`CpuRenderer`] is the reference and the default where there is no hardware GPU: on a two-core machine it draws a
-//! point cloud an order of magnitude faster than Mesa's software drivers do. [`GpuRenderer`] draws the same picture
+//! point cloud an order of magnitude faster than Mesa's software drivers do. [`GpuRenderer`] draws the same image
 //! with wgpu, within the limits of GL 3.3-class hardware. Both take the same scene and both pass the same golden
 //! tests; neither knows of ROS.
 //!
-//! A red point on a black picture:
+//! A red point on a black image:
 //!
 //! ```
 //! use std::sync::Arc;
@@ -13,7 +13,7 @@
 //! use nalgebra::{Isometry3, Matrix4, Point3};
 //! use rcs_render::{create, RendererChoice, View};
 //! use rcs_scene::{
-//!     Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Picture, PointBuffer, PointColors, PointStyle,
+//!     Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Image, PointBuffer, PointColors, PointStyle,
 //!     Points, RenderGroup, Scene,
 //! };
 //!
@@ -37,10 +37,10 @@
 //! let visible = DisplayMask::all();
 //! let view =
 //!     View { scene: &scene, camera: &camera, visible: &visible, background: [0, 0, 0], encoding: Encoding::Rgb8 };
-//! let mut picture = Picture::default();
-//! renderer.render(&view, &mut picture)?;
+//! let mut image = Image::default();
+//! renderer.render(&view, &mut image)?;
 //!
-//! let pixel = |x: usize, y: usize| &picture.data[y * picture.step() + 3 * x..][..3];
+//! let pixel = |x: usize, y: usize| &image.data[y * image.step() + 3 * x..][..3];
 //! assert_eq!(pixel(32, 24), [255, 0, 0]);
 //! assert_eq!(pixel(0, 0), [0, 0, 0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,5 +62,5 @@ pub use choice::{create, RendererChoice};
 pub use cpu::{CpuRenderer, Culling};
 pub use depths::{DepthRequest, Depths};
 pub use gpu::{GpuRenderer, GpuStats};
-pub use post::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
+pub use post::{Blend, BlendError, KeepOut, LightMask, Orientation, PostProcess, Sphere};
 pub use renderer::{Finished, RenderError, Renderer, View};

@@ -6,7 +6,7 @@
 //! formula keeps to what both languages share: `let`, `return`, arithmetic, and the functions of [`builtin`], which are
 //! WGSL's own.
 //!
-//! Source: rviz's GLSL shaders and OpenGL's fixed-function lighting as rviz sets it up, both as seen in its pictures.
+//! Source: rviz's GLSL shaders and OpenGL's fixed-function lighting as rviz sets it up, both as seen in its images.
 //!
 //! Places on a face are given from its middle, in whole sides: from −0.5 to 0.5. Colours are 0 to 1 and not
 //! gamma-corrected; formulas that are linear in them take 0 to 255 as well.

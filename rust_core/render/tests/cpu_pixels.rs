@@ -12,7 +12,7 @@ use nalgebra::{Matrix4, Vector3};
 use rcs_render::{CpuRenderer, Renderer, View};
 use rcs_scene::{
     Blending, CullMode, DirectionalLight, DisplayMask, Drawable, Encoding, Filtering, Geometry, HorizontalAlignment,
-    LineTopology, Lines, Material, Mesh, Picture, PointStyle, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text,
+    Image, LineTopology, Lines, Material, Mesh, PointStyle, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text,
     Texture, VerticalAlignment, Wrapping,
 };
 
@@ -24,16 +24,16 @@ fn scene(geometries: Vec<Geometry>) -> Scene {
 }
 
 /// The lit pixels' red channel from (46, 46) to (53, 53), a letter each: `.` for the background, `#` for anything else.
-fn middle(picture: &Grid) -> Vec<String> {
-    (46..54).map(|y| (46..54).map(|x| if picture.at(x, y) == [0, 0, 0] { '.' } else { '#' }).collect()).collect()
+fn middle(image: &Grid) -> Vec<String> {
+    (46..54).map(|y| (46..54).map(|x| if image.at(x, y) == [0, 0, 0] { '.' } else { '#' }).collect()).collect()
 }
 
 #[test]
 fn a_point_is_a_disc_of_pixels() {
-    let picture = pixels(&scene(vec![cloud(PointStyle::Points { diameter_px: 4.0 }, &[[0.0, 0.0, 1.0]], RED)]));
+    let image = pixels(&scene(vec![cloud(PointStyle::Points { diameter_px: 4.0 }, &[[0.0, 0.0, 1.0]], RED)]));
     let expected = ["........", "........", "...##...", "..####..", "..####..", "...##...", "........", "........"];
-    assert_eq!(middle(&picture), expected);
-    assert_eq!(picture.at(50, 50), [200, 100, 0]);
+    assert_eq!(middle(&image), expected);
+    assert_eq!(image.at(50, 50), [200, 100, 0]);
 }
 
 #[test]
@@ -47,7 +47,7 @@ fn a_point_of_one_pixel_can_miss_every_pixel() {
 }
 
 #[test]
-fn a_point_outside_of_the_picture_is_dropped_whole() {
+fn a_point_outside_of_the_image_is_dropped_whole() {
     let style = PointStyle::Points { diameter_px: 20.0 };
     assert_eq!(pixels(&scene(vec![cloud(style, &[[0.501, 0.0, 1.0]], RED)])).lit(), 0);
     assert!(pixels(&scene(vec![cloud(style, &[[0.499, 0.0, 1.0]], RED)])).lit() > 100);
@@ -59,10 +59,10 @@ fn a_point_outside_of_the_picture_is_dropped_whole() {
 
 #[test]
 fn a_flat_square_covers_its_side_in_pixels() {
-    let picture = pixels(&scene(vec![cloud(FLAT, &[[0.0, 0.0, 1.0]], RED)]));
+    let image = pixels(&scene(vec![cloud(FLAT, &[[0.0, 0.0, 1.0]], RED)]));
     let expected = ["........", "........", "..####..", "..####..", "..####..", "..####..", "........", "........"];
-    assert_eq!(middle(&picture), expected);
-    assert_eq!(picture.at(48, 51), [200, 100, 0]);
+    assert_eq!(middle(&image), expected);
+    assert_eq!(image.at(48, 51), [200, 100, 0]);
     let smaller = pixels(&scene(vec![cloud(FLAT, &[[0.0, 0.0, 2.0]], RED)]));
     assert_eq!(smaller.lit(), 4);
 }
@@ -80,18 +80,18 @@ fn a_cloud_is_culled_when_all_its_points_are_off_one_side() {
 fn a_flat_square_turns_with_the_clouds_frame() {
     let mut turned = drawable(cloud(PointStyle::FlatSquares { side_m: 0.2 }, &[[0.0, 0.0, 1.0]], RED));
     turned.fixed_from_object = Matrix4::new_rotation(Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_4));
-    let picture = pixels(&Scene { drawables: vec![turned], light: None });
-    assert_eq!((picture.at(50, 37), picture.at(50, 35)), ([200, 100, 0], [0, 0, 0]));
-    assert_eq!((picture.at(58, 41), picture.at(42, 58)), ([0, 0, 0], [0, 0, 0]));
+    let image = pixels(&Scene { drawables: vec![turned], light: None });
+    assert_eq!((image.at(50, 37), image.at(50, 35)), ([200, 100, 0], [0, 0, 0]));
+    assert_eq!((image.at(58, 41), image.at(42, 58)), ([0, 0, 0], [0, 0, 0]));
 }
 
 #[test]
 fn a_square_has_a_contrasting_edge() {
     let style = PointStyle::Squares { size_m: [0.2, 0.2] };
-    let picture = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
+    let image = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
     // The outermost pixel's centre lies 0.475 sides from the middle: 0.926 of the full contrast of 51 levels.
-    assert_eq!(picture.at(40, 50), [153, 53, 0]);
-    assert_eq!((picture.at(41, 50), picture.at(39, 50)), ([200, 100, 0], [0, 0, 0]));
+    assert_eq!(image.at(40, 50), [153, 53, 0]);
+    assert_eq!((image.at(41, 50), image.at(39, 50)), ([200, 100, 0], [0, 0, 0]));
     let dark = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], [20, 10, 0, 255])]));
     assert_eq!(dark.at(40, 50), [67, 57, 47]);
 }
@@ -99,29 +99,29 @@ fn a_square_has_a_contrasting_edge() {
 #[test]
 fn a_sphere_is_a_shaded_disc() {
     let style = PointStyle::Spheres { size_m: [0.04, 0.04] };
-    let picture = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
+    let image = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
     let expected = ["........", "........", "...##...", "..####..", "..####..", "...##...", "........", "........"];
-    assert_eq!(middle(&picture), expected);
-    assert_eq!(picture.at(50, 50), [195, 98, 0]);
+    assert_eq!(middle(&image), expected);
+    assert_eq!(image.at(50, 50), [195, 98, 0]);
 }
 
 #[test]
 fn a_box_shows_the_side_that_faces_the_eye() {
     let style = PointStyle::Boxes { size_m: [0.2, 0.1, 0.02] };
-    let picture = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.01]], RED)]));
+    let image = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.01]], RED)]));
     // That is the −z side, half as bright.
-    assert_eq!(picture.at(50, 50), [100, 50, 0]);
-    assert_eq!((picture.at(40, 50), picture.at(50, 45)), ([54, 27, 0], [100, 50, 0]));
-    assert_eq!((picture.at(39, 50), picture.at(50, 44)), ([0, 0, 0], [0, 0, 0]));
+    assert_eq!(image.at(50, 50), [100, 50, 0]);
+    assert_eq!((image.at(40, 50), image.at(50, 45)), ([54, 27, 0], [100, 50, 0]));
+    assert_eq!((image.at(39, 50), image.at(50, 44)), ([0, 0, 0], [0, 0, 0]));
 }
 
 #[test]
 fn tiles_are_seen_from_both_sides() {
     for normal in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
         let style = PointStyle::Tiles { size_m: [0.2, 0.1], normal, up: [0.0, 1.0, 0.0] };
-        let picture = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
-        assert_eq!(picture.lit(), 200);
-        assert_eq!(picture.at(50, 50), [200, 100, 0]);
+        let image = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.0]], RED)]));
+        assert_eq!(image.lit(), 200);
+        assert_eq!(image.at(50, 50), [200, 100, 0]);
     }
 }
 
@@ -153,10 +153,10 @@ fn faint_points_are_dropped_and_translucent_ones_blend() {
 fn of_two_equally_far_the_later_is_seen() {
     let blue = [0, 0, 255, 255];
     let at = [[0.0, 0.0, 1.0]];
-    let picture = pixels(&scene(vec![cloud(FLAT, &at, RED), cloud(FLAT, &at, blue)]));
-    assert_eq!(picture.at(50, 50), [0, 0, 255]);
-    let picture = pixels(&scene(vec![cloud(FLAT, &at, RED), cloud(FLAT, &[[0.0, 0.0, 1.001]], blue)]));
-    assert_eq!(picture.at(50, 50), [200, 100, 0]);
+    let image = pixels(&scene(vec![cloud(FLAT, &at, RED), cloud(FLAT, &at, blue)]));
+    assert_eq!(image.at(50, 50), [0, 0, 255]);
+    let image = pixels(&scene(vec![cloud(FLAT, &at, RED), cloud(FLAT, &[[0.0, 0.0, 1.001]], blue)]));
+    assert_eq!(image.at(50, 50), [200, 100, 0]);
 }
 
 #[test]
@@ -168,8 +168,8 @@ fn groups_are_drawn_one_after_another_and_hidden_displays_not() {
     let scene = Scene { drawables: vec![drawable(cloud(FLAT, &[[0.0, 0.0, 0.5]], RED)), behind, hidden], light: None };
     let mut visible = DisplayMask::all();
     visible.set(7, false);
-    let picture = render(&scene, &camera(100, 100), &visible, Encoding::Rgb8, 2);
-    assert_eq!(Grid::of(&picture).at(50, 50), [200, 100, 0]);
+    let image = render(&scene, &camera(100, 100), &visible, Encoding::Rgb8, 2);
+    assert_eq!(Grid::of(&image).at(50, 50), [200, 100, 0]);
 }
 
 #[test]
@@ -207,9 +207,9 @@ fn a_texture_is_multiplied_with_the_colour() {
         wrapping: Wrapping::Repeat,
     };
     let material = Material { texture: Some(Arc::new(texture)), ..Material::unlit(false) };
-    let picture = pixels(&scene(vec![quad(0.1, 1.0, material, [100, 200, 50, 255])]));
-    assert_eq!((picture.at(45, 45), picture.at(55, 45)), ([100, 0, 0], [0, 200, 0]));
-    assert_eq!((picture.at(45, 55), picture.at(55, 55)), ([0, 0, 50], [100, 200, 50]));
+    let image = pixels(&scene(vec![quad(0.1, 1.0, material, [100, 200, 50, 255])]));
+    assert_eq!((image.at(45, 45), image.at(55, 45)), ([100, 0, 0], [0, 200, 0]));
+    assert_eq!((image.at(45, 55), image.at(55, 55)), ([0, 0, 50], [100, 200, 50]));
 }
 
 #[test]
@@ -221,9 +221,9 @@ fn a_mesh_through_the_eyes_plane_is_cut_there() {
         indices: vec![0, 1, 2, 0, 2, 3],
     };
     let material = Arc::new(Material { cull: CullMode::None, ..Material::unlit(false) });
-    let picture = pixels(&scene(vec![Geometry::Mesh { mesh: Arc::new(floor), material }]));
-    assert_eq!((picture.at(50, 52), picture.at(50, 54)), ([0, 0, 0], [200, 100, 0]));
-    assert!((0..100).all(|x| picture.at(x, 99) == [200, 100, 0]));
+    let image = pixels(&scene(vec![Geometry::Mesh { mesh: Arc::new(floor), material }]));
+    assert_eq!((image.at(50, 52), image.at(50, 54)), ([0, 0, 0], [200, 100, 0]));
+    assert!((0..100).all(|x| image.at(x, 99) == [200, 100, 0]));
 }
 
 #[test]
@@ -250,9 +250,9 @@ fn joined_lines_draw_their_common_pixel_once() {
         topology: LineTopology::Strip,
         blending: Blending::Alpha,
     };
-    let picture = pixels(&scene(vec![Geometry::Lines(Arc::new(lines))]));
-    assert!((0..100).flat_map(|y| (0..100).map(move |x| (x, y))).all(|(x, y)| picture.at(x, y)[0] <= 100));
-    assert_eq!(picture.at(50, 50), [100, 50, 0]);
+    let image = pixels(&scene(vec![Geometry::Lines(Arc::new(lines))]));
+    assert!((0..100).flat_map(|y| (0..100).map(move |x| (x, y))).all(|(x, y)| image.at(x, y)[0] <= 100));
+    assert_eq!(image.at(50, 50), [100, 50, 0]);
 }
 
 #[test]
@@ -260,9 +260,9 @@ fn a_ribbon_has_its_width_in_metres() {
     let element = |x: f32| RibbonElement { position: [x, 0.0, 1.0], color: RED };
     let ribbons =
         Ribbons { chains: vec![vec![element(-0.1), element(0.1)]], width_m: 0.04, blending: Blending::Replace };
-    let picture = pixels(&scene(vec![Geometry::Ribbons(Arc::new(ribbons))]));
-    assert_eq!(picture.lit(), 20 * 4);
-    assert_eq!(picture.at(45, 51), [200, 100, 0]);
+    let image = pixels(&scene(vec![Geometry::Ribbons(Arc::new(ribbons))]));
+    assert_eq!(image.lit(), 20 * 4);
+    assert_eq!(image.at(45, 51), [200, 100, 0]);
 }
 
 #[test]
@@ -276,8 +276,8 @@ fn text_stands_before_a_wall_of_the_same_depth() {
     };
     let wall = |distance_m: f32| drawable(quad(1.0, distance_m, Material::unlit(false), [9, 9, 9, 255]));
     let white = |drawables| {
-        let picture = pixels(&Scene { drawables, light: None });
-        (0..10_000).filter(|i| picture.at(i % 100, i / 100)[0] > 200).count()
+        let image = pixels(&Scene { drawables, light: None });
+        (0..10_000).filter(|i| image.at(i % 100, i / 100)[0] > 200).count()
     };
     assert!(white(vec![wall(1.0), text(false)]) > 50);
     assert_eq!(white(vec![wall(0.99), text(false)]), 0);
@@ -285,18 +285,18 @@ fn text_stands_before_a_wall_of_the_same_depth() {
 }
 
 #[test]
-fn every_encoding_shows_the_same_picture() {
+fn every_encoding_shows_the_same_image() {
     let scene = scene(vec![cloud(FLAT, &[[0.0, 0.0, 1.0]], RED)]);
     for encoding in Encoding::ALL {
-        let picture = render(&scene, &camera(100, 100), &DisplayMask::all(), encoding, 2);
-        assert_eq!((picture.width_px, picture.height_px, picture.encoding), (100, 100, encoding));
-        assert_eq!(picture.data.len(), 10_000 * encoding.bytes_per_pixel());
+        let image = render(&scene, &camera(100, 100), &DisplayMask::all(), encoding, 2);
+        assert_eq!((image.width_px, image.height_px, image.encoding), (100, 100, encoding));
+        assert_eq!(image.data.len(), 10_000 * encoding.bytes_per_pixel());
         let red_at = match encoding {
             Encoding::Bgr8 | Encoding::Bgra8 => 2,
             _ => 0,
         };
         let at = (50 * 100 + 50) * encoding.bytes_per_pixel() + red_at;
-        assert_eq!(picture.data[at], 200, "{encoding:?}");
+        assert_eq!(image.data[at], 200, "{encoding:?}");
     }
 }
 
@@ -311,7 +311,7 @@ fn the_display_that_costs_most_is_known() {
         (points.alpha, points.blended) = (0.5, true);
         Geometry::Points(points)
     };
-    // The second covers the picture a hundred times.
+    // The second covers the image a hundred times.
     let drawables = [(3, tiles(0.01, 1)), (5, tiles(3.0, 100)), (7, quad(0.01, 0.5, Material::unlit(false), [255; 4]))];
     let drawables = drawables.map(|(display, geometry)| Drawable { display, ..drawable(geometry) });
     let scene = Scene { drawables: drawables.into(), light: None };
@@ -319,7 +319,7 @@ fn the_display_that_costs_most_is_known() {
     let mut renderer = CpuRenderer::with_threads(2);
     assert_eq!(renderer.costs(), [], "nothing was drawn");
     let view = View { scene: &scene, camera: &camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
-    renderer.render(&view, &mut Picture::default()).unwrap();
+    renderer.render(&view, &mut Image::default()).unwrap();
     let mut costs = renderer.costs();
     costs.sort_by_key(|(_, cost)| std::cmp::Reverse(*cost));
     let displays: Vec<_> = costs.iter().map(|(display, _)| *display).collect();

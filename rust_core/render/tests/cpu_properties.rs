@@ -1,4 +1,4 @@
-//! Properties of every picture of the CPU renderer, whatever numbers are in the scene.
+//! Properties of every image of the CPU renderer, whatever numbers are in the scene.
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 mod cpu_common;
@@ -191,12 +191,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn a_picture_depends_on_neither_the_threads_nor_the_time(scene in scene(), camera in any_camera()) {
+    fn a_image_depends_on_neither_the_threads_nor_the_time(scene in scene(), camera in any_camera()) {
         let draw = |threads| render(&scene, &camera, &DisplayMask::all(), Encoding::Rgba8, threads);
-        let picture = draw(1);
-        prop_assert!(draw(1) == picture);
-        prop_assert!(draw(2) == picture);
-        prop_assert!(draw(5) == picture);
+        let image = draw(1);
+        prop_assert!(draw(1) == image);
+        prop_assert!(draw(2) == image);
+        prop_assert!(draw(5) == image);
     }
 
     /// A fan of translucent triangles around a point covers a convex outline: each pixel inside is blended once.
@@ -220,8 +220,8 @@ proptest! {
         let material = Material { cull: CullMode::None, ..Material::unlit(true) };
         let mesh = Geometry::Mesh { mesh: Arc::new(Mesh { vertices, indices }), material: Arc::new(material) };
         let scene = Scene { drawables: vec![drawable(mesh)], light: None };
-        let picture = render(&scene, &camera(100, 100), &DisplayMask::all(), Encoding::Rgb8, 2);
-        let grid = Grid::of(&picture);
+        let image = render(&scene, &camera(100, 100), &DisplayMask::all(), Encoding::Rgb8, 2);
+        let grid = Grid::of(&image);
         let seen = |level: u8| (0..10_000).filter(|i| grid.at(i % 100, i / 100)[0] == level).count();
         prop_assert_eq!(seen(0) + seen(100), 10_000);
         prop_assert!(seen(100) > 300);
@@ -230,15 +230,15 @@ proptest! {
 }
 
 #[test]
-fn the_largest_pictures_are_drawn() {
+fn the_largest_images_are_drawn() {
     let positions = vec![[0.0, 0.0, 1.0], [0.3, -0.2, 2.0]];
     let buffer = Arc::new(PointBuffer { positions, colors: PointColors::Uniform([255; 4]) });
     let style = PointStyle::Boxes { size_m: [0.5; 3] };
     let points = Points { buffer, style, alpha: 1.0, blended: false, auto_size: false };
     let scene = Scene { drawables: vec![drawable(Geometry::Points(points))], light: None };
     for (width, height) in [(16384, 64), (64, 16384)] {
-        let picture = render(&scene, &camera(width, height), &DisplayMask::all(), Encoding::Mono8, 2);
-        assert_eq!(picture.data.len(), (width * height) as usize);
-        assert!(picture.data.iter().any(|&level| level > 0));
+        let image = render(&scene, &camera(width, height), &DisplayMask::all(), Encoding::Mono8, 2);
+        assert_eq!(image.data.len(), (width * height) as usize);
+        assert!(image.data.iter().any(|&level| level > 0));
     }
 }

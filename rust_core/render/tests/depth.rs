@@ -1,4 +1,4 @@
-//! How far away is what a picture shows: both renderers write the depths of a slanted wall, through a lens, too.
+//! How far away is what an image shows: both renderers write the depths of a slanted wall, through a lens, too.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3};
 use rcs_render::{create, DepthRequest, Depths, Finished, RendererChoice, View};
 use rcs_scene::{
-    Camera, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, PixelMap,
+    Camera, DepthImage, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, Material, Mesh, PixelMap,
     RenderGroup, Rgba, Scene, Vertex,
 };
 
@@ -38,15 +38,15 @@ fn depth_at([u, v]: [f64; 2]) -> Option<f64> {
     (depth * x > -0.4).then_some(depth)
 }
 
-fn depths(choice: RendererChoice, camera: &Camera) -> DepthPicture {
+fn depths(choice: RendererChoice, camera: &Camera) -> DepthImage {
     let (scene, visible) = (wall(), DisplayMask::all());
     let view = View { scene: &scene, camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
     let mut renderer = create(choice).unwrap();
-    let (mut depths, mut picture, mut alone) = (Depths::default(), Picture::default(), Picture::default());
+    let (mut depths, mut image, mut alone) = (Depths::default(), Image::default(), Image::default());
     renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: Some(&visible) }).unwrap();
-    assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
+    assert_eq!(renderer.finish_with_depths(&mut image, &mut depths).unwrap(), Finished::Drawn);
     renderer.render(&view, &mut alone).unwrap();
-    assert_eq!(picture, alone, "the picture is the same");
+    assert_eq!(image, alone, "the picture is the same");
     let [opaque, objects] = [&depths.opaque, &depths.objects]
         .map(|depth| depth.depths_m.iter().map(|depth_m| depth_m.to_bits()).collect::<Vec<_>>());
     assert_eq!(opaque, objects, "there is nothing else");
@@ -59,7 +59,7 @@ fn camera(size: [u32; 2], [left, top]: [f64; 2]) -> Camera {
 }
 
 /// Asserts that each pixel has the depth at its place, but for those beside the wall's edge.
-fn assert_wall(depths: &DepthPicture, place: impl Fn([f64; 2]) -> [f64; 2]) {
+fn assert_wall(depths: &DepthImage, place: impl Fn([f64; 2]) -> [f64; 2]) {
     assert_eq!([depths.width_px, depths.height_px], SIZE);
     let (mut on_wall, mut beside) = (0, 0);
     for (at, depth) in (0..).zip(&depths.depths_m) {

@@ -1,4 +1,4 @@
-//! The GPU renderer draws the CPU renderer's picture.
+//! The GPU renderer draws the CPU renderer's image.
 //!
 //! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away,
 //! or be what the CPU draws for a camera that is a fraction of a pixel beside; a few may differ altogether. Each run
@@ -17,8 +17,8 @@ use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use rcs_render::{CpuRenderer, DepthRequest, Depths, Finished, GpuRenderer, Renderer, View};
 use rcs_scene::{
-    Blending, Camera, CellSheet, Cells, CullMode, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding,
-    Filtering, Geometry, HorizontalAlignment, Intrinsics, Lighting, LineTopology, Lines, Material, Mesh, Picture,
+    Blending, Camera, CellSheet, Cells, CullMode, DepthImage, DirectionalLight, DisplayMask, Drawable, Encoding,
+    Filtering, Geometry, HorizontalAlignment, Image, Intrinsics, Lighting, LineTopology, Lines, Material, Mesh,
     PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture,
     Vertex, VerticalAlignment, Wrapping,
 };
@@ -33,14 +33,14 @@ const REACH_PX: i64 = 1;
 /// By some such steps cells are moved back, which GPUs need not count.
 const DEPTH_TOLERANCE_M: f32 = 3e-3;
 
-/// Pixels of faces seen edge-on: their depths are arbitrary, and the pixels may be a picture's only ones.
+/// Pixels of faces seen edge-on: their depths are arbitrary, and the pixels may be an image's only ones.
 const MAX_DIFFERING_DEPTHS: usize = 8;
 
 /// How far beside the camera may be with which the CPU draws a pixel's colour: a few of the 256ths of a pixel to which
 /// vertices are rounded.
 const SHIFT_PX: f64 = 0.02;
 
-/// The share of pixels with content that may differ all the same, and the number that may in pictures with less content
+/// The share of pixels with content that may differ all the same, and the number that may in images with less content
 /// than that is a share of: a single pixel of a side that is seen edge-on, whose colours are arbitrary.
 const MAX_DIFFERING: f64 = 0.005;
 const MAX_DIFFERING_PX: usize = 1;
@@ -207,7 +207,7 @@ proptest! {
     })]
 
     #[test]
-    fn both_draw_the_same_picture(
+    fn both_draw_the_same_image(
         drawables in vec(drawable(), 1..6),
         size in (60_u32..200, 60_u32..200),
         lit in any::<bool>(),
@@ -248,9 +248,8 @@ fn both_draw_thousands_of_cells_a_side() {
         drawable.fixed_from_object *= Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 0.75, 1.0));
         let (scene, camera) = (common::scene([drawable]), camera(4, 3, focal_px));
         let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
-        let pictures =
-            [common::draw(&mut *gpu, &scene, &camera), common::draw(&mut CpuRenderer::new(), &scene, &camera)];
-        pictures.map(|picture| (0..12).map(|i| common::pixel(&picture, i % 4, i / 4)[0]).collect::<Vec<u8>>())
+        let images = [common::draw(&mut *gpu, &scene, &camera), common::draw(&mut CpuRenderer::new(), &scene, &camera)];
+        images.map(|image| (0..12).map(|i| common::pixel(&image, i % 4, i / 4)[0]).collect::<Vec<u8>>())
     };
     let from = |first: u8| (first..first + 12).collect::<Vec<u8>>();
     assert_eq!(drawn([0.5, 0.375], 8.0), [from(10), from(10)]);
@@ -258,7 +257,7 @@ fn both_draw_thousands_of_cells_a_side() {
     assert_eq!(drawn([1.0 - 2.0 * pixel_m, 0.75 - 1.5 * pixel_m], 2.0 / pixel_m), [from(100), from(100)]);
 }
 
-/// The largest difference of a pixel of both renderers' pictures of one line, which are drawn in the same pixels.
+/// The largest difference of a pixel of both renderers' images of one line, which are drawn in the same pixels.
 fn worst_of_a_line(positions: Vec<[f32; 3]>, colors: Vec<[u8; 4]>) -> u8 {
     let lines = Lines { positions, colors, topology: LineTopology::List, blending: Blending::Replace };
     let scene = common::scene([common::at(0.0, 0.0, 0.0, Geometry::Lines(lines.into()))]);
@@ -279,7 +278,7 @@ fn both_color_each_pixel_of_a_short_line_the_same() {
         let (sin, cos) = (f32::from(turn) * std::f32::consts::PI / 24.0 + 0.01).sin_cos();
         let length_px = 2.0 + 0.13 * f32::from(turn);
         let start = [0.017 * f32::from(turn), 0.31 + 0.011 * f32::from(turn), 1.0];
-        // Twice as far at the end, so that colours are not linear in the picture.
+        // Twice as far at the end, so that colours are not linear in the image.
         let end = [2.0 * (start[0] + length_px * cos), 2.0 * (start[1] + length_px * sin), 2.0];
         let worst = worst_of_a_line(vec![start, end], vec![[0, 0, 255, 255], [255, 120, 0, 255]]);
         assert!(worst <= 3, "{worst} levels at turn {turn}");
@@ -315,10 +314,10 @@ fn both_agree(mut drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [
     let (content, mut differing) = differing(&from_gpu, &cpu(&camera), BACKGROUND, LEVELS, REACH_PX);
     if !differing.is_empty() {
         let shifts = [-SHIFT_PX, 0.0, SHIFT_PX];
-        let nearby: Vec<Picture> =
+        let nearby: Vec<Image> =
             shifts.iter().flat_map(|&right| shifts.map(|down| cpu(&shifted(right, down)))).collect();
         differing.retain(|&(x, y)| {
-            let colors = nearby.iter().map(|picture| common::pixel(picture, x, y));
+            let colors = nearby.iter().map(|image| common::pixel(image, x, y));
             let color = common::pixel(&from_gpu, x, y);
             !colors.into_iter().any(|nearby| common::difference(nearby, color) <= LEVELS)
         });
@@ -340,20 +339,20 @@ fn depths_agree(scene: &Scene, cameras: &[[Camera; 3]; 3]) -> Result<(), TestCas
     (1..DISPLAYS).for_each(|display| listed.set(display, false));
     let depths = |renderer: &mut dyn Renderer, camera: &Camera| {
         let view = View { scene, camera, visible: &visible, background: BACKGROUND, encoding: Encoding::Mono8 };
-        let (mut picture, mut depths) = (Picture::default(), Depths::default());
+        let (mut image, mut depths) = (Image::default(), Depths::default());
         let request = DepthRequest { opaque: true, objects_of: Some(&listed) };
         renderer.submit_with_depths(&view, &request).unwrap();
-        assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
+        assert_eq!(renderer.finish_with_depths(&mut image, &mut depths).unwrap(), Finished::Drawn);
         depths
     };
     let camera = &cameras[1][1];
     let from_gpu = depths(&mut *gpu().lock().unwrap_or_else(PoisonError::into_inner), camera);
     let mut cpu = CpuRenderer::new();
     let from_cpu: Vec<Depths> = cameras.iter().flatten().map(|camera| depths(&mut cpu, camera)).collect();
-    type Kind = fn(&Depths) -> &DepthPicture;
+    type Kind = fn(&Depths) -> &DepthImage;
     let kinds: [(&str, Kind); 2] = [("opaque", |depths| &depths.opaque), ("objects", |depths| &depths.objects)];
     for (kind, of) in kinds {
-        let from_cpu: Vec<&DepthPicture> = from_cpu.iter().map(of).collect();
+        let from_cpu: Vec<&DepthImage> = from_cpu.iter().map(of).collect();
         let content = from_cpu[0].depths_m.iter().filter(|depth_m| !depth_m.is_nan()).count();
         let differing = unlike(of(&from_gpu), &from_cpu);
         let allowed = MAX_DIFFERING_DEPTHS.max((content as f64 * MAX_DIFFERING) as usize);
@@ -362,8 +361,8 @@ fn depths_agree(scene: &Scene, cameras: &[[Camera; 3]; 3]) -> Result<(), TestCas
     Ok(())
 }
 
-/// The pixels of `a` whose depths are not among those around them in pictures of the same size.
-fn unlike(a: &DepthPicture, others: &[&DepthPicture]) -> Vec<([i64; 2], f32)> {
+/// The pixels of `a` whose depths are not among those around them in images of the same size.
+fn unlike(a: &DepthImage, others: &[&DepthImage]) -> Vec<([i64; 2], f32)> {
     let [width, height] = [a.width_px, a.height_px].map(i64::from);
     let is_like = |x: i64, y: i64, depth_m: f32| {
         let rows = (y - REACH_PX).max(0)..(y + REACH_PX + 1).min(height);

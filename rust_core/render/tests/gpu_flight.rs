@@ -1,4 +1,4 @@
-//! Pictures in flight; uploads, pipelines and targets are counted, so that nothing is done twice.
+//! Images in flight; uploads, pipelines and targets are counted, so that nothing is done twice.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -9,7 +9,7 @@ use common::{at, camera, points, scene, square_mesh};
 use rcs_render::{CpuRenderer, Finished, GpuRenderer, RenderError, Renderer, View};
 use rcs_scene::{
     Blending, Camera, CellSheet, Cells, CullMode, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
-    LineTopology, Lines, Material, Picture, PointBuffer, PointColors, PointStyle, Points, Rgba, RibbonElement, Ribbons,
+    Image, LineTopology, Lines, Material, PointBuffer, PointColors, PointStyle, Points, Rgba, RibbonElement, Ribbons,
     Scene, Text, VerticalAlignment,
 };
 
@@ -26,7 +26,7 @@ fn gpu() -> GpuRenderer {
     GpuRenderer::new(false).unwrap()
 }
 
-/// A picture to be drawn.
+/// An image to be drawn.
 struct Request {
     scene: Scene,
     camera: Camera,
@@ -52,10 +52,10 @@ impl Request {
         self.with_view(|view| renderer.submit(view))
     }
 
-    fn rendered(&self, renderer: &mut dyn Renderer) -> Picture {
-        let mut picture = Picture::default();
-        self.with_view(|view| renderer.render(view, &mut picture)).unwrap();
-        picture
+    fn rendered(&self, renderer: &mut dyn Renderer) -> Image {
+        let mut image = Image::default();
+        self.with_view(|view| renderer.render(view, &mut image)).unwrap();
+        image
     }
 }
 
@@ -69,24 +69,24 @@ fn requests() -> [Request; 5] {
     ]
 }
 
-fn finished(renderer: &mut dyn Renderer) -> Picture {
-    let mut picture = Picture::default();
-    assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
-    picture
+fn finished(renderer: &mut dyn Renderer) -> Image {
+    let mut image = Image::default();
+    assert_eq!(renderer.finish(&mut image).unwrap(), Finished::Drawn);
+    image
 }
 
 fn is_empty(renderer: &mut dyn Renderer) -> bool {
-    let mut picture = Picture { data: vec![7], ..Picture::default() };
-    let finished = renderer.finish(&mut picture).unwrap();
-    finished == Finished::NoneInFlight && picture.data == [7]
+    let mut image = Image { data: vec![7], ..Image::default() };
+    let finished = renderer.finish(&mut image).unwrap();
+    finished == Finished::NoneInFlight && image.data == [7]
 }
 
 #[test]
-fn pictures_in_flight_come_out_in_order_and_as_they_are_drawn_alone() {
+fn images_in_flight_come_out_in_order_and_as_they_are_drawn_alone() {
     let renderers: [Box<dyn Renderer>; 2] = [Box::new(gpu()), Box::new(CpuRenderer::new())];
     for mut renderer in renderers {
         let renderer = renderer.as_mut();
-        let alone: Vec<Picture> = requests().iter().map(|request| request.rendered(renderer)).collect();
+        let alone: Vec<Image> = requests().iter().map(|request| request.rendered(renderer)).collect();
         for at_once in 1..=5 {
             for (requests, alone) in requests().chunks(at_once).zip(alone.chunks(at_once)) {
                 requests.iter().for_each(|request| request.submit(renderer).unwrap());
@@ -106,7 +106,7 @@ fn pictures_in_flight_come_out_in_order_and_as_they_are_drawn_alone() {
 }
 
 #[test]
-fn a_picture_drawn_at_once_drops_those_in_flight() {
+fn a_image_drawn_at_once_drops_those_in_flight() {
     let renderers: [Box<dyn Renderer>; 2] = [Box::new(gpu()), Box::new(CpuRenderer::new())];
     for mut renderer in renderers {
         let renderer = renderer.as_mut();
@@ -120,12 +120,12 @@ fn a_picture_drawn_at_once_drops_those_in_flight() {
 }
 
 #[test]
-fn a_refused_picture_leaves_those_in_flight() {
+fn a_refused_image_leaves_those_in_flight() {
     let mut renderer = gpu();
     let [first, second, ..] = requests();
     let alone = [&first, &second].map(|request| request.rendered(&mut renderer));
     first.submit(&mut renderer).unwrap();
-    // Where the adapter draws pictures as large as they may be, none is refused.
+    // Where the adapter draws images as large as they may be, none is refused.
     let refused = Request::new(1, [16384, 1], Encoding::Rgb8).submit(&mut renderer);
     second.submit(&mut renderer).unwrap();
     assert_eq!(finished(&mut renderer), alone[0]);
@@ -137,7 +137,7 @@ fn a_refused_picture_leaves_those_in_flight() {
 }
 
 #[test]
-fn a_renderer_may_be_dropped_with_pictures_in_flight() {
+fn a_renderer_may_be_dropped_with_images_in_flight() {
     let mut renderer = gpu();
     requests().iter().for_each(|request| request.submit(&mut renderer).unwrap());
     drop(renderer);
@@ -148,7 +148,7 @@ fn a_renderer_may_be_dropped_with_pictures_in_flight() {
 }
 
 #[test]
-fn a_cloud_is_uploaded_once_for_all_cameras_pictures_and_styles() {
+fn a_cloud_is_uploaded_once_for_all_cameras_images_and_styles() {
     let mut renderer = gpu();
     let cloud = |blue: u8| {
         let positions: Vec<_> = (0..1000).map(|i| [(i % 40) as f32 / 40.0, (i / 40) as f32 / 40.0, 1.0]).collect();
@@ -246,7 +246,7 @@ fn no_pipeline_is_built_after_the_device_was_opened() {
     }
     let last = renderer.stats();
     assert_eq!((last.pipelines, last.uploads, last.targets), (first.pipelines, first.uploads, 1));
-    assert_eq!(last.pictures, 6);
+    assert_eq!(last.images, 6);
 }
 
 #[test]

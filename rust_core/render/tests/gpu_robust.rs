@@ -155,8 +155,8 @@ proptest! {
         let scene = Scene { drawables, light: lit.then_some(DirectionalLight { direction: Vector3::z() }) };
         let camera = camera(size.0, size.1, focal);
         let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
-        let picture = draw_on(&mut *gpu, &scene, &camera, [1, 2, 3]);
-        prop_assert!(picture.is_ok(), "{:?}", picture);
+        let image = draw_on(&mut *gpu, &scene, &camera, [1, 2, 3]);
+        prop_assert!(image.is_ok(), "{:?}", image);
     }
 }
 

@@ -11,16 +11,16 @@ use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 use rcs_render::{CpuRenderer, Culling, Renderer, View};
 use rcs_scene::{
-    Blending, Camera, CullMode, DisplayMask, Drawable, Encoding, Filtering, Geometry, LineTopology, Material, Mesh,
-    Picture, PointStyle, RenderGroup, Scene, Texture, Vertex, Wrapping,
+    Blending, Camera, CullMode, DisplayMask, Drawable, Encoding, Filtering, Geometry, Image, LineTopology, Material,
+    Mesh, PointStyle, RenderGroup, Scene, Texture, Vertex, Wrapping,
 };
 
-fn render(renderer: &mut dyn Renderer, scene: &Scene, camera: &Camera) -> Picture {
+fn render(renderer: &mut dyn Renderer, scene: &Scene, camera: &Camera) -> Image {
     let visible = DisplayMask::all();
     let (background, encoding) = ([20, 30, 40], Encoding::Rgba8);
-    let mut picture = Picture::default();
-    renderer.render(&View { scene, camera, visible: &visible, background, encoding }, &mut picture).unwrap();
-    picture
+    let mut image = Image::default();
+    renderer.render(&View { scene, camera, visible: &visible, background, encoding }, &mut image).unwrap();
+    image
 }
 
 /// Places so close to the lens that faces of some millimetres are large: spread, in a few places, in one, in a plane.
@@ -175,18 +175,18 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn what_is_hidden_does_not_show_in_the_picture(scene in scenes(), camera in cameras()) {
+    fn what_is_hidden_does_not_show_in_the_image(scene in scenes(), camera in cameras()) {
         let draw = |culling| render(&mut CpuRenderer::with_threads(1).with_culling(culling), &scene, &camera);
-        let picture = draw(Culling::Never);
-        let different = |other: Picture| {
-            other.data.chunks(4).zip(picture.data.chunks(4)).position(|(a, b)| a != b)
+        let image = draw(Culling::Never);
+        let different = |other: Image| {
+            other.data.chunks(4).zip(image.data.chunks(4)).position(|(a, b)| a != b)
         };
         prop_assert_eq!(different(draw(Culling::Always)), None);
         prop_assert_eq!(different(draw(Culling::Heavy)), None);
     }
 }
 
-/// The time of one picture in seconds.
+/// The time of one image in seconds.
 fn secs(renderer: &mut CpuRenderer, scene: &Scene, camera: &Camera) -> f64 {
     let start = Instant::now();
     render(renderer, scene, camera);
@@ -206,7 +206,7 @@ fn demand(name: &str) -> (f64, f64) {
     }
 }
 
-/// The rows of the table with some of their things. The fastest of a few pictures counts; of more where others keep the
+/// The rows of the table with some of their things. The fastest of a few images counts; of more where others keep the
 /// processors busy.
 #[test]
 fn what_is_hidden_costs_little() {
@@ -238,20 +238,20 @@ fn heavy_scenes_look_the_same_without_culling() {
     for row in rows(0.002) {
         let scene = row.scene();
         let draw = |culling| render(&mut CpuRenderer::new().with_culling(culling), &scene, &row.camera);
-        let picture = draw(Culling::Never);
-        assert!(draw(Culling::Always) == picture && draw(Culling::Heavy) == picture, "{}", row.name);
+        let image = draw(Culling::Never);
+        assert!(draw(Culling::Always) == image && draw(Culling::Heavy) == image, "{}", row.name);
     }
 }
 
 /// More workers have more bands of rows; no pixel may depend on where these begin.
 #[test]
-fn a_picture_is_the_same_for_any_number_of_workers() {
+fn a_image_is_the_same_for_any_number_of_workers() {
     for row in rows(0.01) {
         let scene = row.scene();
         let draw = |threads| render(&mut CpuRenderer::with_threads(threads), &scene, &row.camera);
-        let picture = draw(1);
+        let image = draw(1);
         for threads in [2, 3, 8] {
-            assert!(draw(threads) == picture, "{}, {threads} workers", row.name);
+            assert!(draw(threads) == image, "{}, {threads} workers", row.name);
         }
     }
 }

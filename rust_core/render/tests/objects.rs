@@ -9,8 +9,8 @@ use std::sync::Arc;
 use common::{at, camera, points, scene, square_mesh};
 use rcs_render::{create, DepthRequest, Depths, Finished, Renderer, RendererChoice, View};
 use rcs_scene::{
-    Blending, CellSheet, Cells, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Lighting,
-    LineTopology, Lines, Material, Picture, PointStyle, Points, RenderGroup, Rgba, Scene, Text, VerticalAlignment,
+    Blending, CellSheet, Cells, DepthImage, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Image,
+    Lighting, LineTopology, Lines, Material, PointStyle, Points, RenderGroup, Rgba, Scene, Text, VerticalAlignment,
 };
 
 const SIZE_PX: u32 = 40;
@@ -40,32 +40,32 @@ fn renderers() -> [Box<dyn Renderer>; 2] {
     [RendererChoice::Cpu, RendererChoice::Gpu].map(|choice| create(choice).unwrap())
 }
 
-/// The picture and the depths of a scene, whose picture is the same without them.
-fn drawn(renderer: &mut dyn Renderer, scene: &Scene) -> (Picture, Depths) {
+/// The image and the depths of a scene, whose image is the same without them.
+fn drawn(renderer: &mut dyn Renderer, scene: &Scene) -> (Image, Depths) {
     let (camera, visible) = (camera(SIZE_PX, SIZE_PX, 60.0), DisplayMask::all());
     let mut listed = DisplayMask::all();
     listed.set(OTHER, false);
     let view = View { scene, camera: &camera, visible: &visible, background: [0; 3], encoding: Encoding::Mono8 };
     let request = DepthRequest { opaque: true, objects_of: Some(&listed) };
     renderer.submit_with_depths(&view, &request).unwrap();
-    let (mut picture, mut depths, mut alone) = (Picture::default(), Depths::default(), Picture::default());
-    assert_eq!(renderer.finish_with_depths(&mut picture, &mut depths).unwrap(), Finished::Drawn);
+    let (mut image, mut depths, mut alone) = (Image::default(), Depths::default(), Image::default());
+    assert_eq!(renderer.finish_with_depths(&mut image, &mut depths).unwrap(), Finished::Drawn);
     renderer.render(&view, &mut alone).unwrap();
-    assert_eq!(picture, alone);
+    assert_eq!(image, alone);
     // The one kind does not depend on the other.
     let mut only = Depths::default();
     renderer.submit_with_depths(&view, &DepthRequest { opaque: true, objects_of: None }).unwrap();
     assert_eq!(renderer.finish_with_depths(&mut alone, &mut only).unwrap(), Finished::Drawn);
     assert_eq!(bits(&only.opaque), bits(&depths.opaque));
-    assert_eq!(only.objects, DepthPicture::default(), "not wanted");
-    (picture, depths)
+    assert_eq!(only.objects, DepthImage::default(), "not wanted");
+    (image, depths)
 }
 
-fn bits(depth: &DepthPicture) -> Vec<u32> {
+fn bits(depth: &DepthImage) -> Vec<u32> {
     depth.depths_m.iter().map(|depth_m| depth_m.to_bits()).collect()
 }
 
-/// Asserts the depth of the object in the middle of the picture.
+/// Asserts the depth of the object in the middle of the image.
 fn assert_object(what: &str, drawables: Vec<Drawable>, expected_m: Option<f32>) {
     let scene = scene(drawables);
     for mut renderer in renderers() {
@@ -153,9 +153,9 @@ fn text_is_an_object_where_it_covers_and_not_between_its_letters() {
         let wall = square(OTHER, 2.0, Material { lighting: Lighting::Unlit, ..Material::lit(Rgba::WHITE) });
         let scene = scene([text, wall]);
         for mut renderer in renderers() {
-            let (picture, depths) = drawn(renderer.as_mut(), &scene);
+            let (image, depths) = drawn(renderer.as_mut(), &scene);
             let (mut in_letters, mut between) = (0, 0);
-            for (level, depth_m) in picture.data.iter().zip(&depths.objects.depths_m) {
+            for (level, depth_m) in image.data.iter().zip(&depths.objects.depths_m) {
                 match level {
                     1..=252 => {
                         in_letters += 1;

@@ -9,7 +9,7 @@ use common::{at, camera, draw, scene};
 use nalgebra::{Isometry3, Vector3};
 use rcs_render::{CpuRenderer, Finished, GpuRenderer, Renderer, View};
 use rcs_scene::{
-    AxisRainbow, DisplayMask, Encoding, Geometry, PackedColors, PackedPoints, Picture, PointLook, PointStyle,
+    AxisRainbow, DisplayMask, Encoding, Geometry, Image, PackedColors, PackedPoints, PointLook, PointStyle,
     PositionLayout,
 };
 
@@ -44,8 +44,8 @@ fn packed(count: usize, stride: usize, colors: PackedColors, style: PointStyle) 
     Arc::new(PackedPoints::new(Arc::new(bytes(count, stride)), stride, positions, colors, look).unwrap())
 }
 
-/// Pictures of packed points and of the same points decoded.
-fn pictures(renderer: &mut dyn Renderer, packed: &Arc<PackedPoints>) -> [Picture; 2] {
+/// Images of packed points and of the same points decoded.
+fn images(renderer: &mut dyn Renderer, packed: &Arc<PackedPoints>) -> [Image; 2] {
     let geometries = [Geometry::Packed(packed.clone()), Geometry::Points(packed.points().clone())];
     geometries.map(|geometry| draw(renderer, &scene([at(0.1, 0.0, 1.5, geometry)]), &camera(160, 120, 150.0)))
 }
@@ -71,7 +71,7 @@ fn packed_points_look_like_decoded_ones() {
     for mut renderer in renderers() {
         for (i, style) in styles().into_iter().enumerate() {
             for (stride, colors) in [20, 32, 252].into_iter().flat_map(|stride| colors.map(|colors| (stride, colors))) {
-                let [packed, decoded] = pictures(renderer.as_mut(), &packed(3000, stride, colors, style));
+                let [packed, decoded] = images(renderer.as_mut(), &packed(3000, stride, colors, style));
                 assert!(packed.data.chunks_exact(4).filter(|pixel| pixel[..3] != [0; 3]).count() > 1000);
                 // Drivers may round one colour for all points otherwise than a point's own.
                 let most =
@@ -94,7 +94,7 @@ fn a_rainbow_on_the_gpu_differs_by_a_level_at_most() {
         let colors = PackedColors::Axis(AxisRainbow::new(axis, fixed_from_object).between(-0.3, 0.4));
         let packed = packed(3000, 20, colors, PointStyle::Points { diameter_px: 2.0 });
         for mut renderer in renderers() {
-            let [packed, decoded] = pictures(renderer.as_mut(), &packed);
+            let [packed, decoded] = images(renderer.as_mut(), &packed);
             let levels = packed.data.iter().zip(&decoded.data).map(|(a, b)| a.abs_diff(*b));
             assert!(levels.max().unwrap() <= 1, "{}, axis {axis}", renderer.describe());
         }
@@ -107,7 +107,7 @@ fn a_cloud_of_several_buffers_is_whole() {
     let packed = packed(540_000, 252, PackedColors::Rgb { offset: COLOR }, style);
     assert!(packed.bytes().len() > 128 << 20);
     let mut gpu = GpuRenderer::new(false).unwrap();
-    let [whole, decoded] = pictures(&mut gpu, &packed);
+    let [whole, decoded] = images(&mut gpu, &packed);
     assert!(whole == decoded);
 }
 
@@ -122,15 +122,15 @@ fn a_cloud_that_was_uploaded_while_another_is_drawn_is_not_uploaded_again() {
         |scene| View { scene, camera: &camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgba8 };
     let mut gpu = GpuRenderer::new(false).unwrap();
     let expected = clouds.each_ref().map(|cloud| draw(&mut GpuRenderer::new(false).unwrap(), cloud, &camera));
-    let mut picture = Picture::default();
+    let mut image = Image::default();
     assert!(!gpu.can_upload(), "nothing is in flight");
     gpu.submit(&view(&clouds[0])).unwrap();
     assert!(gpu.can_upload());
     gpu.upload(&clouds[1], &visible);
     let uploads = gpu.stats().uploads;
-    assert_eq!(gpu.finish(&mut picture).unwrap(), Finished::Drawn);
-    assert!(picture == expected[0]);
-    gpu.render(&view(&clouds[1]), &mut picture).unwrap();
-    assert!(picture == expected[1]);
+    assert_eq!(gpu.finish(&mut image).unwrap(), Finished::Drawn);
+    assert!(image == expected[0]);
+    gpu.render(&view(&clouds[1]), &mut image).unwrap();
+    assert!(image == expected[1]);
     assert_eq!(gpu.stats().uploads, uploads);
 }

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use rcs_render::{GpuRenderer, Renderer, View};
 use rcs_scene::{
-    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture,
+    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, Material, Mesh,
     RenderGroup, Rgba, Scene, Solids, Vertex,
 };
 
@@ -82,15 +82,15 @@ fn together(things: &[Thing], shapes: &[Arc<Mesh>]) -> Vec<Drawable> {
     things.chunk_by(|a, b| a.3 == b.3).map(chunk).collect()
 }
 
-fn picture(gpu: &mut GpuRenderer, drawables: Vec<Drawable>, visible: &DisplayMask) -> Picture {
+fn image(gpu: &mut GpuRenderer, drawables: Vec<Drawable>, visible: &DisplayMask) -> Image {
     let p = [100.0, 0.0, 64.0, 0.0, 0.0, 100.0, 48.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let camera = Camera::new(Intrinsics::from_p(128, 96, &p).unwrap(), &Isometry3::identity(), 0.01);
     let light = Some(DirectionalLight { direction: Vector3::new(0.3, 0.5, 0.8).normalize() });
     let scene = Scene { drawables, light };
     let view = View { scene: &scene, camera: &camera, visible, background: [9; 3], encoding: Encoding::Rgb8 };
-    let mut picture = Picture::default();
-    gpu.render(&view, &mut picture).unwrap();
-    picture
+    let mut image = Image::default();
+    gpu.render(&view, &mut image).unwrap();
+    image
 }
 
 #[test]
@@ -102,8 +102,8 @@ fn solids_look_the_same_singly_and_together() {
         let mut visible = DisplayMask::all();
         hidden.into_iter().for_each(|display| visible.set(display, false));
         let gpu = &mut *gpu.borrow_mut();
-        let alone = picture(gpu, singly(&things, &shapes), &visible);
-        prop_assert!(picture(gpu, together(&things, &shapes), &visible).data == alone.data);
+        let alone = image(gpu, singly(&things, &shapes), &visible);
+        prop_assert!(image(gpu, together(&things, &shapes), &visible).data == alone.data);
         Ok(())
     });
     result.unwrap();
@@ -118,7 +118,7 @@ fn neighbours_of_one_shape_are_one_draw_call_whoever_they_belong_to() {
     let mut draws = |things: &[Thing]| {
         let drawn = [singly(things, &shapes), together(things, &shapes)].map(|drawables| {
             let before = gpu.stats().draws;
-            picture(&mut gpu, drawables, &DisplayMask::all());
+            image(&mut gpu, drawables, &DisplayMask::all());
             gpu.stats().draws - before
         });
         assert_eq!(drawn[0], drawn[1]);

@@ -47,8 +47,8 @@ fn lit_share(renderer: &mut dyn Renderer, style: PointStyle) -> f64 {
     let place = |i: u16| (f32::from(i) - f32::from(SIDE / 2)) * (SPACING_PX + 1.0 / f32::from(SIDE)) * PIXEL_M;
     let positions: Vec<[f32; 3]> = (0..SIDE * SIDE).map(|i| [place(i % SIDE), place(i / SIDE), 0.0]).collect();
     let cloud = Geometry::Points(points(style, [255, 0, 0, 255], &positions));
-    let picture = draw(renderer, &scene([at(0.0, 0.0, DISTANCE_M, cloud)]), &camera(500, 500, DISTANCE_M * 100.0));
-    lit_pixels(&picture).len() as f64 / positions.len() as f64
+    let image = draw(renderer, &scene([at(0.0, 0.0, DISTANCE_M, cloud)]), &camera(500, 500, DISTANCE_M * 100.0));
+    lit_pixels(&image).len() as f64 / positions.len() as f64
 }
 
 fn lights_as_many_pixels_as_rviz(renderer: &mut dyn Renderer) {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::std_msgs::Header;
-use rcs_messages::{Image, SharedBytes, Time};
-use rcs_scene::Picture;
+use rcs_messages::{Image as ImageMessage, SharedBytes, Time};
+use rcs_scene::Image;
 
 use crate::error::NodeError;
 use crate::node::RosNode;
@@ -22,7 +22,7 @@ const QUEUE_SIZE: usize = 1;
 
 /// Publishes a camera's images until it is dropped, which unregisters its topics.
 pub struct ImagePublisher {
-    image: Publisher<Image>,
+    image: Publisher<ImageMessage>,
     info: Publisher<CameraInfo>,
     compressed: Arc<Publisher<CompressedImage>>,
     next_seq: u32,
@@ -93,22 +93,22 @@ impl ImagePublisher {
     ///
     /// # Errors
     /// `InvalidInput` for more than 4 GB, or for a buffer of another size than its rows need. The topic is named.
-    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> io::Result<Header> {
+    pub fn publish(&mut self, image: &Arc<Image>, info: &CameraInfo, stamp: Time) -> io::Result<Header> {
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
-        self.image.send_image(&self.message(picture, header.clone())?)?;
+        self.image.send_image(&self.message(image, header.clone())?)?;
         self.info.send_unchanged(&CameraInfo { header: header.clone(), ..info.clone() })?;
         Ok(header)
     }
 
-    /// A picture's message, which shares its pixels.
-    fn message(&self, picture: &Arc<Picture>, header: Header) -> io::Result<Image> {
-        let (step_bytes, len, height_px) = (picture.step(), picture.data.len(), picture.height_px);
+    /// An image's message, which shares its pixels.
+    fn message(&self, image: &Arc<Image>, header: Header) -> io::Result<ImageMessage> {
+        let (step_bytes, len, height_px) = (image.step(), image.data.len(), image.height_px);
         match u32::try_from(step_bytes) {
             Ok(step) if len == step_bytes * height_px as usize && u32::try_from(len).is_ok() => {
-                let pixels: SharedBytes = Arc::<Picture>::clone(picture);
-                let size_px = [picture.width_px, height_px];
-                Ok(Image::sharing(header, size_px, picture.encoding.name(), step, pixels))
+                let pixels: SharedBytes = Arc::<Image>::clone(image);
+                let size_px = [image.width_px, height_px];
+                Ok(ImageMessage::sharing(header, size_px, image.encoding.name(), step, pixels))
             }
             _ => Err(io::Error::new(
                 io::ErrorKind::InvalidInput,

@@ -23,8 +23,8 @@ mod error;
 mod events;
 #[cfg(any(test, feature = "fuzzing"))]
 pub mod fuzzing;
-mod graph;
 pub mod image_topic;
+mod master;
 mod names;
 mod network;
 mod node;
@@ -48,7 +48,7 @@ pub use clock::RosClock;
 pub use contacts::Unreachable;
 pub use error::NodeError;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, TriggerReply};
-pub use graph::{Publication, Publications};
+pub use master::{Publication, Publications};
 pub use names::{host_names, remapping_of, ros_folder};
 pub use node::{is_asked_to_end, node_time, NodeTime, Parameters, RosNode};
 pub use publisher::Publisher;

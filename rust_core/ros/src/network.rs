@@ -8,9 +8,9 @@ use std::time::Duration;
 
 use rcs_process::lock;
 
-use crate::graph::Master;
+use crate::master::Master;
 use crate::names::{master_uri, Host};
-use crate::node_api::{self, NodeState};
+use crate::node_api::{self, ApiState};
 use crate::registrar::{Entry, Registrar};
 use crate::tcpros::{Description, Listener, Observer, Publication, Service};
 use crate::xmlrpc::Server;
@@ -81,7 +81,7 @@ impl Network {
         };
         let is_asked_to_end = Arc::new(AtomicBool::new(false));
         let registrar = Registrar::new(master, Arc::clone(&is_asked_to_end), on_publisher_left);
-        *lock(&state) = Some(Arc::new(NodeState {
+        *lock(&state) = Some(Arc::new(ApiState {
             host: host.clone(),
             listener: Arc::clone(&listener),
             registrar: Arc::clone(&registrar),

@@ -4,12 +4,12 @@ use crate::clock::RosClock;
 use crate::contacts::Unreachable;
 use crate::error::NodeError;
 use crate::events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall};
-use crate::graph::Publications;
+use crate::master::Publications;
 use crate::names::{master_uri, private_arguments, Names};
 use crate::network::Network;
 use crate::param_writer::ParamWriter;
 use crate::tcpros::Service;
-use crate::topic::{Listener, Received, TopicSubscription, Topics};
+use crate::topic::{MessageCallback, Received, TopicSubscription, Topics};
 use crate::waiting::{ask_until_answered, check_master, wait_for_master};
 use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
@@ -418,7 +418,7 @@ impl RosNode {
         sender: Option<EventSender>,
         on_message: impl Fn(&Arc<str>, &Received<'_>) + Send + Sync + 'static,
     ) -> Result<TopicSubscription, NodeError> {
-        let listener: Listener = Box::new(on_message);
+        let listener: MessageCallback = Box::new(on_message);
         self.shared.topics.subscribe(self.network(), self.resolve(name)?, kind, sender, listener)
     }
 

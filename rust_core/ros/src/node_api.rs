@@ -7,13 +7,13 @@ use std::sync::{Arc, Mutex};
 
 use rcs_process::lock;
 
-use crate::graph::{strings, Master};
+use crate::master::{strings, Master};
 use crate::registrar::Registrar;
 use crate::tcpros::Listener;
 use crate::xmlrpc::{parse_call, Server, Value};
 
 /// State that the API answers from.
-pub(crate) struct NodeState {
+pub(crate) struct ApiState {
     /// Host by which others reach this node.
     pub(crate) host: String,
     /// The node's TCPROS port.
@@ -30,7 +30,7 @@ pub(crate) struct NodeState {
 ///
 /// # Errors
 /// The address cannot be used.
-pub(crate) fn serve(address: SocketAddr, state: Arc<Mutex<Option<Arc<NodeState>>>>) -> io::Result<Server> {
+pub(crate) fn serve(address: SocketAddr, state: Arc<Mutex<Option<Arc<ApiState>>>>) -> io::Result<Server> {
     Server::start("ros-api", address, move |text| {
         let state = lock(&state).clone();
         let Some(state) = state else { return refuse("the node is just starting") };
@@ -54,7 +54,7 @@ fn count(count: u64) -> Value {
     Value::Int((count & 0x7fff_ffff) as i32)
 }
 
-impl NodeState {
+impl ApiState {
     fn answer(&self, method: &str, params: &[Value]) -> Value {
         match (method, params) {
             ("getPid", _) => succeed(Value::Int(std::process::id() as i32)),

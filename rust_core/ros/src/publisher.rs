@@ -16,7 +16,7 @@ use crate::error::NodeError;
 use crate::network::Network;
 use crate::node::RosNode;
 use crate::registrar::Entry;
-use crate::tcpros::{Change, Description, Frame, Observer, Publication};
+use crate::tcpros::{Change, Description, EncodedMessage, Observer, Publication};
 
 /// Queue size of `/diagnostics`.
 const DIAGNOSTICS_QUEUE_SIZE: usize = 4;
@@ -141,7 +141,7 @@ impl<T: Message> Publisher<T> {
 
     /// Sends an encoded message in two parts, of which the second is shared and not copied.
     fn send_parts(&self, beginning: &[u8], rest: SharedBytes) -> io::Result<()> {
-        let frame = Frame::new(beginning, rest)
+        let frame = EncodedMessage::new(beginning, rest)
             .map_err(|error| io::Error::new(error.kind(), format!("cannot send on {}: {error}", self.topic())))?;
         self.publication.send(&frame);
         Ok(())

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use self::state::{RegistrarState, RegistrarStep, SubscribedTopic, MOST_PUBLISHERS};
 use crate::contacts::{list_of, Contacts, Unreachable};
-use crate::graph::{strings, Master, Publications};
+use crate::master::{strings, Master, Publications};
 use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
 use rcs_process::{lock, wait_timeout};

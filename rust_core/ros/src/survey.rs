@@ -23,7 +23,7 @@ impl RosNode {
     /// Whole names of all parameters; empty if the master does not answer.
     pub fn parameter_names(&self) -> Vec<String> {
         let names = self.network().registrar().master().call("getParamNames", &[]);
-        names.map(|names| crate::graph::strings(&names)).unwrap_or_default()
+        names.map(|names| crate::master::strings(&names)).unwrap_or_default()
     }
 
     /// A parameter by its whole name; `None` if it is not set or the master does not answer.

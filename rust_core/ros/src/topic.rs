@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::Instant;
 
-/// Listener, called with the topic's name and a message.
-pub(crate) type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
+/// Called with the topic's name and a message.
+pub(crate) type MessageCallback = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
 
 /// A message for listeners.
 pub(crate) struct Received<'a> {
@@ -44,7 +44,7 @@ struct Receiver {
 
 #[derive(Default)]
 struct State {
-    listeners: BTreeMap<u64, Arc<Listener>>,
+    listeners: BTreeMap<u64, Arc<MessageCallback>>,
     next_listener: u64,
     /// Name of each connected latching publisher, and its last message.
     latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
@@ -92,7 +92,7 @@ impl Topic {
     }
 
     /// Adds a listener and calls it with the latched messages.
-    fn add_listener(&self, listener: Listener) -> u64 {
+    fn add_listener(&self, listener: MessageCallback) -> u64 {
         let (mut state, at) = (lock(&self.receiver.state), Instant::now());
         for (publisher, message) in state.latched.values() {
             if let Some(message) = message {
@@ -191,7 +191,7 @@ impl Topics {
         name: String,
         kind: MessageKind,
         sender: Option<EventSender>,
-        listener: Listener,
+        listener: MessageCallback,
     ) -> Result<TopicSubscription, NodeError> {
         // Locked throughout, because the last listener of the topic may be removed meanwhile.
         let mut topics = lock(&self.0);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::error::NodeError;
-use crate::graph::ping;
+use crate::master::ping;
 use crate::xmlrpc::client::host_and_port;
 use crate::xmlrpc::CallError;
 

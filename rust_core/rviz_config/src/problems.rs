@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_without_pictures_are_reported() {
+    fn cameras_without_images_are_reported() {
         let camera = |rest: &str| format!("Class: rviz_camera_stream/CameraPub, {rest}");
         let good = camera("Name: a, Enabled: true, Image Topic: /i, Camera Info Topic: /c");
         assert_eq!(problems_of(&[&good]), Vec::<String>::new());

@@ -9,7 +9,7 @@ use rcs_rviz_config::{parse, Config, Finding, FindingKind, Role};
 const DEFAULTS: &str = include_str!("saved_by_rviz/defaults.rviz");
 const CHANGED: &str = include_str!("saved_by_rviz/changed.rviz");
 
-/// Properties that change nothing in a picture, by the end of their place. Camera and Image show theirs in rviz's
+/// Properties that change nothing in an image, by the end of their place. Camera and Image show theirs in rviz's
 /// window, and "All Enabled" is a button there: when rviz loads a file, there is no frame yet that it could switch. A
 /// size in pixels belongs to another style than the default one.
 const NOT_READ: [&str; 23] = [

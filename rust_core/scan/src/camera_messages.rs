@@ -7,7 +7,7 @@ use rcs_calibration::Lens;
 use rcs_displays::unpack_image;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::{AnyMessage, Image, PointCloud2};
+use rcs_messages::{AnyMessage, Image as ImageMessage, PointCloud2};
 
 use crate::devices::DepthFrame;
 
@@ -45,7 +45,7 @@ fn lens_of(info: &CameraInfo, is_rectified: bool) -> Result<Lens, String> {
 ///
 /// # Errors
 /// The reason, for a message that names the topic.
-pub fn picture_of(topic: &str, message: &AnyMessage) -> Result<([u32; 2], Vec<u8>), String> {
+pub fn grey_image(topic: &str, message: &AnyMessage) -> Result<([u32; 2], Vec<u8>), String> {
     let image = image_of(topic, message)?;
     Ok(([image.width, image.height], grey_levels(&image)?))
 }
@@ -62,7 +62,7 @@ pub fn depth_of(topic: &str, message: &AnyMessage) -> Result<DepthFrame, String>
     Ok(DepthFrame { size_px: [image.width, image.height], depth_m: depths_m(&image)? })
 }
 
-fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, String> {
+fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, ImageMessage>, String> {
     match message {
         AnyMessage::Image(image) => Ok(Cow::Borrowed(image)),
         AnyMessage::CompressedImage(packed) => unpack_image(topic, packed).map(Cow::Owned),
@@ -71,7 +71,7 @@ fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, 
 }
 
 /// Grey levels of an image, row by row: the luma of ITU-R BT.601, as in cv_bridge. Bayer patterns are demosaiced.
-fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
+fn grey_levels(image: &ImageMessage) -> Result<Vec<u8>, String> {
     if let Some(colors) = image.demosaic() {
         return Ok(colors?.as_chunks().0.iter().map(|color| luma(*color)).collect());
     }
@@ -98,7 +98,7 @@ fn luma([red, green, blue]: [u8; 3]) -> u8 {
 }
 
 /// Depths of a depth image, metres, row by row; none where not a positive number.
-fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
+fn depths_m(image: &ImageMessage) -> Result<Vec<f32>, String> {
     let mut depths = Vec::new();
     match image.encoding.as_str() {
         "16UC1" | "mono16" => {
@@ -131,10 +131,10 @@ fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
 mod tests {
     use std::sync::Arc;
 
-    use rcs_files::picture_file;
+    use rcs_files::image_file;
     use rcs_messages::sensor_msgs::{CompressedImage, PointField};
     use rcs_messages::std_msgs::Header;
-    use rcs_scene::{Encoding, Picture};
+    use rcs_scene::{Encoding, Image};
 
     use super::*;
 
@@ -163,8 +163,8 @@ mod tests {
         assert!(lens_of(&CameraInfo::default(), false).unwrap_err().contains("0x0"));
     }
 
-    fn image(encoding: &str, size_px: [u32; 2], step: u32, data: &[u8]) -> Image {
-        Image::new(Header::default(), size_px, encoding, step, Arc::new(data.to_vec()))
+    fn image(encoding: &str, size_px: [u32; 2], step: u32, data: &[u8]) -> ImageMessage {
+        ImageMessage::new(Header::default(), size_px, encoding, step, Arc::new(data.to_vec()))
     }
 
     #[test]
@@ -192,8 +192,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let png = |encoding, data: &[u8]| {
             let path = folder.path().join("picture.png");
-            let picture = Picture { width_px: 2, height_px: 1, encoding, data: data.to_vec() };
-            picture_file::write(&path, &picture).unwrap();
+            let image = Image { width_px: 2, height_px: 1, encoding, data: data.to_vec() };
+            image_file::write(&path, &image).unwrap();
             std::fs::read(path).unwrap()
         };
         let packed = |format: &str, data| {
@@ -204,14 +204,14 @@ mod tests {
             }))
         };
         let colours = packed("rgb8; png compressed bgr8", png(Encoding::Rgb8, &[255, 0, 0, 0, 255, 0]));
-        assert_eq!(picture_of("/camera/image/compressed", &colours), Ok(([2, 1], vec![76, 150])));
+        assert_eq!(grey_image("/camera/image/compressed", &colours), Ok(([2, 1], vec![76, 150])));
         let mut data = vec![0; 12];
         data.extend(png(Encoding::Mono16, &[1500_u16, 0].map(u16::to_le_bytes).concat()));
         let depth = depth_of("/depth/compressedDepth", &packed("16UC1; compressedDepth png", data)).unwrap();
         assert_eq!((depth.size_px, depth.depth_m), ([2, 1], vec![1.5, 0.0]));
-        assert_eq!(picture_of("/c", &packed("rgb8; jpeg", vec![1, 2])), Err("neither JPEG nor PNG".to_owned()));
+        assert_eq!(grey_image("/c", &packed("rgb8; jpeg", vec![1, 2])), Err("neither JPEG nor PNG".to_owned()));
         let cloud = AnyMessage::PointCloud2(Arc::default());
-        assert!(picture_of("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is not an image"));
+        assert!(grey_image("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is not an image"));
     }
 
     #[test]

@@ -11,7 +11,7 @@ const ALIKE_DIFFERENCES: usize = 4;
 /// up to this factor and this number of levels.
 const ALIKE_FACTOR: f64 = 1.5;
 const ALIKE_LEVELS: f64 = 1.0;
-/// Limit of the difference of two frames of the same picture: a factor of the noise, and levels.
+/// Limit of the difference of two frames of the same image: a factor of the noise, and levels.
 const NOISE_FACTOR: f64 = 1.3;
 const NOISE_LEVELS: f64 = 0.5;
 /// A changed pixel differs by this number of levels, and this multiple of the noise.
@@ -46,7 +46,7 @@ pub(crate) fn difference(one: &[u8], other: &[u8], at: &[usize]) -> f64 {
     (at.iter().map(square).sum::<f64>() / at.len().max(1) as f64).sqrt()
 }
 
-/// `true` if two frames show the same picture. `noise` is the difference of two such frames.
+/// `true` if two frames show the same image. `noise` is the difference of two such frames.
 pub(crate) fn is_same(one: &[u8], other: &[u8], at: &[usize], noise: f64) -> bool {
     difference(one, other, at) <= NOISE_FACTOR * noise + NOISE_LEVELS
 }
@@ -61,7 +61,7 @@ pub(crate) struct ImageChange {
 }
 
 impl ImageChange {
-    /// Compares two images. `noise` is the difference of two frames of the same picture.
+    /// Compares two images. `noise` is the difference of two frames of the same image.
     pub(crate) fn between(before: &[u8], after: &[u8], at: &[usize], noise: f64) -> Self {
         let at: Vec<usize> =
             at.iter().copied().filter(|pixel| before[*pixel] != CLIPPED && after[*pixel] != CLIPPED).collect();

@@ -9,11 +9,11 @@ pub trait ProjectorScreen {
     /// Its name in messages, such as `monitor HDMI-1`.
     fn name(&self) -> String;
 
-    /// Shows a picture of the projector's size: grey levels, row by row from the top. It may be seen later.
+    /// Shows an image of the projector's size: grey levels, row by row from the top. It may be seen later.
     ///
     /// # Errors
     /// The reason, in one line.
-    fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()>;
+    fn show(&mut self, image: Vec<u8>) -> anyhow::Result<()>;
 }
 
 /// A frame from the camera.

@@ -15,7 +15,7 @@ pub enum ScanFailure {
          camera look at what it lights, and is the room dark enough?"
     )]
     NoLight(String),
-    /// Brightness changes under the same picture; by this share of the projector's light.
+    /// Brightness changes under the same image; by this share of the projector's light.
     #[error(
         "the camera's brightness is not steady, it changes by {:.0} % while the same picture is shown: switch off \
          automatic exposure, gain and white balance, and lamps that flicker",
@@ -32,13 +32,13 @@ pub enum ScanFailure {
         100.0 * .0
     )]
     Moved(f64),
-    /// The projector's picture is mirrored.
+    /// The projector's image is mirrored.
     #[error(
         "the projector's picture is mirrored: switch off rear projection or mirroring in the projector's menu and in \
          the monitor's settings, and take mirrors out of the way"
     )]
     Mirrored,
-    /// The projector distorts its picture; the reason.
+    /// The projector distorts its image; the reason.
     #[error("{0}")]
     Keystone(String),
     /// The camera's image does not settle within these seconds.
@@ -65,7 +65,7 @@ pub enum ScanFailure {
         size_px[0], size_px[1], camera_px[0], camera_px[1]
     )]
     Size {
-        /// `picture` or `depth image`.
+        /// `image` or `depth image`.
         what: &'static str,
         /// Width and height of the image, pixels.
         size_px: [u32; 2],

@@ -1,20 +1,20 @@
 //! From the images of a scan to its capture: decoding and its checks, for a live scan and one from a bag.
 
 use rcs_calibration::patterns::{Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Keystone, Lens, Pictures, ScanProblem};
-use rcs_files::capture::{Capture, CapturedRobot, PatternPicture};
+use rcs_calibration::{decode, Decoded, Images, Keystone, Lens, ScanProblem};
+use rcs_files::capture::{Capture, CapturedRobot, PatternImage};
 
 use crate::depth_average::DepthAverage;
 use crate::failure::ScanFailure;
 use crate::light::Illumination;
-use crate::orientation::{self, PictureOrientation};
+use crate::orientation::{self, ImageOrientation};
 
 /// The least share of the image that must be decoded.
 const MIN_DECODED: f64 = 0.002;
 /// The share of the lit pixels below which there is a warning.
 const FEW_DECODED: f64 = 0.5;
 
-/// Bits of each axis whose stripes' crossings tell whether the projector distorts its picture.
+/// Bits of each axis whose stripes' crossings tell whether the projector distorts its image.
 pub(crate) const KEYSTONE_BITS: u32 = 5;
 
 /// The result of a scan.
@@ -35,7 +35,7 @@ pub(crate) struct ScanImages<'a> {
     pub(crate) lens: Lens,
     /// The camera's optical frame; may be empty.
     pub(crate) frame_id: String,
-    pub(crate) pictures: Vec<PatternPicture>,
+    pub(crate) images: Vec<PatternImage>,
     pub(crate) light: &'a Illumination,
     pub(crate) depth: Option<&'a DepthAverage>,
     /// `false` if the scan was interrupted.
@@ -48,7 +48,7 @@ impl ScanImages<'_> {
     /// # Errors
     /// [`ScanFailure`]: their fault. [`ScanFailure::Interrupted`] if more of them might have been enough.
     pub(crate) fn finish(mut self, warn: &mut dyn FnMut(&str)) -> Result<ScanResult, ScanFailure> {
-        drop_unpaired(&mut self.pictures);
+        drop_unpaired(&mut self.images);
         let decoded = self.decode()?;
         for problem in decoded.quality.problems() {
             let is_reported = matches!(problem, ScanProblem::Clipped(_)) && self.light.is_overexposed();
@@ -75,7 +75,7 @@ impl ScanImages<'_> {
             camera: self.lens,
             is_camera_calibrated: true,
             camera_frame_id: self.frame_id,
-            pictures: self.pictures,
+            images: self.images,
             depth_m: self.depth.map(DepthAverage::depth_m),
             robot: CapturedRobot::default(),
             warnings: Vec::new(),
@@ -84,10 +84,10 @@ impl ScanImages<'_> {
     }
 
     fn decode(&self) -> Result<Decoded, ScanFailure> {
-        let images = self.pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice()));
+        let images = self.images.iter().map(|image| (image.pattern, image.grey.as_slice()));
         let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = images.unzip();
-        let pictures = Pictures { size_px: self.lens.size_px, patterns: &patterns, levels };
-        decode(&pictures, self.projector_px).map_err(|error| {
+        let images = Images { size_px: self.lens.size_px, patterns: &patterns, levels };
+        decode(&images, self.projector_px).map_err(|error| {
             if self.is_complete {
                 error.into()
             } else {
@@ -97,21 +97,21 @@ impl ScanImages<'_> {
     }
 }
 
-/// Checks by the coarse stripes that the picture is not mirrored, and warns if it is cut off.
+/// Checks by the coarse stripes that the image is not mirrored, and warns if it is cut off.
 ///
 /// # Errors
 /// [`ScanFailure::Mirrored`].
 pub(crate) fn check_orientation(
-    pictures: &[PatternPicture],
+    images: &[PatternImage],
     light: &Illumination,
     camera_px: [u32; 2],
     projector_px: [u32; 2],
     warn: &mut dyn FnMut(&str),
 ) -> Result<(), ScanFailure> {
-    match orientation::judge(pictures, &light.lit, camera_px, projector_px) {
-        PictureOrientation::Right => Ok(()),
-        PictureOrientation::Mirrored => Err(ScanFailure::Mirrored),
-        PictureOrientation::Cut(axis, [first, last]) => {
+    match orientation::judge(images, &light.lit, camera_px, projector_px) {
+        ImageOrientation::Right => Ok(()),
+        ImageOrientation::Mirrored => Err(ScanFailure::Mirrored),
+        ImageOrientation::Cut(axis, [first, last]) => {
             let lines = if axis == Axis::X { "columns" } else { "rows" };
             warn(&format!(
                 "the projector's {lines} {first} to {last} are not seen: is its picture cut off or covered, or the \
@@ -122,22 +122,22 @@ pub(crate) fn check_orientation(
     }
 }
 
-/// Checks by the crossings of the coarse stripes that the projector does not distort its picture.
+/// Checks by the crossings of the coarse stripes that the projector does not distort its image.
 ///
 /// # Errors
 /// [`ScanFailure::Keystone`].
 pub(crate) fn check_keystone(
-    pictures: &[PatternPicture],
+    images: &[PatternImage],
     depth: &DepthAverage,
     camera: &Lens,
     projector_px: [u32; 2],
     warn: &mut dyn FnMut(&str),
 ) -> Result<(), ScanFailure> {
-    let is_coarse = |picture: &&PatternPicture| orientation::is_coarse(&picture.pattern, KEYSTONE_BITS);
-    let coarse = pictures.iter().filter(is_coarse).map(|picture| (picture.pattern, picture.grey.as_slice()));
+    let is_coarse = |image: &&PatternImage| orientation::is_coarse(&image.pattern, KEYSTONE_BITS);
+    let coarse = images.iter().filter(is_coarse).map(|image| (image.pattern, image.grey.as_slice()));
     let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = coarse.unzip();
-    let pictures = Pictures { size_px: camera.size_px, patterns: &patterns, levels };
-    match Keystone::find(&pictures, &depth.depth_m(), camera, projector_px) {
+    let images = Images { size_px: camera.size_px, patterns: &patterns, levels };
+    match Keystone::find(&images, &depth.depth_m(), camera, projector_px) {
         Some(Keystone::Skewed(reason)) => return Err(ScanFailure::Keystone(reason)),
         Some(Keystone::Stretched(reason)) => warn(&reason),
         None => {}
@@ -146,9 +146,9 @@ pub(crate) fn check_keystone(
 }
 
 /// Removes stripes without their inverse, after which the scan was interrupted.
-fn drop_unpaired(pictures: &mut Vec<PatternPicture>) {
-    let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
-    pictures.retain(|picture| match picture.pattern {
+fn drop_unpaired(images: &mut Vec<PatternImage>) {
+    let patterns: Vec<Pattern> = images.iter().map(|image| image.pattern).collect();
+    images.retain(|image| match image.pattern {
         Pattern::GrayCode(stripes) => patterns.contains(&Pattern::GrayCode(stripes.inverse())),
         _ => true,
     });

@@ -1,9 +1,9 @@
 //! The scan engine: shows patterns with a projector, takes the camera's images of them, checks both, and makes a
 //! capture of them; or finds patterns and images in a recording.
 //!
-//! [`ScanSession`] is a live scan on a [`ProjectorScreen`] and a [`ScanCamera`]; those of ROS are in `calibrate`, tests
-//! bring simulated ones. [`recorded::scan`] is the scan of a bag. Both share the checks of the images. No ROS master,
-//! no window.
+//! [`ScanSession`] is a live scan on a [`ProjectorScreen`] and a [`ScanCamera`]; those of ROS are in
+//! `projector_calibrate`, tests bring simulated ones. [`recorded::scan`] is the scan of a bag. Both share the checks of
+//! the images. No ROS master, no window.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -28,7 +28,7 @@ mod session;
 mod tests;
 mod verification;
 
-pub use camera_messages::{depth_of, lens_of_topic, picture_of};
+pub use camera_messages::{depth_of, grey_image, lens_of_topic};
 pub use devices::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ProjectorScreen, ScanCamera, ScanCameraError};
 pub use failure::ScanFailure;
 pub use finish::ScanResult;

@@ -18,7 +18,7 @@ const MAX_CLIPPED: f64 = 0.25;
 /// Contrast of white and black below which there is a warning, levels.
 const WARN_CONTRAST: f64 = 20.0;
 
-/// The delay from showing a picture to seeing it.
+/// The delay from showing an image to seeing it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Delay {
     /// The time until half of the light is seen.
@@ -34,7 +34,7 @@ pub(crate) struct Illumination {
     pub(crate) delay: Delay,
     /// A sample of the camera pixels that the projector lights.
     pub(crate) lit: Vec<usize>,
-    /// The difference of two frames of the same picture at these, root mean square, levels.
+    /// The difference of two frames of the same image at these, root mean square, levels.
     pub(crate) noise: f64,
     /// The share of these that is clipped in white.
     pub(crate) clipped: f64,
@@ -43,7 +43,7 @@ pub(crate) struct Illumination {
 }
 
 impl Illumination {
-    /// From images of white and black; the delay is zero. `noise` is the difference of two frames of the same picture,
+    /// From images of white and black; the delay is zero. `noise` is the difference of two frames of the same image,
     /// `screen` the screen's name in messages.
     ///
     /// # Errors

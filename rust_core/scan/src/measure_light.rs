@@ -1,7 +1,7 @@
 //! Measures the projector's light at the beginning of a session, and takes the image of each pattern.
 //!
 //! Black and white alternate. That finds the camera pixels that the projector lights, and the delay from showing a
-//! picture to seeing it, which no fixed sleep would know: window system, projector, camera and network each take their
+//! image to seeing it, which no fixed sleep would know: window system, projector, camera and network each take their
 //! time. White that is held for a second also tells whether the brightness is steady and whether the camera moves.
 
 use std::collections::VecDeque;
@@ -193,7 +193,7 @@ impl ScanSession<'_> {
         self.capture_shown(shown, light, last)
     }
 
-    /// Like [`Self::capture`], of a picture that is shown since a time.
+    /// Like [`Self::capture`], of an image that is shown since a time.
     pub(crate) fn capture_shown(
         &mut self,
         shown: Instant,

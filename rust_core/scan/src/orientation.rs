@@ -1,12 +1,12 @@
-//! The orientation of the projector's picture in the camera's image, by coarse stripes.
+//! The orientation of the projector's image in the camera's image, by coarse stripes.
 //!
 //! Camera and projector see the same side of a surface, so the determinant of d(u, v)/d(x, y) is positive, also for a
-//! projector that hangs upside down (rotated by 180°). It is negative where the picture is mirrored: such a capture
+//! projector that hangs upside down (rotated by 180°). It is negative where the image is mirrored: such a capture
 //! would be fitted by a projector behind the wall.
 
 use nalgebra::{Matrix3, Vector3};
 use rcs_calibration::patterns::{Axis, Pattern, Stripes};
-use rcs_files::capture::PatternPicture;
+use rcs_files::capture::PatternImage;
 
 use crate::coarse_code::CoarseCode;
 
@@ -16,14 +16,14 @@ pub(crate) const BITS: u32 = 4;
 const MIN_PIXELS: usize = 100;
 /// The least share of variance that the fit must explain.
 const MIN_EXPLAINED: f64 = 0.2;
-/// The share of the picture that may be missing at an edge without a warning.
+/// The share of the image that may be missing at an edge without a warning.
 const MARGIN: f64 = 0.2;
 /// Width of the image's edge, as a share of it: lit pixels there mean that more is lit than is seen.
 const EDGE: f64 = 0.03;
 
 /// The verdict by the coarse stripes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PictureOrientation {
+pub(crate) enum ImageOrientation {
     /// Right, or too few pixels for a verdict.
     Right,
     /// Mirrored.
@@ -48,17 +48,17 @@ pub(crate) fn is_coarse(pattern: &Pattern, bits: u32) -> bool {
 
 /// Judges the images taken so far, white and black among them; `lit` is a sample of the lit pixels.
 pub(crate) fn judge(
-    pictures: &[PatternPicture],
+    images: &[PatternImage],
     lit: &[usize],
     camera_px: [u32; 2],
     projector_px: [u32; 2],
-) -> PictureOrientation {
-    let (Some(white), Some(black)) = (grey_of(pictures, Pattern::White), grey_of(pictures, Pattern::Black)) else {
-        return PictureOrientation::Right;
+) -> ImageOrientation {
+    let (Some(white), Some(black)) = (grey_of(images, Pattern::White), grey_of(images, Pattern::Black)) else {
+        return ImageOrientation::Right;
     };
-    let [bits_x, bits_y] = Axis::ALL.map(|axis| coarse_bits(pictures, axis));
+    let [bits_x, bits_y] = Axis::ALL.map(|axis| coarse_bits(images, axis));
     if bits_x.is_empty() || bits_y.is_empty() {
-        return PictureOrientation::Right;
+        return ImageOrientation::Right;
     }
     // The middle of the columns or rows with the pixel's code.
     let place = |bits: &[(Stripes, &[u8], &[u8])], pixel: usize| {
@@ -76,22 +76,22 @@ pub(crate) fn judge(
     };
     let matches: Vec<CoarseMatch> = lit.iter().filter_map(coarse_match).collect();
     if matches.len() < MIN_PIXELS {
-        return PictureOrientation::Right;
+        return ImageOrientation::Right;
     }
     if determinant(&matches).is_some_and(|determinant| determinant < 0.0) {
-        return PictureOrientation::Mirrored;
+        return ImageOrientation::Mirrored;
     }
-    cut(&matches, camera_px, projector_px).unwrap_or(PictureOrientation::Right)
+    cut(&matches, camera_px, projector_px).unwrap_or(ImageOrientation::Right)
 }
 
 /// The coarse bits of an axis from the most significant on, with the images of the stripes and of their inverse.
-fn coarse_bits(pictures: &[PatternPicture], axis: Axis) -> Vec<(Stripes, &[u8], &[u8])> {
+fn coarse_bits(images: &[PatternImage], axis: Axis) -> Vec<(Stripes, &[u8], &[u8])> {
     let find = |bit: u32| {
-        pictures.iter().find_map(|picture| match picture.pattern {
+        images.iter().find_map(|image| match image.pattern {
             Pattern::GrayCode(stripes)
                 if stripes.axis == axis && stripes.bit == bit && !stripes.inverted && stripes.offset == 0 =>
             {
-                Some((stripes, &*picture.grey, grey_of(pictures, Pattern::GrayCode(stripes.inverse()))?))
+                Some((stripes, &*image.grey, grey_of(images, Pattern::GrayCode(stripes.inverse()))?))
             }
             _ => None,
         })
@@ -100,8 +100,8 @@ fn coarse_bits(pictures: &[PatternPicture], axis: Axis) -> Vec<(Stripes, &[u8], 
 }
 
 /// The image of a pattern.
-pub(crate) fn grey_of(pictures: &[PatternPicture], wanted: Pattern) -> Option<&[u8]> {
-    pictures.iter().find(|picture| picture.pattern == wanted).map(|picture| picture.grey.as_slice())
+pub(crate) fn grey_of(images: &[PatternImage], wanted: Pattern) -> Option<&[u8]> {
+    images.iter().find(|image| image.pattern == wanted).map(|image| image.grey.as_slice())
 }
 
 /// The determinant of d(u, v)/d(x, y) by a linear fit; `None` for a bad fit.
@@ -130,8 +130,8 @@ fn determinant(matches: &[CoarseMatch]) -> Option<f64> {
     Some(fits[0].x * fits[1].y - fits[0].y * fits[1].x)
 }
 
-/// The missing part of the projector's picture, if the camera sees where the light ends.
-fn cut(matches: &[CoarseMatch], camera_px: [u32; 2], projector_px: [u32; 2]) -> Option<PictureOrientation> {
+/// The missing part of the projector's image, if the camera sees where the light ends.
+fn cut(matches: &[CoarseMatch], camera_px: [u32; 2], projector_px: [u32; 2]) -> Option<ImageOrientation> {
     let is_at_edge = |one: &&CoarseMatch| {
         (0..2).any(|axis| {
             let size = f64::from(camera_px[axis]);
@@ -148,9 +148,9 @@ fn cut(matches: &[CoarseMatch], camera_px: [u32; 2], projector_px: [u32; 2]) -> 
         // Single pixels may be wrong.
         let (first, last) = (places[places.len() / 200], places[places.len() - 1 - places.len() / 200]);
         if first > MARGIN * size {
-            return Some(PictureOrientation::Cut(axis, [0, first as u32]));
+            return Some(ImageOrientation::Cut(axis, [0, first as u32]));
         }
-        (last < (1.0 - MARGIN) * size).then_some(PictureOrientation::Cut(axis, [last as u32, size as u32 - 1]))
+        (last < (1.0 - MARGIN) * size).then_some(ImageOrientation::Cut(axis, [last as u32, size as u32 - 1]))
     })
 }
 
@@ -164,7 +164,7 @@ mod tests {
     const PROJECTOR_PX: [u32; 2] = [128, 80];
 
     /// The verdict on a camera's images of a wall, by the projector's pixel that lights each of its pixels.
-    fn judged(size_px: [u32; 2], lit_by: impl Fn(f64, f64) -> [f64; 2]) -> PictureOrientation {
+    fn judged(size_px: [u32; 2], lit_by: impl Fn(f64, f64) -> [f64; 2]) -> ImageOrientation {
         let all: Vec<usize> = (0..64 * 48).collect();
         let place = |pixel: &usize| lit_by((pixel % 64) as f64, (pixel / 64) as f64);
         let is_in = |at: [f64; 2]| (0..2).all(|axis| (0.0..f64::from(PROJECTOR_PX[axis])).contains(&at[axis]));
@@ -177,30 +177,30 @@ mod tests {
                 20
             }
         };
-        let picture = |pattern: &Pattern| {
+        let image = |pattern: &Pattern| {
             let grey = all.iter().map(|pixel| level(pattern, pixel)).collect();
-            PatternPicture { pattern: *pattern, grey }
+            PatternImage { pattern: *pattern, grey }
         };
-        let pictures: Vec<PatternPicture> = patterns.iter().map(picture).collect();
+        let images: Vec<PatternImage> = patterns.iter().map(image).collect();
         let lit: Vec<usize> = all.iter().copied().filter(|pixel| is_in(place(pixel))).collect();
-        judge(&pictures, &lit, CAMERA_PX, size_px)
+        judge(&images, &lit, CAMERA_PX, size_px)
     }
 
     #[test]
-    fn rotated_pictures_are_right_and_mirrored_ones_are_not() {
+    fn rotated_images_are_right_and_mirrored_ones_are_not() {
         let right = |x: f64, y: f64| [2.6 * x - 20.0 + 0.1 * y, 2.2 * y - 12.0];
-        assert_eq!(judged(PROJECTOR_PX, right), PictureOrientation::Right);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, 47.0 - y)), PictureOrientation::Right);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, y)), PictureOrientation::Mirrored);
-        assert_eq!(judged(PROJECTOR_PX, |x, y| right(x, 47.0 - y)), PictureOrientation::Mirrored);
+        assert_eq!(judged(PROJECTOR_PX, right), ImageOrientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, 47.0 - y)), ImageOrientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(63.0 - x, y)), ImageOrientation::Mirrored);
+        assert_eq!(judged(PROJECTOR_PX, |x, y| right(x, 47.0 - y)), ImageOrientation::Mirrored);
     }
 
     #[test]
-    fn a_picture_that_is_cut_off_is_noticed() {
+    fn a_image_that_is_cut_off_is_noticed() {
         let cut = |x: f64, y: f64| if x < 40.0 { [2.6 * x - 20.0, 2.2 * y - 12.0] } else { [-1.0; 2] };
-        assert!(matches!(judged(PROJECTOR_PX, cut), PictureOrientation::Cut(Axis::X, [70..90, 127])));
-        // Where the camera's picture ends, it is the camera that does not see more.
+        assert!(matches!(judged(PROJECTOR_PX, cut), ImageOrientation::Cut(Axis::X, [70..90, 127])));
+        // Where the camera's image ends, it is the camera that does not see more.
         let beside = |x: f64, y: f64| [1.4 * x, 2.2 * y - 12.0];
-        assert_eq!(judged(PROJECTOR_PX, beside), PictureOrientation::Right);
+        assert_eq!(judged(PROJECTOR_PX, beside), ImageOrientation::Right);
     }
 }

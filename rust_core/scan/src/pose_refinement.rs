@@ -56,7 +56,7 @@ impl ScanSession<'_> {
             depth_m: &depth_m,
             light: &LightMap::new(&white, &black, camera.size_px[0], light.noise),
         })?;
-        let seen = self.capture_pictures(refinement.pictures(), &light, &white)?;
+        let seen = self.capture_images(refinement.images(), &light, &white)?;
         self.check_unchanged(&white, &light)?;
         let refined = refinement.refine(&seen, &self.depth.depth_m())?;
         Ok(Refinement { refined, elapsed: self.camera.now().saturating_duration_since(started) })

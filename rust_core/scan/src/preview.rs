@@ -1,12 +1,12 @@
-//! The decoded pixels as a picture: red grows with the projector's column, green with its row; black is not decoded.
+//! The decoded pixels as an image: red grows with the projector's column, green with its row; black is not decoded.
 //!
 //! During a scan, [`PreviewDecoder`] reads each pixel's code bit by bit, with one comparison for each pair of stripes.
 //! The final result is decoded by [`rcs_calibration::decode()`].
 
 use rcs_calibration::patterns::{Pattern, Stripes};
 use rcs_calibration::Decoded;
-use rcs_files::capture::PatternPicture;
-use rcs_scene::{Encoding, Picture};
+use rcs_files::capture::PatternImage;
+use rcs_scene::{Encoding, Image};
 
 use crate::coarse_code::CoarseCode;
 use crate::orientation::grey_of;
@@ -18,20 +18,20 @@ const LIT_LEVELS: u8 = 6;
 /// Stripes narrower than this may blur, and a pixel counts as decoded without them, projector pixels.
 const FINE_PX: f64 = 8.0;
 
-/// The decoded pixels as a picture of the camera's size.
-pub fn of_decoded(decoded: &Decoded, projector_px: [u32; 2]) -> Picture {
+/// The decoded pixels as an image of the camera's size.
+pub fn of_decoded(decoded: &Decoded, projector_px: [u32; 2]) -> Image {
     let place = decoded.pixels.iter().map(|pixel| pixel.is_decoded().then_some(pixel.at));
     false_colours(decoded.size_px, place, projector_px)
 }
 
-fn false_colours(size_px: [u32; 2], places: impl Iterator<Item = Option<[f32; 2]>>, projector_px: [u32; 2]) -> Picture {
+fn false_colours(size_px: [u32; 2], places: impl Iterator<Item = Option<[f32; 2]>>, projector_px: [u32; 2]) -> Image {
     let colour = |place: Option<[f32; 2]>| {
         let Some(at) = place else { return [0; 3] };
         let share = |axis: usize| (255.0 * at[axis] / projector_px[axis] as f32).round().clamp(0.0, 255.0) as u8;
         [share(0), share(1), BLUE]
     };
     let [width_px, height_px] = size_px;
-    Picture { width_px, height_px, encoding: Encoding::Rgb8, data: places.flat_map(colour).collect() }
+    Image { width_px, height_px, encoding: Encoding::Rgb8, data: places.flat_map(colour).collect() }
 }
 
 /// Decodes the camera's pixels during a scan.
@@ -44,11 +44,11 @@ pub struct PreviewDecoder {
 
 impl PreviewDecoder {
     /// Adds the last of the images of a scan so far.
-    pub fn add(&mut self, pictures: &[PatternPicture]) {
+    pub fn add(&mut self, images: &[PatternImage]) {
         if self.contrast.is_empty() {
-            return self.start(pictures);
+            return self.start(images);
         }
-        let [.., one, other] = pictures else { return };
+        let [.., one, other] = images else { return };
         if let (Pattern::GrayCode(stripes), Pattern::GrayCode(inverse)) = (one.pattern, other.pattern) {
             if stripes.inverse() == inverse && !stripes.inverted && stripes.offset == 0 {
                 self.axes[stripes.axis.index()].add(stripes, &one.grey, &other.grey, &self.contrast);
@@ -57,8 +57,8 @@ impl PreviewDecoder {
     }
 
     /// Finds the lit pixels once white and black are there.
-    fn start(&mut self, pictures: &[PatternPicture]) {
-        let (Some(white), Some(black)) = (grey_of(pictures, Pattern::White), grey_of(pictures, Pattern::Black)) else {
+    fn start(&mut self, images: &[PatternImage]) {
+        let (Some(white), Some(black)) = (grey_of(images, Pattern::White), grey_of(images, Pattern::Black)) else {
             return;
         };
         let contrast = white.iter().zip(black).map(|(white, black)| white.saturating_sub(*black));
@@ -78,8 +78,8 @@ impl PreviewDecoder {
         self.contrast[pixel] > 0 && self.axes.iter().all(|axis| axis.is_read(pixel))
     }
 
-    /// The picture, of the camera's size.
-    pub fn picture(&self, size_px: [u32; 2], projector_px: [u32; 2]) -> Picture {
+    /// The image, of the camera's size.
+    pub fn image(&self, size_px: [u32; 2], projector_px: [u32; 2]) -> Image {
         let place = |pixel| {
             let [u, v] = &self.axes;
             self.is_decoded(pixel).then(|| Some([u.place_px(pixel)?, v.place_px(pixel)?])).flatten()
@@ -141,7 +141,7 @@ mod tests {
 
     /// The image of a camera whose pixels are the projector's, except for a dark one at the end.
     fn image(projector_px: [u32; 2], pattern: &Pattern) -> Vec<u8> {
-        let mut grey: Vec<u8> = pattern.picture(projector_px).iter().map(|level| 20 + level / 2).collect();
+        let mut grey: Vec<u8> = pattern.image(projector_px).iter().map(|level| 20 + level / 2).collect();
         if let Some(last) = grey.last_mut() {
             *last = 20;
         }
@@ -151,15 +151,15 @@ mod tests {
     #[test]
     fn places_become_more_precise_with_every_pair() {
         let projector_px = [32, 20];
-        let (mut decoder, mut pictures, mut errors) = (PreviewDecoder::default(), Vec::new(), Vec::new());
+        let (mut decoder, mut images, mut errors) = (PreviewDecoder::default(), Vec::new(), Vec::new());
         for pattern in gray_code(projector_px) {
-            pictures.push(PatternPicture { pattern, grey: image(projector_px, &pattern) });
-            decoder.add(&pictures);
+            images.push(PatternImage { pattern, grey: image(projector_px, &pattern) });
+            decoder.add(&images);
             let Some(share) = decoder.share() else { continue };
-            let colours = decoder.picture(projector_px, projector_px).data;
-            if pictures.len() < 2 + 2 * 5 + 2 {
-                assert_eq!((share, colours.iter().max()), (0.0, Some(&0)), "{}", pictures.len());
-            } else if pictures.len().is_multiple_of(2) {
+            let colours = decoder.image(projector_px, projector_px).data;
+            if images.len() < 2 + 2 * 5 + 2 {
+                assert_eq!((share, colours.iter().max()), (0.0, Some(&0)), "{}", images.len());
+            } else if images.len().is_multiple_of(2) {
                 assert_eq!(share, 1.0);
                 assert_eq!(colours[3 * (32 * 20 - 1)..], [0; 3]);
                 let error =
@@ -174,12 +174,12 @@ mod tests {
     #[test]
     fn blurred_fine_stripes_change_nothing() {
         let projector_px = [32, 20];
-        let (mut decoder, mut pictures) = (PreviewDecoder::default(), Vec::new());
+        let (mut decoder, mut images) = (PreviewDecoder::default(), Vec::new());
         for pattern in gray_code(projector_px) {
             let is_fine = matches!(pattern, Pattern::GrayCode(stripes) if stripes.width_px() < FINE_PX);
             let grey = if is_fine { vec![80; 640] } else { image(projector_px, &pattern) };
-            pictures.push(PatternPicture { pattern, grey });
-            decoder.add(&pictures);
+            images.push(PatternImage { pattern, grey });
+            decoder.add(&images);
         }
         assert_eq!(decoder.share(), Some(1.0));
     }

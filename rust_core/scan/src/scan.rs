@@ -1,13 +1,13 @@
 //! A live scan.
 //!
 //! 1. Black and white alternate ([`crate::measure_light`]): delay, exposure, stability.
-//! 2. The patterns, coarse stripes of both axes first. These tell whether the picture is mirrored
+//! 2. The patterns, coarse stripes of both axes first. These tell whether the image is mirrored
 //!    ([`crate::orientation`]) or distorted by the projector ([`rcs_calibration::Keystone`]), and soon an interrupted
 //!    scan is worth something.
 //! 3. White again, compared with the first one, and decoding.
 
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern};
-use rcs_files::capture::PatternPicture;
+use rcs_files::capture::PatternImage;
 
 use crate::failure::ScanFailure;
 use crate::finish::{check_keystone, check_orientation, ScanImages, ScanResult, KEYSTONE_BITS};
@@ -29,8 +29,8 @@ impl ScanSession<'_> {
         let patterns = coarse_first(&patterns(self.options.projector_px, self.options.step));
         (self.observe)(ScanEvent::Delay(light.delay, patterns.len()));
         light.warn(&mut |warning| self.warn(warning));
-        let mut pictures = Vec::new();
-        let is_complete = match self.capture_all(&patterns, &light, &mut pictures) {
+        let mut images = Vec::new();
+        let is_complete = match self.capture_all(&patterns, &light, &mut images) {
             Ok(()) => true,
             Err(ScanFailure::Interrupted) => false,
             Err(failure) => return Err(failure),
@@ -39,7 +39,7 @@ impl ScanSession<'_> {
             projector_px: self.options.projector_px,
             lens: self.camera.lens(),
             frame_id: self.camera.frame_id(),
-            pictures,
+            images,
             light: &light,
             depth: self.camera.has_depth().then_some(&self.depth),
             is_complete,
@@ -52,26 +52,26 @@ impl ScanSession<'_> {
         &mut self,
         patterns: &[Pattern],
         light: &Illumination,
-        pictures: &mut Vec<PatternPicture>,
+        images: &mut Vec<PatternImage>,
     ) -> Result<(), ScanFailure> {
         let first = |bits| patterns.iter().take_while(|pattern| is_coarse(pattern, bits)).count();
         let [for_orientation, for_keystone] = [orientation::BITS, KEYSTONE_BITS].map(first);
         for pattern in patterns {
-            let last = pictures.last().map(|picture: &PatternPicture| picture.grey.as_slice());
+            let last = images.last().map(|image: &PatternImage| image.grey.as_slice());
             let grey = self.capture(pattern, light, last)?;
-            pictures.push(PatternPicture { pattern: *pattern, grey });
-            let readable = readable_share(pictures, light);
-            (self.observe)(ScanEvent::Captured { pictures, readable });
+            images.push(PatternImage { pattern: *pattern, grey });
+            let readable = readable_share(images, light);
+            (self.observe)(ScanEvent::Captured { images, readable });
             let (camera, projector_px) = (self.camera.lens(), self.options.projector_px);
             let mut warn = |warning: &str| (self.observe)(ScanEvent::Warning(warning));
-            if pictures.len() == for_orientation {
-                check_orientation(pictures, light, camera.size_px, projector_px, &mut warn)?;
+            if images.len() == for_orientation {
+                check_orientation(images, light, camera.size_px, projector_px, &mut warn)?;
             }
-            if pictures.len() == for_keystone && self.camera.has_depth() {
-                check_keystone(pictures, &self.depth, &camera, projector_px, &mut warn)?;
+            if images.len() == for_keystone && self.camera.has_depth() {
+                check_keystone(images, &self.depth, &camera, projector_px, &mut warn)?;
             }
         }
-        grey_of(pictures, Pattern::White).map_or(Ok(()), |first| self.check_unchanged(first, light))
+        grey_of(images, Pattern::White).map_or(Ok(()), |first| self.check_unchanged(first, light))
     }
 }
 
@@ -105,8 +105,8 @@ fn coarse_first(patterns: &[Pattern]) -> Vec<Pattern> {
 }
 
 /// The share of lit pixels with a difference between the last two images; 1 unless these are a pair of stripes.
-fn readable_share(pictures: &[PatternPicture], light: &Illumination) -> f64 {
-    let [.., one, other] = pictures else { return 1.0 };
+fn readable_share(images: &[PatternImage], light: &Illumination) -> f64 {
+    let [.., one, other] = images else { return 1.0 };
     match (one.pattern, other.pattern) {
         (Pattern::GrayCode(stripes), Pattern::GrayCode(inverse)) if stripes.inverse() == inverse => {}
         _ => return 1.0,

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::Pattern;
-use rcs_files::capture::PatternPicture;
+use rcs_files::capture::PatternImage;
 
 use crate::depth_average::DepthAverage;
 use crate::devices::{CameraFrame, ProjectorScreen, ScanCamera};
@@ -31,12 +31,12 @@ pub struct ScanOptions<'a> {
 /// Events of a session.
 #[derive(Debug, Clone, Copy)]
 pub enum ScanEvent<'a> {
-    /// The delay was measured; this number of pictures follows.
+    /// The delay was measured; this number of images follows.
     Delay(Delay, usize),
     /// An image was taken.
     Captured {
         /// All images of patterns so far.
-        pictures: &'a [PatternPicture],
+        images: &'a [PatternImage],
         /// The share of lit pixels that can tell the last stripes from their inverse.
         readable: f64,
     },
@@ -73,32 +73,32 @@ impl<'a> ScanSession<'a> {
 
     /// Shows a pattern and returns the time.
     pub(crate) fn show(&mut self, pattern: &Pattern) -> Result<Instant, ScanFailure> {
-        self.show_picture(pattern.picture(self.options.projector_px))
+        self.show_image(pattern.image(self.options.projector_px))
     }
 
-    /// Shows a picture of the projector's size, grey levels row by row, and returns the time.
-    pub(crate) fn show_picture(&mut self, picture: Vec<u8>) -> Result<Instant, ScanFailure> {
+    /// Shows an image of the projector's size, grey levels row by row, and returns the time.
+    pub(crate) fn show_image(&mut self, image: Vec<u8>) -> Result<Instant, ScanFailure> {
         let shown = self.camera.now();
-        match self.screen.show(picture) {
+        match self.screen.show(image) {
             Ok(()) => Ok(shown),
             Err(reason) => Err(ScanFailure::Screen { screen: self.screen.name(), reason }),
         }
     }
 
-    /// Shows pictures one after the other and returns the camera's image of each. `last` is the image before the first.
-    pub(crate) fn capture_pictures(
+    /// Shows images one after the other and returns the camera's image of each. `last` is the image before the first.
+    pub(crate) fn capture_images(
         &mut self,
-        pictures: Vec<Vec<u8>>,
+        images: Vec<Vec<u8>>,
         light: &Illumination,
         last: &[u8],
     ) -> Result<Vec<Vec<u8>>, ScanFailure> {
-        (self.observe)(ScanEvent::Delay(light.delay, pictures.len()));
+        (self.observe)(ScanEvent::Delay(light.delay, images.len()));
         let mut seen: Vec<Vec<u8>> = Vec::new();
-        for picture in pictures {
-            let shown = self.show_picture(picture)?;
+        for image in images {
+            let shown = self.show_image(image)?;
             let grey = self.capture_shown(shown, light, Some(seen.last().map_or(last, Vec::as_slice)))?;
             seen.push(grey);
-            (self.observe)(ScanEvent::Captured { pictures: &[], readable: 1.0 });
+            (self.observe)(ScanEvent::Captured { images: &[], readable: 1.0 });
         }
         Ok(seen)
     }

@@ -45,10 +45,10 @@ impl ScanSession<'_> {
             depth_m: &depth_m,
             light: &LightMap::new(&white, &black, camera.size_px[0], light.noise),
         })?;
-        let seen = self.capture_pictures(plan.pictures(), &light, &black)?;
+        let seen = self.capture_images(plan.images(), &light, &black)?;
         self.check_unchanged(&white, &light)?;
         let result = plan.measure(&seen)?;
-        self.show_picture(plan.overview())?;
+        self.show_image(plan.overview())?;
         Ok(Verification { result, white, camera_px: camera.size_px })
     }
 }

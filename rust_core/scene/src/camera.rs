@@ -31,7 +31,7 @@ pub enum CameraError {
     /// The third row of P is not a positive multiple of (0, 0, 1, 0).
     #[error("the third row of P, P[8] to P[11], is {0:?} where [0, 0, s, 0] with s > 0 is needed")]
     ThirdRow([f64; 4]),
-    /// The skews of P, `P[1]` and `P[4]`, turn the picture inside out, or flatten it.
+    /// The skews of P, `P[1]` and `P[4]`, turn the image inside out, or flatten it.
     #[error("P[1] and P[4] (skews, {} and {}) are too large for the focal lengths P[0] and P[5]", .0[0], .0[1])]
     TooSkewed([f64; 2]),
 }
@@ -40,9 +40,9 @@ pub enum CameraError {
 /// `P = [fx s cx Tx; t fy cy Ty; 0 0 1 0]` (K, R and D play no part). Pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
-    /// Picture width.
+    /// Image width.
     pub width_px: u32,
-    /// Picture height.
+    /// Image height.
     pub height_px: u32,
     /// Focal length along a row.
     pub fx_px: f64,
@@ -50,9 +50,9 @@ pub struct Intrinsics {
     pub fy_px: f64,
     /// `P[1]` and `P[4]`, mostly 0: shift along a row per y, and along a column per x.
     pub skew_px: [f64; 2],
-    /// Principal point from the left; may lie outside of the picture.
+    /// Principal point from the left; may lie outside of the image.
     pub cx_px: f64,
-    /// Principal point from the top; with the lens shift of a projector it may lie far below the picture.
+    /// Principal point from the top; with the lens shift of a projector it may lie far below the image.
     pub cy_px: f64,
     /// `P[3]`: −fx times the camera's offset in metres along the optical frame's x.
     pub tx: f64,
@@ -85,7 +85,7 @@ impl Intrinsics {
         Ok(Self { width_px, height_px, fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty })
     }
 
-    /// Intrinsics that draw a point at `P · [X Y Z 1]'`, P up to scale, and the flip that the finished picture needs: a
+    /// Intrinsics that draw a point at `P · [X Y Z 1]'`, P up to scale, and the flip that the finished image needs: a
     /// P with negative focal lengths is drawn without its mirror.
     ///
     /// ```
@@ -120,7 +120,7 @@ impl Intrinsics {
         Ok((drawn.as_p_means(), flip))
     }
 
-    /// Intrinsics of the flipped picture, where an integer is a pixel's centre.
+    /// Intrinsics of the flipped image, where an integer is a pixel's centre.
     fn flipped(self, flip: Flip) -> Self {
         let [cx_px, cy_px] = flip.pixel([self.width_px, self.height_px], [self.cx_px, self.cy_px]);
         let Self { fx_px, fy_px, skew_px: [s, t], tx, ty, .. } = self;
@@ -129,12 +129,12 @@ impl Intrinsics {
         Self { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty, ..self }
     }
 
-    /// Direction (x, y, 1) in the optical frame that is projected to a place in the picture.
+    /// Direction (x, y, 1) in the optical frame that is projected to a place in the image.
     pub fn plane(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         self.solve([u - self.cx_px, v - self.cy_px])
     }
 
-    /// Place in the picture to which the direction (x, y, 1) of the optical frame is projected; inverse of
+    /// Place in the image to which the direction (x, y, 1) of the optical frame is projected; inverse of
     /// [`Self::plane`].
     pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [s, t] = self.skew_px;
@@ -159,7 +159,7 @@ impl Intrinsics {
         Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
 
-    /// Factors by which rviz's CameraPub shrinks the picture along each axis, so that its angles fit its shape. In 32
+    /// Factors by which rviz's CameraPub shrinks the image along each axis, so that its angles fit its shape. In 32
     /// bits, as there, because pixels at the edges of lines depend on it.
     fn rviz_zoom(&self) -> (f64, f64) {
         if self.fx_px == self.fy_px {
@@ -167,11 +167,11 @@ impl Intrinsics {
         }
         let (width, height) = (f64::from(self.width_px), f64::from(self.height_px));
         let of_angles = ((width / self.fx_px) / (height / self.fy_px)) as f32;
-        let of_picture = self.width_px as f32 / self.height_px as f32;
-        let (zoom_x, zoom_y) = if of_angles > of_picture {
-            (1.0, f64::from(1.0 / of_angles * of_picture))
+        let of_image = self.width_px as f32 / self.height_px as f32;
+        let (zoom_x, zoom_y) = if of_angles > of_image {
+            (1.0, f64::from(1.0 / of_angles * of_image))
         } else {
-            (f64::from(1.0 / of_picture * of_angles), 1.0)
+            (f64::from(1.0 / of_image * of_angles), 1.0)
         };
         // Focal lengths of absurd sizes leave the range of 32 bits.
         let is_usable = |zoom: f64| zoom.is_finite() && zoom != 0.0;
@@ -232,7 +232,7 @@ pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     intrinsics: Intrinsics,
-    /// Map from the drawn image to the picture.
+    /// Map from the drawn image to the image.
     lens: Option<Arc<PixelMap>>,
     flip: Flip,
     near_m: f64,
@@ -242,7 +242,7 @@ pub struct Camera {
 
 impl Camera {
     /// A camera whose optical frame (x right, y down, z forward) has this pose in the fixed frame, with the view
-    /// between `near_m` and [`FAR_CLIP_M`]. Tx and Ty of the intrinsics move it. Pixels are counted from the picture's
+    /// between `near_m` and [`FAR_CLIP_M`]. Tx and Ty of the intrinsics move it. Pixels are counted from the image's
     /// edges: the first one's centre is at 0.5, as rviz reads P ([`Intrinsics::as_p_means`]).
     ///
     /// A near distance outside of the range from zero to the far one is clamped.
@@ -271,24 +271,24 @@ impl Camera {
         }
     }
 
-    /// Puts a lens in front: the drawn image becomes the source of the picture, which has the map's size.
+    /// Puts a lens in front: the drawn image becomes the source of the image, which has the map's size.
     #[must_use]
     pub fn with_lens(self, lens: Arc<PixelMap>) -> Self {
         Self { lens: Some(lens), ..self }
     }
 
-    /// Flips the finished picture, after the lens.
+    /// Flips the finished image, after the lens.
     #[must_use]
     pub fn with_flip(self, flip: Flip) -> Self {
         Self { flip, ..self }
     }
 
-    /// Flip of the finished picture, after the lens.
+    /// Flip of the finished image, after the lens.
     pub fn flip(&self) -> Flip {
         self.flip
     }
 
-    /// Map from the drawn image to the picture, if there is a lens.
+    /// Map from the drawn image to the image, if there is a lens.
     pub fn lens(&self) -> Option<&Arc<PixelMap>> {
         self.lens.as_ref()
     }
@@ -298,12 +298,12 @@ impl Camera {
         &self.intrinsics
     }
 
-    /// Width of the drawn image, in pixels; without a lens that of the picture.
+    /// Width of the drawn image, in pixels; without a lens that of the image.
     pub fn width_px(&self) -> u32 {
         self.intrinsics.width_px
     }
 
-    /// Height of the drawn image, in pixels; without a lens that of the picture.
+    /// Height of the drawn image, in pixels; without a lens that of the image.
     pub fn height_px(&self) -> u32 {
         self.intrinsics.height_px
     }
@@ -438,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn a_negative_focal_length_is_a_flipped_picture_of_the_positive_one() {
+    fn a_negative_focal_length_is_a_flipped_image_of_the_positive_one() {
         let p = [500.0, 50.0, 320.0, -60.0, 7.0, 480.0, 240.0, 31.0, 0.0, 0.0, 1.0, 0.0];
         let points = [Point3::new(0.3, -0.2, 1.5), Point3::new(-0.1, 0.4, 0.9)];
         for [sign_x, sign_y] in [[-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
@@ -480,7 +480,7 @@ mod tests {
     }
 
     #[test]
-    fn a_third_row_that_is_no_scale_and_skews_without_a_picture_are_refused_by_name() {
+    fn a_third_row_that_is_no_scale_and_skews_without_a_image_are_refused_by_name() {
         let with = |changes: &[(usize, f64)]| {
             let mut p = P;
             changes.iter().for_each(|(i, value)| p[*i] = *value);
@@ -492,7 +492,7 @@ mod tests {
         assert!(with(&[(1, 1900.0), (4, 1900.0)]).starts_with("P[1] and P[4] (skews, 1900 and 1900)"));
         assert!(with(&[(10, f64::NAN)]).starts_with("P[10] is NaN"));
         assert!(with(&[(10, 1e-300), (0, 1e10)]).starts_with("P[0] is inf"));
-        // What rviz does not look at does not end its picture.
+        // What rviz does not look at does not end its image.
         let mut p = P;
         p[10] = 0.0;
         assert!(Intrinsics::from_p(1280, 800, &p).is_ok());

@@ -11,8 +11,8 @@ use crate::{DisplayMask, Drawable, Geometry, RenderGroup, Scene, Solids};
 /// the scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to
 /// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
 ///
-/// Each of [`Solids`] has its own place in that order; consecutive ones are joined. A renderer keeps it from picture to
-/// picture for its memory.
+/// Each of [`Solids`] has its own place in that order; consecutive ones are joined. A renderer keeps it from image to
+/// image for its memory.
 #[derive(Clone, Debug, Default)]
 pub struct DrawOrder {
     keys: Vec<Key>,

@@ -2,7 +2,7 @@
 //!
 //! Unlike [`Text`](crate::Text), which turns by itself, such a group may hold any geometry, and its parts keep their
 //! places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn for each camera: one axis of the group
-//! goes into the camera's viewing direction, another upwards on its picture.
+//! goes into the camera's viewing direction, another upwards on its image.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -117,7 +117,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn up_in_the_group_is_up_on_the_picture(turn in prop::array::uniform3(-4.0..4.0_f64), axis in 0..3_usize) {
+        fn up_in_the_group_is_up_on_the_image(turn in prop::array::uniform3(-4.0..4.0_f64), axis in 0..3_usize) {
             let fixed_from_optical = Isometry3::new(Vector3::new(0.3, -2.0, 1.0), turn.into());
             let (mut forward, mut up) = (Vector3::zeros(), Vector3::zeros());
             (forward[axis], up[(axis + 2) % 3]) = (1.0, 1.0);

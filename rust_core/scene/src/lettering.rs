@@ -1,4 +1,4 @@
-//! Letters of any size, for pictures that are drawn without a renderer: those of the built-in typeface of
+//! Letters of any size, for images that are drawn without a renderer: those of the built-in typeface of
 //! [`crate::glyph_atlas`], unhinted and uncut, the same on every machine.
 
 use skrifa::instance::{LocationRef, Size};

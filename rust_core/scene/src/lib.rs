@@ -1,8 +1,8 @@
-//! Scenes, cameras and pictures, as plain data.
+//! Scenes, cameras and images, as plain data.
 //!
 //! A [`Scene`] is a list of [`Drawable`]s in the fixed frame and the light that falls on them; a [`Camera`] sees it.
 //! Nothing here knows of messages, topics or a drawing backend: displays fill a scene, a renderer reads it. Geometry is
-//! shared by [`std::sync::Arc`], so that a scene is cheap to rebuild for every picture and a renderer can keep derived
+//! shared by [`std::sync::Arc`], so that a scene is cheap to rebuild for every image and a renderer can keep derived
 //! data (such as a GPU buffer) for as long as the geometry lives.
 //!
 //! Conventions: metres and radians; colours are not gamma-corrected (rviz blends and lights the stored values);
@@ -19,13 +19,13 @@ mod draw_order;
 mod facing;
 mod flip;
 mod font;
+mod image;
 mod lettering;
 mod lines;
 mod material;
 mod mesh;
 mod mip;
 mod packed_points;
-mod picture;
 mod pixel_map;
 mod point_bytes;
 mod points;
@@ -41,12 +41,12 @@ pub use color::Rgba;
 pub use draw_order::{DrawOrder, Ordered};
 pub use flip::Flip;
 pub use font::{glyph_atlas, GlyphAtlas, GlyphBox};
+pub use image::{resize_block, DepthImage, Encoding, Image, PixelOrder, MAX_SIDE_PX};
 pub use lettering::{letters, Letter, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use mesh::{Mesh, Vertex};
 pub use packed_points::{rainbow, rgb_at, AxisRainbow, PackedColors, PackedPoints, SharedBytes};
-pub use picture::{resize_block, DepthPicture, Encoding, Picture, PixelOrder, MAX_SIDE_PX};
 pub use pixel_map::{MapRun, PixelMap};
 pub use point_bytes::{bytes_at, has_finite_position, PointBytes, PositionLayout, POINTS_PER_SHARE};
 pub use points::{PointBuffer, PointColors, PointLook, PointStyle, Points, MAX_POINT_SIZE_PX};

@@ -1,4 +1,4 @@
-//! Map from each pixel of a picture to its place in a source picture, such as a lens makes it.
+//! Map from each pixel of an image to its place in a source image, such as a lens makes it.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ const STRIDE_PX: u32 = MapRun::PIXELS as u32;
 /// Fixed-point one of places.
 const ONE: f64 = 65536.0;
 
-/// Least reach of the source beyond the picture's own area, which is half a side otherwise.
+/// Least reach of the source beyond the image's own area, which is half a side otherwise.
 const LEAST_REACH_PX: f64 = 64.0;
 
 /// Margin of the source around the places, so that each has its four neighbours.
 const MARGIN_PX: f64 = 1.0;
 
-/// Map of a picture's pixels to places in a source picture; some pixels may have none.
+/// Map of an image's pixels to places in a source image; some pixels may have none.
 ///
 /// Places are pixels from the source's top left one; an integer is a pixel's centre. Between every eighth pixel of a
 /// row they are interpolated, with an error of some hundredths of a pixel at most for a lens.
@@ -55,8 +55,8 @@ impl MapRun {
 }
 
 impl PixelMap {
-    /// The map of a picture of `size_px`. `place` gives the place of a pixel (column, row) in an unbounded source
-    /// picture, in pixels, if it has one. The source is cut to the places, and to twice the picture's size around its
+    /// The map of an image of `size_px`. `place` gives the place of a pixel (column, row) in an unbounded source
+    /// image, in pixels, if it has one. The source is cut to the places, and to twice the image's size around its
     /// middle at most: [`Self::source_origin_px`] is the place of its first pixel.
     ///
     /// `None` if no pixel has a place.
@@ -64,7 +64,7 @@ impl PixelMap {
     /// ```
     /// use rcs_scene::PixelMap;
     ///
-    /// // A picture that shows its source twice as large, except for its left half.
+    /// // An image that shows its source twice as large, except for its left half.
     /// let place = |[u, v]: [f64; 2]| (u >= 50.0).then_some([u / 2.0, v / 2.0]);
     /// let map = PixelMap::new([100, 80], place).unwrap();
     /// assert_eq!((map.size_px(), map.source_origin_px()), ([100, 80], [24, -1]));
@@ -73,7 +73,7 @@ impl PixelMap {
     /// ```
     pub fn new(size_px: [u32; 2], place: impl Fn([f64; 2]) -> Option<[f64; 2]> + Sync) -> Option<Self> {
         let [width, height] = size_px.map(f64::from);
-        // What lies farther beside the picture is left out: a lens that bends so much would need a huge source.
+        // What lies farther beside the image is left out: a lens that bends so much would need a huge source.
         let reach = [width, height].map(|side| (side / 2.0).max(LEAST_REACH_PX));
         let is_near =
             |[x, y]: &[f64; 2]| (-reach[0]..width + reach[0]).contains(x) && (-reach[1]..height + reach[1]).contains(y);
@@ -108,7 +108,7 @@ impl PixelMap {
         Some(map)
     }
 
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub fn size_px(&self) -> [u32; 2] {
         self.size_px
     }
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_no_rows_beside_the_picture() {
+    fn there_are_no_rows_beside_the_image() {
         let map = PixelMap::new([4, 3], Some).unwrap();
         assert_eq!((map.runs(2).0, map.runs(2).1.count()), (0..4, 1));
         assert_eq!((map.runs(3).0, map.runs(3).1.count()), (0..0, 0));

@@ -12,7 +12,7 @@ pub const MAX_POINT_SIZE_PX: f32 = 255.0;
 /// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointStyle {
-    /// A round spot of a fixed size on the picture, `Style: Points`. It has the depth of its centre.
+    /// A round spot of a fixed size on the image, `Style: Points`. It has the depth of its centre.
     Points {
         /// Diameter in pixels; drawn as at least 1 and at most [`MAX_POINT_SIZE_PX`], as OpenGL does.
         diameter_px: f32,

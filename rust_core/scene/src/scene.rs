@@ -102,7 +102,7 @@ impl Geometry {
 pub struct Facing {
     /// Direction in the group's frame that is turned away from the camera.
     pub forward: Vector3<f64>,
-    /// Direction in the group's frame, perpendicular to `forward`, that is turned up on the picture.
+    /// Direction in the group's frame, perpendicular to `forward`, that is turned up on the image.
     pub up: Vector3<f64>,
     /// Drawables of the group.
     pub parts: Vec<FacingPart>,

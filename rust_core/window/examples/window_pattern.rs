@@ -2,7 +2,7 @@
 //!
 //! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--limit SECONDS] [--set-mode yes]
 //! [--guarded yes] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
-//! 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same. The same picture is
+//! 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same. The same image is
 //! shown again half a second later; with a limit, it is granted for that long. Keys and the monitor are logged. B is
 //! black, Escape or q quit.
 
@@ -15,10 +15,10 @@ use std::time::{Duration, Instant};
 
 use log::LevelFilter;
 use rcs_light::{Content, Evidence, Generation, LightRules};
-use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey, WindowOptions, WindowRole};
+use rcs_window::{self as window, ImageSink, ScreenImage, UserEvent, WindowKey, WindowOptions, WindowRole};
 
-fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
-    ScreenPicture::from_fn(width_px, height_px, |u, v| {
+fn pattern(width_px: u32, height_px: u32) -> ScreenImage {
+    ScreenImage::from_fn(width_px, height_px, |u, v| {
         let blue = 16 * (u / 256) + v / 256;
         [(u % 256) as u8, (v % 256) as u8, (blue % 256) as u8]
     })
@@ -33,12 +33,12 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 /// Shows the pattern, granted for the limit if there is one.
-fn show_pattern(sink: &PictureSink, size_px: [u32; 2], limit: Option<Duration>) {
-    let picture = pattern(size_px[0], size_px[1]);
-    let Some(limit) = limit else { return sink.show(picture) };
+fn show_pattern(sink: &ImageSink, size_px: [u32; 2], limit: Option<Duration>) {
+    let image = pattern(size_px[0], size_px[1]);
+    let Some(limit) = limit else { return sink.show(image) };
     let evidence = Evidence::unknown(&[], LightRules::none(limit), Arc::default());
     let grant = evidence.decide(Content::Scene, size_px, Ok(Generation::default()), Instant::now());
-    let lit = grant.ok().and_then(|grant| grant.show(Arc::new(picture)));
+    let lit = grant.ok().and_then(|grant| grant.show(Arc::new(image)));
     lit.into_iter().for_each(|lit| sink.show_lit(lit));
 }
 
@@ -72,8 +72,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         return Ok(window::keep_over(&title, &options.monitor, || false)?);
     }
     let limit = options.light_limit;
-    let show_once = move |sink: &PictureSink| show_pattern(sink, [width, height], limit);
-    let show = move |sink: PictureSink| {
+    let show_once = move |sink: &ImageSink| show_pattern(sink, [width, height], limit);
+    let show = move |sink: ImageSink| {
         thread::spawn(move || {
             show_once(&sink);
             thread::sleep(Duration::from_millis(500));

@@ -1,4 +1,4 @@
-//! The window's content: the newest picture while its grant holds, else black. Independent of window system and clock,
+//! The window's content: the newest image while its grant holds, else black. Independent of window system and clock,
 //! for tests.
 
 use std::sync::Arc;
@@ -6,33 +6,33 @@ use std::time::Instant;
 
 use rcs_light::{Grant, Lit};
 
-use crate::screen_picture::ScreenPicture;
+use crate::screen_image::ScreenImage;
 
 /// The content of a window over time.
 #[derive(Debug, Default)]
 pub(crate) struct WindowContent {
-    newest: Option<Lit<Arc<ScreenPicture>>>,
-    /// `true` if the picture was on the screen at the last [`check`](Self::check).
+    newest: Option<Lit<Arc<ScreenImage>>>,
+    /// `true` if the image was on the screen at the last [`check`](Self::check).
     is_lit: bool,
 }
 
 impl WindowContent {
-    /// The picture on the screen; `None` for black.
-    pub(crate) fn on_screen(&self, now: Instant) -> Option<&ScreenPicture> {
+    /// The image on the screen; `None` for black.
+    pub(crate) fn on_screen(&self, now: Instant) -> Option<&ScreenImage> {
         self.newest.as_ref()?.content(now).map(Arc::as_ref)
     }
 
-    /// Takes a new picture. Returns the one before, for its memory.
-    pub(crate) fn take(&mut self, image: Lit<Arc<ScreenPicture>>) -> Option<ScreenPicture> {
+    /// Takes a new image. Returns the one before, for its memory.
+    pub(crate) fn take(&mut self, image: Lit<Arc<ScreenImage>>) -> Option<ScreenImage> {
         Arc::into_inner(self.newest.replace(image)?.into_memory())
     }
 
-    /// Takes a grant of the newest picture. Returns `true` if it is one of that.
+    /// Takes a grant of the newest image. Returns `true` if it is one of that.
     pub(crate) fn renew(&mut self, grant: &Grant) -> bool {
         self.newest.as_mut().is_some_and(|newest| newest.renew(grant))
     }
 
-    /// Drops the picture.
+    /// Drops the image.
     pub(crate) fn clear(&mut self) {
         self.newest = None;
     }
@@ -68,22 +68,22 @@ mod tests {
         decided.unwrap()
     }
 
-    fn picture(level: u8, grant: Grant) -> Lit<Arc<ScreenPicture>> {
-        grant.show(Arc::new(ScreenPicture::from_fn(1, 1, |_, _| [level; 3]))).unwrap()
+    fn image(level: u8, grant: Grant) -> Lit<Arc<ScreenImage>> {
+        grant.show(Arc::new(ScreenImage::from_fn(1, 1, |_, _| [level; 3]))).unwrap()
     }
 
     /// The level of a screen of one pixel; `None` for black.
     fn shown(content: &WindowContent, now: Instant) -> Option<u32> {
-        content.on_screen(now).map(|picture| picture.pixels()[0] & 0xff)
+        content.on_screen(now).map(|image| image.pixels()[0] & 0xff)
     }
 
     #[test]
-    fn a_picture_is_shown_until_its_grant_ends_and_again_when_it_is_renewed() {
+    fn a_image_is_shown_until_its_grant_ends_and_again_when_it_is_renewed() {
         let (start, generation) = (Instant::now(), Generation::default());
         let later = |millis| start + Duration::from_millis(millis);
         let mut content = WindowContent::default();
         assert!(!content.check(start) && shown(&content, start).is_none() && content.next_check().is_none());
-        content.take(picture(1, grant(&generation, start)));
+        content.take(image(1, grant(&generation, start)));
         assert!(content.check(start));
         assert_eq!((shown(&content, later(999)), content.next_check()), (Some(1), Some(later(1000))));
         content.renew(&grant(&generation, later(900)));
@@ -94,16 +94,16 @@ mod tests {
     }
 
     #[test]
-    fn a_word_of_the_operator_voids_the_picture_and_a_later_grant_does_not_bring_it_back() {
+    fn a_word_of_the_operator_voids_the_image_and_a_later_grant_does_not_bring_it_back() {
         let (now, mut generation) = (Instant::now(), Generation::default());
         let mut content = WindowContent::default();
-        content.take(picture(1, grant(&generation, now)));
+        content.take(image(1, grant(&generation, now)));
         content.check(now);
         generation.advance();
         assert!(content.check(now) && shown(&content, now).is_none());
         content.renew(&grant(&generation, now));
         assert_eq!(shown(&content, now), None, "it is an old picture");
-        content.take(picture(2, grant(&generation, now)));
+        content.take(image(2, grant(&generation, now)));
         assert_eq!(shown(&content, now), Some(2));
         content.clear();
         assert!(!content.check(now) && shown(&content, now).is_none());

@@ -5,10 +5,8 @@ use std::time::{Duration, Instant};
 
 use rcs_process::join_within;
 
-use crate::test_pictures::identification;
-use crate::{
-    list_monitors, run_with, MonitorChoice, MonitorInfo, PictureSink, ScreenPicture, WindowError, WindowOptions,
-};
+use crate::test_images::identification;
+use crate::{list_monitors, run_with, ImageSink, MonitorChoice, MonitorInfo, ScreenImage, WindowError, WindowOptions};
 
 /// Period of checks for the end.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -23,7 +21,7 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(4);
 pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), WindowError> {
     let mut shown = Vec::new();
     for (index, monitor) in list_monitors()?.into_iter().enumerate() {
-        let sink = PictureSink::new()?;
+        let sink = ImageSink::new()?;
         let window_sink = sink.clone();
         let showing = move || show(index, &monitor, &window_sink);
         shown.push((sink, thread::Builder::new().name(format!("monitor {index}")).spawn(showing)?));
@@ -45,10 +43,10 @@ pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), 
     results.fold(Ok(()), Result::and)
 }
 
-fn show(index: usize, monitor: &MonitorInfo, sink: &PictureSink) -> Result<(), WindowError> {
-    let picture = identification(index, monitor);
-    if let Ok(picture) = ScreenPicture::from_picture(&picture) {
-        sink.show(picture);
+fn show(index: usize, monitor: &MonitorInfo, sink: &ImageSink) -> Result<(), WindowError> {
+    let image = identification(index, monitor);
+    if let Ok(image) = ScreenImage::from_image(&image) {
+        sink.show(image);
     }
     let name = if monitor.name.is_empty() { index.to_string() } else { monitor.name.clone() };
     let monitor = MonitorChoice::NameOrIndex(name);

@@ -1,15 +1,15 @@
-//! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
+//! The projector's window: an image full screen on a chosen monitor, pixel for pixel.
 //!
 //! [`run_with`] opens the window on the calling thread and returns when the user presses Escape or q, closes it, or
-//! [`PictureSink::close`] is called. Other threads pass pictures to the sink, each with its [grant](rcs_light::Grant);
+//! [`ImageSink::close`] is called. Other threads pass images to the sink, each with its [grant](rcs_light::Grant);
 //! only the newest is kept, and the window is drawn when one arrives, its grant ends, or the window system requests it.
 //!
-//! Nothing is scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v): all
-//! sizes are physical pixels, independent of the desktop's scale factor. If picture and monitor differ in size, the
-//! picture is drawn at the top left on black, and a warning is logged once for each size.
+//! Nothing is scaled, because a projection fits the world only while image pixel (u, v) is screen pixel (u, v): all
+//! sizes are physical pixels, independent of the desktop's scale factor. If image and monitor differ in size, the
+//! image is drawn at the top left on black, and a warning is logged once for each size.
 //!
 //! ```text
-//!   sink ──► run: content (picture, while its grant holds | black) ──► SystemWindow: x11 | wayland ──► shared pixels
+//!   sink ──► run: content (image, while its grant holds | black) ──► SystemWindow: x11 | wayland ──► shared pixels
 //! ```
 
 #![forbid(unsafe_code)]
@@ -26,12 +26,12 @@ mod open;
 mod refresh;
 mod report;
 mod run;
-mod screen_picture;
+mod screen_image;
 mod shared_pixels;
 mod sink;
 mod switch_pipe;
 mod system_window;
-pub mod test_pictures;
+pub mod test_images;
 mod watch;
 mod wayland;
 mod x11;
@@ -46,6 +46,6 @@ pub use open::{inspect_monitor, keep_over, list_monitors, run_interactive, run_w
 pub use refresh::Refresh;
 pub use report::{MonitorReport, WindowPlace};
 pub use run::UserEvent;
-pub use screen_picture::{PictureError, ReceivedPicture, ScreenPicture};
-pub use sink::PictureSink;
+pub use screen_image::{ImageError, ReceivedImage, ScreenImage};
+pub use sink::ImageSink;
 pub use system_window::WindowOptions;

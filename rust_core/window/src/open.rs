@@ -5,12 +5,12 @@ use crate::error::WindowError;
 use crate::monitor::{MonitorChoice, MonitorInfo};
 use crate::report::MonitorReport;
 use crate::run::{run as run_window, UserEvent};
-use crate::sink::PictureSink;
+use crate::sink::ImageSink;
 use crate::system_window::{SystemWindow, WindowOptions};
 use crate::wayland::{self, WaylandWindow};
 use crate::x11::{self, X11Session, X11Window};
 
-/// Opens the window and shows the sink's pictures, each while its grant holds, until it is closed. Keys except Escape
+/// Opens the window and shows the sink's images, each while its grant holds, until it is closed. Keys except Escape
 /// and q are left to the program. `handle` is called on this thread for each event, the first of which is
 /// [`UserEvent::Opened`]; it must not block.
 ///
@@ -18,8 +18,8 @@ use crate::x11::{self, X11Session, X11Window};
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window or goes away.
 pub fn run_with(
     options: &WindowOptions,
-    sink: &PictureSink,
-    mut handle: impl FnMut(UserEvent<'_>, &PictureSink),
+    sink: &ImageSink,
+    mut handle: impl FnMut(UserEvent<'_>, &ImageSink),
 ) -> Result<(), WindowError> {
     // Before the window, which is to lie on the black one of the child process; it ends after it.
     let mut switch = DeadManSwitch::start(options, sink);
@@ -27,15 +27,15 @@ pub fn run_with(
 }
 
 /// Opens the window and runs it until it is closed, as [`run_with`] does, with a sink of its own. `handle` may show
-/// pictures at once.
+/// images at once.
 ///
 /// # Errors
 /// As for [`run_with`].
 pub fn run_interactive(
     options: &WindowOptions,
-    handle: impl FnMut(UserEvent<'_>, &PictureSink),
+    handle: impl FnMut(UserEvent<'_>, &ImageSink),
 ) -> Result<(), WindowError> {
-    run_with(options, &PictureSink::new()?, handle)
+    run_with(options, &ImageSink::new()?, handle)
 }
 
 /// Opens a window on Wayland if the environment names a compositor, else on X11.

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rcs_files::picture_file;
+use rcs_files::image_file;
 use rcs_light::Lit;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 
 use crate::content::WindowContent;
 use crate::dead_man::{DeadManSwitch, WindowRole};
@@ -15,8 +15,8 @@ use crate::error::WindowError;
 use crate::keys::{is_quit_key, WindowKey};
 use crate::monitor::MonitorInfo;
 use crate::on_screen::OnScreen;
-use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
-use crate::sink::{PictureSink, SunkPicture};
+use crate::screen_image::{rgb_bytes, ImageError, ScreenImage};
+use crate::sink::{ImageSink, SunkImage};
 use crate::system_window::{SystemEvent, SystemWindow, WindowOptions};
 
 /// An event for the program.
@@ -39,8 +39,8 @@ pub enum UserEvent<'a> {
 pub(crate) fn run(
     window: &mut dyn SystemWindow,
     options: &WindowOptions,
-    (sink, switch): (&PictureSink, &mut DeadManSwitch),
-    handle: &mut dyn FnMut(UserEvent<'_>, &PictureSink),
+    (sink, switch): (&ImageSink, &mut DeadManSwitch),
+    handle: &mut dyn FnMut(UserEvent<'_>, &ImageSink),
 ) -> Result<(), WindowError> {
     switch.report();
     handle(UserEvent::Opened(window.monitor()), sink);
@@ -56,7 +56,7 @@ pub(crate) fn run(
             window.come_to_front()?;
             painter.is_due = true;
         }
-        painter.take_picture(sink, window.monitor());
+        painter.take_image(sink, window.monitor());
         if let Some(grant) = sink.take_renewed() {
             painter.content.renew(&grant);
         }
@@ -92,20 +92,20 @@ pub(crate) fn run(
 struct WindowPainter<'a> {
     source: &'a str,
     content: WindowContent,
-    /// Size of the newest picture.
+    /// Size of the newest image.
     shown_px: Option<(u32, u32)>,
-    /// Scratch buffer for the next picture.
-    scratch: Option<ScreenPicture>,
-    /// The picture that was converted last. Holding it keeps its address from being reused.
-    last_drawn: Option<Lit<Arc<Picture>>>,
-    last_error: Option<PictureError>,
+    /// Scratch buffer for the next image.
+    scratch: Option<ScreenImage>,
+    /// The image that was converted last. Holding it keeps its address from being reused.
+    last_drawn: Option<Lit<Arc<Image>>>,
+    last_error: Option<ImageError>,
     /// Pixels of the window's size, for content of another size.
     composed: Vec<u32>,
     screenshot: Option<PathBuf>,
-    /// Sizes of picture and monitor for which a warning was logged.
+    /// Sizes of image and monitor for which a warning was logged.
     warned_sizes: HashSet<((u32, u32), (u32, u32))>,
     is_due: bool,
-    /// Hears when the newest picture is on the screen.
+    /// Hears when the newest image is on the screen.
     on_screen: Option<Arc<dyn OnScreen>>,
     role: WindowRole,
 }
@@ -132,8 +132,8 @@ impl<'a> WindowPainter<'a> {
     fn check(
         &mut self,
         window: &mut dyn SystemWindow,
-        sink: &PictureSink,
-        handle: &mut dyn FnMut(UserEvent<'_>, &PictureSink),
+        sink: &ImageSink,
+        handle: &mut dyn FnMut(UserEvent<'_>, &ImageSink),
     ) -> Result<(), WindowError> {
         if window.check(Instant::now())? {
             handle(UserEvent::MonitorChanged(window.monitor()), sink);
@@ -144,17 +144,17 @@ impl<'a> WindowPainter<'a> {
         Ok(())
     }
 
-    /// Takes the newest picture from the sink, if there is a new one.
-    fn take_picture(&mut self, sink: &PictureSink, monitor: &MonitorInfo) {
+    /// Takes the newest image from the sink, if there is a new one.
+    fn take_image(&mut self, sink: &ImageSink, monitor: &MonitorInfo) {
         let image = match sink.take() {
             None => return,
-            Some(SunkPicture::Nothing) => {
+            Some(SunkImage::Nothing) => {
                 self.content.clear();
                 (self.last_drawn, self.on_screen, self.is_due) = (None, None, true);
                 return;
             }
-            Some(SunkPicture::Read(image)) => image,
-            Some(SunkPicture::Drawn(source, on_screen)) => {
+            Some(SunkImage::Read(image)) => image,
+            Some(SunkImage::Drawn(source, on_screen)) => {
                 let is_same = self.last_drawn.as_ref().is_some_and(|last| last.is_same(&source));
                 // Also while it is not shown: what hears of it is told when the window has what it shows then.
                 self.is_due |= on_screen.is_some();
@@ -162,24 +162,24 @@ impl<'a> WindowPainter<'a> {
                 if is_same && self.content.renew(source.grant()) {
                     return;
                 }
-                let Ok(image) = source.convert(|picture| self.read(picture).map(Arc::new).ok_or(())) else { return };
+                let Ok(image) = source.convert(|image| self.read(image).map(Arc::new).ok_or(())) else { return };
                 self.last_drawn = Some(source);
                 image
             }
         };
-        self.shown_px = image.content(Instant::now()).map(|picture| picture.size_px()).or(self.shown_px);
+        self.shown_px = image.content(Instant::now()).map(|image| image.size_px()).or(self.shown_px);
         let old = self.content.take(image);
         self.scratch = old.or(self.scratch.take());
         self.is_due = true;
         self.shown_px.into_iter().for_each(|size| self.compare_sizes(size, monitor));
     }
 
-    fn read(&mut self, drawn: &Picture) -> Option<ScreenPicture> {
-        let mut picture = self.scratch.take().unwrap_or_default();
-        match picture.read(&drawn.into()) {
+    fn read(&mut self, drawn: &Image) -> Option<ScreenImage> {
+        let mut image = self.scratch.take().unwrap_or_default();
+        match image.read(&drawn.into()) {
             Ok(()) => {
                 self.last_error = None;
-                Some(picture)
+                Some(image)
             }
             Err(error) => {
                 if self.last_error.as_ref() != Some(&error) {
@@ -191,11 +191,11 @@ impl<'a> WindowPainter<'a> {
         }
     }
 
-    /// Logs a warning, once for each size, if picture and monitor differ in size.
-    fn compare_sizes(&mut self, picture_px: (u32, u32), monitor: &MonitorInfo) {
-        let sizes = (picture_px, monitor.size_px);
-        if picture_px != monitor.size_px && self.warned_sizes.insert(sizes) {
-            let (width, height) = picture_px;
+    /// Logs a warning, once for each size, if image and monitor differ in size.
+    fn compare_sizes(&mut self, image_px: (u32, u32), monitor: &MonitorInfo) {
+        let sizes = (image_px, monitor.size_px);
+        if image_px != monitor.size_px && self.warned_sizes.insert(sizes) {
+            let (width, height) = image_px;
             log::warn!(
                 "THE PICTURE ON {} IS {width}x{height} PIXELS, THE MONITOR IS {monitor}: it is shown unscaled at the \
                  top left; set the CameraInfo (or the monitor's mode) so that both are the same",
@@ -211,25 +211,25 @@ impl<'a> WindowPainter<'a> {
             return Ok(());
         }
         self.is_due = false;
-        let picture = self.content.on_screen(Instant::now());
-        let is_picture = picture.is_some();
-        let pixels = match picture {
-            Some(picture) if picture.size_px() == size => picture.pixels(),
-            picture => {
+        let image = self.content.on_screen(Instant::now());
+        let is_image = image.is_some();
+        let pixels = match image {
+            Some(image) if image.size_px() == size => image.pixels(),
+            image => {
                 self.composed.resize(size.0 as usize * size.1 as usize, 0);
-                match picture {
-                    Some(picture) => picture.draw_unscaled(&mut self.composed, size.0),
+                match image {
+                    Some(image) => image.draw_unscaled(&mut self.composed, size.0),
                     None => self.composed.fill(0),
                 }
                 &self.composed
             }
         };
         window.present(pixels, self.on_screen.take().or_else(|| self.role.listener()))?;
-        if is_picture && size == window.monitor().size_px {
+        if is_image && size == window.monitor().size_px {
             if let Some(path) = self.screenshot.take() {
                 let (width_px, height_px) = size;
                 let data = rgb_bytes(pixels);
-                picture_file::write(&path, &Picture { width_px, height_px, encoding: Encoding::Rgb8, data })?;
+                image_file::write(&path, &Image { width_px, height_px, encoding: Encoding::Rgb8, data })?;
                 log::info!("saved the window's pixels: {}", path.display());
             }
         }

@@ -12,17 +12,17 @@ use rustix::io::pwrite;
 
 /// Bytes of a pixel, `0x00RRGGBB` in the machine's byte order.
 pub(crate) const PIXEL_BYTES: u32 = 4;
-/// Number of pictures.
+/// Number of images.
 const SLOTS: usize = 2;
 
-/// A picture in one memory. The server may release it after that memory was replaced.
+/// An image in one memory. The server may release it after that memory was replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SharedSlot {
     memory: u64,
     slot: usize,
 }
 
-/// Memory for two pictures of one size.
+/// Memory for two images of one size.
 #[derive(Debug)]
 pub(crate) struct SharedPixels {
     /// Unique in this process.
@@ -33,7 +33,7 @@ pub(crate) struct SharedPixels {
 }
 
 impl SharedPixels {
-    /// Memory for pictures of this size.
+    /// Memory for images of this size.
     pub(crate) fn new(size_px: (u32, u32)) -> io::Result<Self> {
         static NEXT_ID: AtomicU64 = AtomicU64::new(0);
         let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
@@ -48,17 +48,17 @@ impl SharedPixels {
         self.file.as_fd()
     }
 
-    /// Width and height of a picture, pixels.
+    /// Width and height of an image, pixels.
     pub(crate) fn size_px(&self) -> (u32, u32) {
         self.size_px
     }
 
-    /// Bytes of one picture.
+    /// Bytes of one image.
     pub(crate) fn slot_bytes(&self) -> u64 {
         u64::from(self.size_px.0) * u64::from(self.size_px.1) * u64::from(PIXEL_BYTES)
     }
 
-    /// Offset of a picture in the file, bytes.
+    /// Offset of an image in the file, bytes.
     pub(crate) fn offset(&self, slot: usize) -> u64 {
         self.slot_bytes() * slot as u64
     }
@@ -73,12 +73,12 @@ impl SharedPixels {
         SharedSlot { memory: self.id, slot }
     }
 
-    /// Records that the server reads a picture.
+    /// Records that the server reads an image.
     pub(crate) fn begin_reading(&mut self, slot: usize) {
         self.set(slot, true);
     }
 
-    /// Records that the server has released a picture, unless it was in other memory.
+    /// Records that the server has released an image, unless it was in other memory.
     pub(crate) fn end_reading(&mut self, slot: SharedSlot) {
         if slot.memory == self.id {
             self.set(slot.slot, false);
@@ -91,7 +91,7 @@ impl SharedPixels {
         }
     }
 
-    /// Writes a picture, `0x00RRGGBB` a pixel. Pixels beyond its size are left out.
+    /// Writes an image, `0x00RRGGBB` a pixel. Pixels beyond its size are left out.
     pub(crate) fn write(&self, slot: usize, pixels: &[u32]) -> io::Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(pixels);
         let size = usize::try_from(self.slot_bytes()).unwrap_or(usize::MAX);
@@ -115,7 +115,7 @@ mod tests {
     use rustix::io::pread;
 
     #[test]
-    fn two_pictures_lie_one_after_the_other_and_are_written_in_turn() {
+    fn two_images_lie_one_after_the_other_and_are_written_in_turn() {
         let mut pixels = SharedPixels::new((2, 1)).unwrap();
         assert_eq!(pixels.free_slot(), Some(0));
         pixels.write(0, &[1, 2]).unwrap();

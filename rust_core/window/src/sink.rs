@@ -1,4 +1,4 @@
-//! The window's handle for other threads: the newest picture and the request to close, with a descriptor that wakes the
+//! The window's handle for other threads: the newest image and the request to close, with a descriptor that wakes the
 //! window's thread.
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -8,37 +8,37 @@ use std::time::Instant;
 
 use rcs_light::{Grant, Lit};
 use rcs_process::lock;
-use rcs_scene::Picture;
+use rcs_scene::Image;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
 use crate::on_screen::OnScreen;
 use crate::refresh::Refresh;
-use crate::screen_picture::ScreenPicture;
+use crate::screen_image::ScreenImage;
 use crate::switch_pipe::SwitchPipe;
 
-/// A picture in the sink.
+/// An image in the sink.
 #[derive(Debug, Clone)]
-pub(crate) enum SunkPicture {
-    /// A converted picture.
-    Read(Lit<Arc<ScreenPicture>>),
-    /// A drawn picture, which the window's thread converts, and what hears when it is on the screen.
-    Drawn(Lit<Arc<Picture>>, Option<Arc<dyn OnScreen>>),
+pub(crate) enum SunkImage {
+    /// A converted image.
+    Read(Lit<Arc<ScreenImage>>),
+    /// A drawn image, which the window's thread converts, and what hears when it is on the screen.
+    Drawn(Lit<Arc<Image>>, Option<Arc<dyn OnScreen>>),
     /// Black.
     Nothing,
 }
 
-/// The window's handle for other threads, to show pictures and to close the window.
+/// The window's handle for other threads, to show images and to close the window.
 #[derive(Debug, Clone)]
-pub struct PictureSink(Arc<SinkState>);
+pub struct ImageSink(Arc<SinkState>);
 
 #[derive(Debug)]
 struct SinkState {
-    /// The newest picture, and since when the window has not taken one.
-    newest: Mutex<Option<(SunkPicture, Instant)>>,
+    /// The newest image, and since when the window has not taken one.
+    newest: Mutex<Option<(SunkImage, Instant)>>,
     is_closing: AtomicBool,
     refresh: Mutex<Option<Refresh>>,
-    /// The last grant of the newest picture.
+    /// The last grant of the newest image.
     renewed: Mutex<Option<Grant>>,
     /// Hears of the end of a window with a dead-man's switch.
     switch: Mutex<Option<Arc<SwitchPipe>>>,
@@ -46,8 +46,8 @@ struct SinkState {
     wake: OwnedFd,
 }
 
-impl PictureSink {
-    /// A sink for [`crate::run_with`]: pictures may be shown before the window is open, and it may be opened again.
+impl ImageSink {
+    /// A sink for [`crate::run_with`]: images may be shown before the window is open, and it may be opened again.
     ///
     /// # Errors
     /// The process has no descriptors left.
@@ -63,25 +63,25 @@ impl PictureSink {
         })))
     }
 
-    /// Shows a picture of a tool that a person runs at the projector; replaces one that was not drawn yet.
-    pub fn show(&self, picture: ScreenPicture) {
-        match Grant::of_tool().show(Arc::new(picture)) {
+    /// Shows an image of a tool that a person runs at the projector; replaces one that was not drawn yet.
+    pub fn show(&self, image: ScreenImage) {
+        match Grant::of_tool().show(Arc::new(image)) {
             Some(lit) => self.show_lit(lit),
             None => self.clear(),
         }
     }
 
-    /// Shows a picture while its grant holds.
-    pub fn show_lit(&self, picture: Lit<Arc<ScreenPicture>>) {
-        self.hand_over(SunkPicture::Read(picture));
+    /// Shows an image while its grant holds.
+    pub fn show_lit(&self, image: Lit<Arc<ScreenImage>>) {
+        self.hand_over(SunkImage::Read(image));
     }
 
-    /// Shows a shared picture while its grant holds; it is converted on the window's thread.
-    pub fn show_drawn(&self, picture: Lit<Arc<Picture>>, on_screen: Option<Arc<dyn OnScreen>>) {
-        self.hand_over(SunkPicture::Drawn(picture, on_screen));
+    /// Shows a shared image while its grant holds; it is converted on the window's thread.
+    pub fn show_drawn(&self, image: Lit<Arc<Image>>, on_screen: Option<Arc<dyn OnScreen>>) {
+        self.hand_over(SunkImage::Drawn(image, on_screen));
     }
 
-    /// Gives the newest picture a later grant, so that it does not become black.
+    /// Gives the newest image a later grant, so that it does not become black.
     pub fn renew(&self, grant: &Grant) {
         *lock(&self.0.renewed) = Some(grant.clone());
     }
@@ -99,9 +99,9 @@ impl PictureSink {
         *lock(&self.0.refresh) = refresh;
     }
 
-    /// Shows black, until the next picture.
+    /// Shows black, until the next image.
     pub fn clear(&self) {
-        self.hand_over(SunkPicture::Nothing);
+        self.hand_over(SunkImage::Nothing);
     }
 
     /// Closes the window; [`crate::run`] returns.
@@ -116,25 +116,23 @@ impl PictureSink {
         *lock(&self.0.switch) = switch;
     }
 
-    /// `true` after [`PictureSink::close`].
+    /// `true` after [`ImageSink::close`].
     pub fn is_closing(&self) -> bool {
         self.0.is_closing.load(Ordering::Acquire)
     }
 
-    fn hand_over(&self, mut picture: SunkPicture) {
+    fn hand_over(&self, mut image: SunkImage) {
         let mut newest = lock(&self.0.newest);
         let waiting_since = newest.as_ref().map(|(_, since)| *since);
-        // The same picture again, of which somebody still waits to hear.
-        if let (SunkPicture::Drawn(picture, hears), Some((SunkPicture::Drawn(last, heard), _))) =
-            (&mut picture, &mut *newest)
-        {
-            if picture.is_same(last) {
+        // The same image again, of which somebody still waits to hear.
+        if let (SunkImage::Drawn(image, hears), Some((SunkImage::Drawn(last, heard), _))) = (&mut image, &mut *newest) {
+            if image.is_same(last) {
                 *hears = hears.take().or(heard.take());
             }
         }
-        *newest = Some((picture, waiting_since.unwrap_or_else(Instant::now)));
+        *newest = Some((image, waiting_since.unwrap_or_else(Instant::now)));
         drop(newest);
-        // One wake-up is enough for any number of pictures.
+        // One wake-up is enough for any number of images.
         if waiting_since.is_none() {
             self.wake();
         }
@@ -146,18 +144,18 @@ impl PictureSink {
         let _ = write(&self.0.wake, &1u64.to_ne_bytes());
     }
 
-    /// Takes the newest picture.
-    pub(crate) fn take(&self) -> Option<SunkPicture> {
-        lock(&self.0.newest).take().map(|(picture, _)| picture)
+    /// Takes the newest image.
+    pub(crate) fn take(&self) -> Option<SunkImage> {
+        lock(&self.0.newest).take().map(|(image, _)| image)
     }
 
-    /// Time since which a picture waits for the window. An open window takes each at once, unless its display server
+    /// Time since which an image waits for the window. An open window takes each at once, unless its display server
     /// hangs.
     pub fn waiting_since(&self) -> Option<Instant> {
         lock(&self.0.newest).as_ref().map(|(_, since)| *since)
     }
 
-    /// The descriptor that becomes readable with a picture or a request.
+    /// The descriptor that becomes readable with an image or a request.
     pub(crate) fn wake_fd(&self) -> BorrowedFd<'_> {
         self.0.wake.as_fd()
     }

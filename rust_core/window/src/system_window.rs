@@ -18,13 +18,13 @@ use crate::refresh::Refresh;
 /// Settings of a window.
 #[derive(Debug, Clone, Default)]
 pub struct WindowOptions {
-    /// The topic of the pictures, for the window's title and for warnings.
+    /// The topic of the images, for the window's title and for warnings.
     pub source: String,
     /// The monitor to cover.
     pub monitor: MonitorChoice,
-    /// A PNG or JPEG file to save the window's pixels to, once the first picture is on the screen.
+    /// A PNG or JPEG file to save the window's pixels to, once the first image is on the screen.
     pub screenshot: Option<PathBuf>,
-    /// Longest time for which a program grants light at once; `None` for a tool's own pictures.
+    /// Longest time for which a program grants light at once; `None` for a tool's own images.
     pub light_limit: Option<Duration>,
     /// `true` to set a monitor to its native mode; otherwise there is a warning if it runs another one.
     pub set_mode: bool,
@@ -46,7 +46,7 @@ pub(crate) trait SystemWindow {
     /// Current width and height of the window, pixels; zero while it is not on the screen.
     fn size_px(&self) -> (u32, u32);
 
-    /// `true` if the window system accepts a picture; otherwise an event follows when it does.
+    /// `true` if the window system accepts an image; otherwise an event follows when it does.
     fn is_ready(&self) -> bool;
 
     /// Brings pixels of the window's size to the screen, `0x00RRGGBB`, rows from the top. `on_screen` hears when they

@@ -160,8 +160,8 @@ fn depth(seeds: &mut Seeds) {
         (image("32FC1", &metres), image("bayer_rggb8", &[90])),
         (image("32FC1", &metres), image("rgb16", &[90; 6])),
     ];
-    let jpeg = picture(&pictures()[1], ImageFormat::Jpeg);
-    let depth_png = [&[0; 12][..], &picture(&pictures()[5], ImageFormat::Png)].concat();
+    let jpeg = encoded_image(&sample_images()[1], ImageFormat::Jpeg);
+    let depth_png = [&[0; 12][..], &encoded_image(&sample_images()[5], ImageFormat::Png)].concat();
     let packed_pairs = [
         (packed("16UC1; compressedDepth rvl", &rvl()), packed("rgb8; jpeg compressed bgr8", &jpeg)),
         (packed("16UC1; compressedDepth png", &depth_png), packed("rgb8; jpeg compressed bgr8", &jpeg)),
@@ -194,8 +194,8 @@ fn meshes(seeds: &mut Seeds) {
     seeds.add("stl", &binary);
 }
 
-/// Pictures of 4 × 4 pixels, with all kinds of them.
-fn pictures() -> [DynamicImage; 6] {
+/// Images of 4 × 4 pixels, with all kinds of them.
+fn sample_images() -> [DynamicImage; 6] {
     let pixel = |x: u32, y: u32| [(x * 60) as u8, (y * 50) as u8, 200, 128];
     let rgba = DynamicImage::ImageRgba8(image::ImageBuffer::from_fn(4, 4, |x, y| image::Rgba(pixel(x, y))));
     let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_fn(4, 4, |x, y| image::Luma([(x * y * 500) as u16])));
@@ -209,10 +209,10 @@ fn pictures() -> [DynamicImage; 6] {
     ]
 }
 
-/// The file of a picture; empty where the format has no such pixels.
-fn picture(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+/// The file of an image; empty where the format has no such pixels.
+fn encoded_image(encoded_image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, format).map_or_else(|_| Vec::new(), |()| bytes.into_inner())
+    encoded_image.write_to(&mut bytes, format).map_or_else(|_| Vec::new(), |()| bytes.into_inner())
 }
 
 /// A depth image of 4 × 4 pixels.
@@ -224,9 +224,9 @@ fn rvl() -> Vec<u8> {
 fn images(seeds: &mut Seeds) {
     let formats =
         [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Tiff, ImageFormat::Gif];
-    for pixels in &pictures() {
+    for pixels in &sample_images() {
         for (choice, format) in formats.into_iter().enumerate() {
-            let bytes = picture(pixels, format);
+            let bytes = encoded_image(pixels, format);
             if bytes.is_empty() {
                 continue;
             }

@@ -41,11 +41,11 @@ pub(crate) fn capture(data: &[u8]) {
     let list = std::str::from_utf8(data).ok().and_then(|text| parse_patterns(Path::new(CAPTURE_FILE), text).ok());
     let list = list.unwrap_or_else(|| panic!("a capture, but no list of patterns"));
     assert_eq!(list.projector_size_px, capture.projector_size_px);
-    assert!(list.patterns.iter().map(|(_, pattern)| pattern).eq(capture.pictures.iter().map(|shown| &shown.pattern)));
+    assert!(list.patterns.iter().map(|(_, pattern)| pattern).eq(capture.images.iter().map(|shown| &shown.pattern)));
 
     assert_eq!(capture.image_size_px(), SIZE_PX);
     let pixels = (SIZE_PX[0] * SIZE_PX[1]) as usize;
-    assert!(capture.pictures.iter().all(|picture| picture.grey.len() == pixels));
+    assert!(capture.images.iter().all(|image| image.grey.len() == pixels));
     assert!(capture.depth_m.iter().all(|depth_m| depth_m.len() == pixels));
     assert!(capture.warnings.iter().all(|warning| warning.lines().count() == 1), "{:?}", capture.warnings);
     check_written(data, &capture);
@@ -126,8 +126,8 @@ fn files() -> &'static Files {
     })
 }
 
-fn png(picture: &DynamicImage) -> Vec<u8> {
+fn png(image: &DynamicImage) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, ImageFormat::Png).unwrap_or_else(|error| panic!("{error}"));
+    image.write_to(&mut bytes, ImageFormat::Png).unwrap_or_else(|error| panic!("{error}"));
     bytes.into_inner()
 }

@@ -1,4 +1,4 @@
-//! Displays that are sent foreign messages: from the bytes to the picture, as in the node.
+//! Displays that are sent foreign messages: from the bytes to the image, as in the node.
 //!
 //! An input of these targets chooses one of several configs, each with a display, by its first byte; the second says
 //! what else happens. The rest are messages (see [`Record`]) on the topics to which the display subscribes.
@@ -15,7 +15,7 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_render::{CpuRenderer, Renderer, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
-use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Picture};
+use rcs_scene::{Camera, DisplayMask, Encoding, Image, Intrinsics};
 use rcs_transforms::Time;
 
 use crate::first_byte;
@@ -146,15 +146,15 @@ fn configs(name: &str) -> &'static [Config] {
     all.iter().find(|(target, _)| *target == name).map_or(&[], |(_, configs)| configs)
 }
 
-/// The renderer, and its last picture.
+/// The renderer, and its last image.
 struct Screen {
     renderer: CpuRenderer,
-    picture: Picture,
+    image: Image,
 }
 
 thread_local! {
     static SCREEN: RefCell<Screen> =
-        RefCell::new(Screen { renderer: CpuRenderer::with_threads(1), picture: Picture::default() });
+        RefCell::new(Screen { renderer: CpuRenderer::with_threads(1), image: Image::default() });
 }
 
 /// A stage and the time on it.
@@ -213,7 +213,7 @@ impl Shown {
         }
     }
 
-    /// Draws a small picture, and asks what each display reports: the node does this twice a second.
+    /// Draws a small image, and asks what each display reports: the node does this twice a second.
     fn draw(&self) {
         let scene = self.stage.scene();
         let p = [8.0, 0.0, 8.0, 0.0, 0.0, 8.0, 8.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -248,9 +248,9 @@ impl Shown {
 fn draw(scene: &rcs_scene::Scene, camera: &Camera) {
     let visible = DisplayMask::all();
     let view = View { scene, camera, visible: &visible, background: [48; 3], encoding: Encoding::Rgb8 };
-    SCREEN.with_borrow_mut(|Screen { renderer, picture }| {
-        renderer.render(&view, picture).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(picture.data.len(), camera.width_px() as usize * camera.height_px() as usize * 3);
+    SCREEN.with_borrow_mut(|Screen { renderer, image }| {
+        renderer.render(&view, image).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(image.data.len(), camera.width_px() as usize * camera.height_px() as usize * 3);
     });
 }
 
@@ -320,7 +320,7 @@ pub(crate) fn compressed_image(data: &[u8]) {
         return;
     }
     let mut shown = Shown::new(config);
-    // A picture of 4 × 4 on the other topic, so that there is a pair.
+    // An image of 4 × 4 on the other topic, so that there is a pair.
     let mut info = CameraInfo { width: 4, height: 4, ..CameraInfo::default() };
     info.header.frame_id = FIXED_FRAME.to_owned();
     info.P = [4.0, 0.0, 2.0, 0.0, 0.0, 4.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0];

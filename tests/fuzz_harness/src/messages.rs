@@ -3,7 +3,7 @@
 
 use rcs_camera_stream::light_mask;
 use rcs_messages::{dynamic_reconfigure, roscpp, std_srvs, AnyMessage, Image, MessageKind, RosMsg, ServicePair};
-use rcs_window::{ReceivedPicture, ScreenPicture};
+use rcs_window::{ReceivedImage, ScreenImage};
 
 use crate::first_byte;
 
@@ -57,7 +57,7 @@ fn message(kind: MessageKind, bytes: &[u8]) {
 }
 
 fn on_screen(image: &Image) {
-    let picture = ScreenPicture::from_received(&ReceivedPicture {
+    let image = ScreenImage::from_received(&ReceivedImage {
         width_px: image.width,
         height_px: image.height,
         step_bytes: image.step,
@@ -65,10 +65,10 @@ fn on_screen(image: &Image) {
         is_bigendian: image.is_bigendian != 0,
         data: image.data(),
     });
-    if let Ok(picture) = picture {
+    if let Ok(image) = image {
         // Smaller than some, larger than others.
         let mut screen = vec![u32::MAX; 12];
-        picture.draw_unscaled(&mut screen, 4);
+        image.draw_unscaled(&mut screen, 4);
         assert!(!screen.contains(&u32::MAX));
     }
 }

@@ -72,7 +72,7 @@ pub(crate) fn correspondences(data: &[u8]) {
     }
 }
 
-/// A list of patterns, and so the patterns of a capture: their pictures are in its folder, and each pattern can be
+/// A list of patterns, and so the patterns of a capture: their images are in its folder, and each pattern can be
 /// shown.
 pub(crate) fn pattern_list(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };

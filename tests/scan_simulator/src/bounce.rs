@@ -57,9 +57,9 @@ impl Bounce {
     }
 
     /// Light that arrives at each patch for an image of light, row by row; in the same unit.
-    pub(crate) fn gather(&self, picture: &[f32], width_px: usize) -> Gathered<'_> {
+    pub(crate) fn gather(&self, image: &[f32], width_px: usize) -> Gathered<'_> {
         let mut sums = vec![(0.0_f32, 0.0_f32); self.columns * self.rows];
-        for (v, row) in picture.chunks(width_px).enumerate() {
+        for (v, row) in image.chunks(width_px).enumerate() {
             for (patch, pixels) in row.chunks(PATCH_PX).enumerate() {
                 let sum = &mut sums[v / PATCH_PX * self.columns + patch];
                 sum.0 += pixels.iter().sum::<f32>();

@@ -32,14 +32,14 @@ pub struct Conditions {
     /// Share of the full well at the 99.5th percentile of the white image; values above 1 clip.
     pub exposure: f64,
     /// Relative growth of the exposure from each image to the next.
-    pub drift_per_picture: f64,
+    pub drift_per_image: f64,
     /// Relative random change of an image's brightness: standard deviation.
     pub flicker: f64,
     /// Motion of the camera during the scan.
     pub motion: Option<Motion>,
     /// Homography from pixels of the projector's panel, as in a [`View`](crate::View), to those of the displayed image,
     /// for mirrored or keystone-corrected images.
-    pub picture_from_panel: Matrix3<f64>,
+    pub image_from_panel: Matrix3<f64>,
     /// Seed of the noise.
     pub seed: u64,
 }
@@ -48,7 +48,7 @@ pub struct Conditions {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// First image after the motion.
-    pub from_picture: u32,
+    pub from_image: u32,
     /// Shift of the image's content, camera pixels.
     pub shift_px: Vector2<f64>,
 }
@@ -69,10 +69,10 @@ impl Conditions {
             read_noise: 0.0,
             gamma: 1.0,
             exposure: 0.9,
-            drift_per_picture: 0.0,
+            drift_per_image: 0.0,
             flicker: 0.0,
             motion: None,
-            picture_from_panel: Matrix3::identity(),
+            image_from_panel: Matrix3::identity(),
             seed: 0,
         }
     }
@@ -119,9 +119,9 @@ impl Conditions {
     pub fn trapezoid(size_px: [u32; 2], upper: f64) -> Matrix3<f64> {
         let [right, bottom] = size_px.map(|size| f64::from(size) - 1.0);
         let left = 0.5 * (1.0 - upper) * right;
-        let panel_from_picture =
+        let panel_from_image =
             Matrix3::new(upper, -left / bottom, left, 0.0, upper, 0.0, 0.0, (upper - 1.0) / bottom, 1.0);
-        panel_from_picture.try_inverse().unwrap_or_else(Matrix3::identity)
+        panel_from_image.try_inverse().unwrap_or_else(Matrix3::identity)
     }
 }
 

@@ -198,7 +198,7 @@ struct Reached {
 
 /// Sum of slow waves.
 struct Waves {
-    /// Waves in u and v, per picture width, and a phase, radians.
+    /// Waves in u and v, per image width, and a phase, radians.
     waves: [(f64, f64, f64); WAVES],
     amplitude_m: f64,
 }

@@ -26,9 +26,9 @@ pub(crate) struct ProjectedImage {
 
 impl ProjectedImage {
     /// Creates the image from grey levels, row by row, that are linear in light; black ones leak a share.
-    pub(crate) fn new(picture: &[u8], size_px: [u32; 2], black: f32) -> Self {
+    pub(crate) fn new(image: &[u8], size_px: [u32; 2], black: f32) -> Self {
         let [width, height] = size_px.map(|side| side as usize);
-        let light: Vec<f32> = picture.iter().map(|level| black + (1.0 - black) * f32::from(*level) / 255.0).collect();
+        let light: Vec<f32> = image.iter().map(|level| black + (1.0 - black) * f32::from(*level) / 255.0).collect();
         let (blocks_wide, blocks_high) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let mut blocks = vec![[f32::INFINITY, 0.0_f32]; blocks_wide * blocks_high];
         for (index, light) in light.iter().take(width * height).enumerate() {
@@ -105,8 +105,8 @@ mod tests {
     fn a_square_is_blurred_and_keeps_its_light() {
         let size = [200_u32, 120];
         let is_lit = |index: u32| (90..100).contains(&(index % 200)) && (50..60).contains(&(index / 200));
-        let picture: Vec<u8> = (0..200 * 120).map(|index| if is_lit(index) { 255 } else { 0 }).collect();
-        let image = ProjectedImage::new(&picture, size, 0.0);
+        let image: Vec<u8> = (0..200 * 120).map(|index| if is_lit(index) { 255 } else { 0 }).collect();
+        let image = ProjectedImage::new(&image, size, 0.0);
         let blur = [strength(1.5), strength(3.0)];
         assert!(image.at([94.5, 54.5], [0, 0]) > 0.99 && image.at([89.5, 54.5], [0, 0]) > 0.49);
         assert_eq!(image.at([20.0, 20.0], blur), 0.0);

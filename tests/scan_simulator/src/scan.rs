@@ -73,8 +73,8 @@ impl<'a> Scan<'a> {
     }
 
     /// Image of a pattern with its number in the scan: grey levels, row by row.
-    pub fn capture(&self, pattern: &Pattern, picture: u32) -> Vec<u8> {
-        self.expose(&self.light(self.direct(pattern)), picture)
+    pub fn capture(&self, pattern: &Pattern, image: u32) -> Vec<u8> {
+        self.expose(&self.light(self.direct(pattern)), image)
     }
 
     /// Light of all camera pixels for a displayed image of grey levels, both row by row, for [`Self::expose`].
@@ -90,20 +90,20 @@ impl<'a> Scan<'a> {
     }
 
     /// Image of light with its number in the scan: grey levels, row by row.
-    pub fn expose(&self, light: &[f32], picture: u32) -> Vec<u8> {
+    pub fn expose(&self, light: &[f32], image: u32) -> Vec<u8> {
         let conditions = &self.conditions;
-        let flicker = Random::new(&[conditions.seed, u64::from(picture), 0x464c_4943]).normal();
-        let drift = (1.0 + conditions.drift_per_picture).powf(f64::from(picture));
+        let flicker = Random::new(&[conditions.seed, u64::from(image), 0x464c_4943]).normal();
+        let drift = (1.0 + conditions.drift_per_image).powf(f64::from(image));
         let exposure = self.exposure * (drift * (1.0 + conditions.flicker * flicker)) as f32;
         let light: Vec<f32> = light.iter().map(|light| light * exposure).collect();
-        let moved = conditions.motion.filter(|motion| picture >= motion.from_picture);
+        let moved = conditions.motion.filter(|motion| image >= motion.from_image);
         let shift_px = moved.map_or_else(Vector2::zeros, |motion| motion.shift_px);
-        self.sensor.expose(&light, self.width(), shift_px, picture)
+        self.sensor.expose(&light, self.width(), shift_px, image)
     }
 
     /// Images of all patterns, in their order.
     pub fn capture_all(&self, patterns: &[Pattern]) -> Vec<Vec<u8>> {
-        patterns.par_iter().enumerate().map(|(picture, pattern)| self.capture(pattern, picture as u32)).collect()
+        patterns.par_iter().enumerate().map(|(image, pattern)| self.capture(pattern, image as u32)).collect()
     }
 
     fn width(&self) -> usize {
@@ -174,7 +174,7 @@ impl<'a> Scan<'a> {
 fn lit_rays(view: &View, conditions: &Conditions) -> Vec<Lit> {
     let lit = |ray: &Ray, extent_px: [f32; 2]| {
         let [u, v] = ray.lit_by.map(f64::from);
-        let place = conditions.picture_from_panel.transform_point(&Point2::new(u, v));
+        let place = conditions.image_from_panel.transform_point(&Point2::new(u, v));
         let off_focus = 1.0 / f64::from(ray.depth_m) - 1.0 / conditions.focus_m;
         let squared = conditions.sharpest_px.powi(2) + (conditions.defocus_px * off_focus).powi(2);
         let blur = extent_px.map(|extent| strength((squared as f32 + extent * extent).sqrt()));
@@ -201,14 +201,14 @@ mod tests {
     }
 
     #[test]
-    fn pictures_follow_from_the_seed() {
+    fn images_follow_from_the_seed() {
         let view = view();
         let finest = gray_code([1280, 800])[22];
-        let capture = |seed, picture| Scan::new(&view, Conditions::random(seed)).capture(&finest, picture);
+        let capture = |seed, image| Scan::new(&view, Conditions::random(seed)).capture(&finest, image);
         assert!(capture(1, 3) == capture(1, 3));
         assert!(capture(1, 3) != capture(1, 4) && capture(1, 3) != capture(2, 3));
         let still = Conditions { flicker: 0.0, full_well: f64::INFINITY, ..Conditions::random(1) };
-        let moves = Motion { from_picture: 4, shift_px: Vector2::new(2.0, 0.0) };
+        let moves = Motion { from_image: 4, shift_px: Vector2::new(2.0, 0.0) };
         let moving = Conditions { motion: Some(moves), ..still.clone() };
         let (still, moving) = (Scan::new(&view, still), Scan::new(&view, moving));
         assert!(still.capture(&finest, 3) == moving.capture(&finest, 3));
@@ -235,13 +235,13 @@ mod tests {
     }
 
     #[test]
-    fn any_picture_looks_like_the_pattern_that_it_is_of() {
+    fn any_image_looks_like_the_pattern_that_it_is_of() {
         let view = view();
         let scan = Scan::new(&view, Conditions { full_well: f64::INFINITY, flicker: 0.0, ..Conditions::random(2) });
         let patterns = gray_code([1280, 800]);
         for pattern in [&Pattern::White, &patterns[8], &patterns[32]] {
             let expected = scan.capture(pattern, 0);
-            let seen = scan.expose(&scan.light_of(&pattern.picture([1280, 800])), 0);
+            let seen = scan.expose(&scan.light_of(&pattern.image([1280, 800])), 0);
             let far = expected.iter().zip(&seen).filter(|(one, other)| one.abs_diff(**other) > 2).count();
             assert!(far * 1000 < seen.len(), "{pattern:?}: {far}");
         }

@@ -36,12 +36,12 @@ impl Sensor {
     }
 
     /// Image of light, row by row, where 1 fills the sensor's wells.
-    pub(crate) fn expose(&self, light: &[f32], width: usize, shift_px: Vector2<f64>, picture: u32) -> Vec<u8> {
+    pub(crate) fn expose(&self, light: &[f32], width: usize, shift_px: Vector2<f64>, image: u32) -> Vec<u8> {
         let shifted = if shift_px == Vector2::zeros() { light.to_vec() } else { shifted(light, width, shift_px) };
         let blurred = self.blurred(&shifted, width);
         let mut levels = vec![0; blurred.len()];
         levels.par_chunks_mut(width).zip(blurred.par_chunks(width)).enumerate().for_each(|(v, (levels, light))| {
-            let mut random = Random::new(&[self.seed, u64::from(picture), v as u64]);
+            let mut random = Random::new(&[self.seed, u64::from(image), v as u64]);
             for (level, light) in levels.iter_mut().zip(light) {
                 let light = f64::from(*light);
                 let noisy = if self.full_well.is_finite() {

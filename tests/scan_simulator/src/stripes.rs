@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn light_ends_at_the_edge_of_the_picture() {
+    fn light_ends_at_the_edge_of_the_image() {
         let white = BlurredStripes::new(&Pattern::White, Axis::Y, [1280, 800], &[true; STRENGTHS]);
         let blur = strength(1.0);
         for (at, expected) in [(400.0, 1.0), (-0.5, 0.5), (799.5, 0.5), (-8.0, 0.0), (-200.0, 0.0), (5000.0, 0.0)] {

@@ -283,11 +283,11 @@ mod tests {
             let rig = Rig::random(seed);
             let shadowed = |room: &Room| {
                 let view = View::new(room, &rig);
-                let in_picture = view.sights().iter().flatten().filter(|sight| {
+                let in_image = view.sights().iter().flatten().filter(|sight| {
                     let pixel = rig.projector.project(&(rig.projector_from_camera() * sight.point));
                     pixel.is_some_and(|pixel| rig.projector.contains(pixel))
                 });
-                let count = in_picture.count() as f64 / view.sights().len() as f64;
+                let count = in_image.count() as f64 / view.sights().len() as f64;
                 (1.0 - view.lit_share() / count, view.lit_share())
             };
             let (shadow, lit) = shadowed(&Room::wall(1.4, [0.1, -0.15]));

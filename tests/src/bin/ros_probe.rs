@@ -1,8 +1,8 @@
-//! A node for tests: it prints what it receives, one line an event, and publishes pictures.
+//! A node for tests: it prints what it receives, one line an event, and publishes images.
 //!
 //! ```text
 //! ros_probe listen [TOPIC TYPE QUEUE_SIZE]...      messages, transforms, calls of the service `probe_trigger`
-//! ros_probe image TOPIC WIDTH HEIGHT RATE          pictures, while it listens to their own camera_info
+//! ros_probe image TOPIC WIDTH HEIGHT RATE          images, while it listens to their own camera_info
 //! ros_probe call SERVICE TIMEOUT                   one call of a std_srvs/Trigger
 //! ros_probe nudge INFO_TOPIC ORIENTATION RIGHT DOWN FORWARD    one step of a projector
 //! ```
@@ -14,7 +14,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_srvs::{Trigger, TriggerReq};
 use rcs_messages::{header, MessageKind};
 use rcs_ros::{Change, NodeEvent, RosNode, ServiceCall, TopicSubscription};
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use std::error::Error;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -154,10 +154,10 @@ fn publish(
     let _own = node.subscribe(publisher.info_topic(), MessageKind::CameraInfo, 1)?;
     print_line(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
     let [width, height] = size_px;
-    let mut picture = Picture::default();
-    picture.reset(width, height, Encoding::Rgb8);
-    picture.data.fill(7);
-    let picture = Arc::new(picture);
+    let mut image = Image::default();
+    image.reset(width, height, Encoding::Rgb8);
+    image.data.fill(7);
+    let image = Arc::new(image);
     let mut info = CameraInfo { width, height, ..CameraInfo::default() };
     info.header.frame_id = "projector".to_owned();
     let mut next = Instant::now();
@@ -171,7 +171,7 @@ fn publish(
         }
         next += Duration::from_secs_f64(1.0 / rate);
         let started = Instant::now();
-        publisher.publish(&picture, &info, node.now())?;
+        publisher.publish(&image, &info, node.now())?;
         count += 1;
         let (subscribers, micros) = (publisher.subscriber_count(), started.elapsed().as_micros());
         print_line(&format!("published {count} to {subscribers} in {micros} us"));

@@ -12,7 +12,7 @@ use rcs_scene::{Camera, CameraError};
 
 use super::rendering::camera;
 
-/// The picture's width and height, and the focal length, in pixels.
+/// The image's width and height, and the focal length, in pixels.
 pub const CAMERA: ([u32; 2], f64) = ([640, 480], 500.0);
 
 /// A kind of scene.

@@ -4,7 +4,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use rcs_render::{create, Renderer, RendererChoice, View};
-use rcs_scene::{Camera, CameraError, DisplayMask, Drawable, Encoding, Intrinsics, Picture, Scene};
+use rcs_scene::{Camera, CameraError, DisplayMask, Drawable, Encoding, Image, Intrinsics, Scene};
 
 /// Color of the background; no color of the scenes has this level in all channels.
 const BACKGROUND: [u8; 3] = [LEVEL; 3];
@@ -63,16 +63,16 @@ pub fn moving_camera(size_px: [u32; 2], focal_px: f64, frame: usize) -> Result<C
     Ok(Camera::new(*still.intrinsics(), &fixed_from_optical, still.near_m()))
 }
 
-/// What is drawn and what draws it; the picture's memory is reused.
+/// What is drawn and what draws it; the image's memory is reused.
 pub struct Rendering {
     /// What is drawn.
     pub scene: Scene,
     /// What sees it.
     pub camera: Camera,
-    /// How the picture is laid out.
+    /// How the image is laid out.
     pub encoding: Encoding,
-    /// The last picture.
-    pub picture: Picture,
+    /// The last image.
+    pub image: Image,
     renderer: Box<dyn Renderer>,
     visible: DisplayMask,
 }
@@ -84,28 +84,28 @@ impl Rendering {
             scene: Scene { drawables, light: None },
             camera,
             encoding: Encoding::Rgb8,
-            picture: Picture::default(),
+            image: Image::default(),
             renderer,
             visible: DisplayMask::all(),
         }
     }
 
-    /// Draws a picture of its own scene.
+    /// Draws an image of its own scene.
     ///
     /// # Errors
     /// Those of the renderer.
-    pub fn draw(&mut self) -> Result<&Picture, rcs_render::RenderError> {
+    pub fn draw(&mut self) -> Result<&Image, rcs_render::RenderError> {
         let scene = std::mem::take(&mut self.scene);
         let done = self.draw_of(&scene).map(|_| ());
         self.scene = scene;
-        done.map(|()| &self.picture)
+        done.map(|()| &self.image)
     }
 
-    /// Draws a picture of a scene.
+    /// Draws an image of a scene.
     ///
     /// # Errors
     /// Those of the renderer.
-    pub fn draw_of(&mut self, scene: &Scene) -> Result<&Picture, rcs_render::RenderError> {
+    pub fn draw_of(&mut self, scene: &Scene) -> Result<&Image, rcs_render::RenderError> {
         let view = View {
             scene,
             camera: &self.camera,
@@ -113,13 +113,13 @@ impl Rendering {
             background: BACKGROUND,
             encoding: self.encoding,
         };
-        self.renderer.render(&view, &mut self.picture)?;
-        Ok(&self.picture)
+        self.renderer.render(&view, &mut self.image)?;
+        Ok(&self.image)
     }
 
-    /// The share of the picture that is not background, in an encoding without alpha.
+    /// The share of the image that is not background, in an encoding without alpha.
     pub fn covered(&self) -> f64 {
-        let pixels = self.picture.data.chunks_exact(self.encoding.bytes_per_pixel());
+        let pixels = self.image.data.chunks_exact(self.encoding.bytes_per_pixel());
         let count = pixels.len().max(1) as f64;
         pixels.filter(|pixel| pixel.iter().any(|level| *level != LEVEL)).count() as f64 / count
     }

@@ -1,4 +1,4 @@
-//! Triangles, lines, ribbons and labels, any number of them, spread over the picture of a camera that looks along z.
+//! Triangles, lines, ribbons and labels, any number of them, spread over the image of a camera that looks along z.
 //!
 //! Positions follow a sequence that fills the view evenly (multiples of irrational numbers), 1 to 3 metres away.
 
@@ -34,7 +34,7 @@ pub fn drawable(geometry: Geometry) -> Drawable {
     }
 }
 
-/// Triangles that face the camera, with legs of `leg_px` pixels on a picture of this focal length; neighbours share no
+/// Triangles that face the camera, with legs of `leg_px` pixels on an image of this focal length; neighbours share no
 /// corners.
 pub fn triangles(count: usize, leg_px: f64, focal_px: f64, view: [f64; 2]) -> Geometry {
     let mut mesh = Mesh::default();

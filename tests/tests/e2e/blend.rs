@@ -1,4 +1,4 @@
-//! Several projectors on one surface: `projector_blend` writes each one's share, and the node gives it to its pictures.
+//! Several projectors on one surface: `projector_blend` writes each one's share, and the node gives it to its images.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -96,9 +96,9 @@ fn the_shares_of_two_projectors_add_up_on_the_wall_and_are_files_for_each() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("rename one"), "{refused:?}");
 }
 
-/// The picture of docs/how-to/mounting-and-blending.md, as it says. `UPDATE_GALLERY=1` writes it again.
+/// The image of docs/how-to/mounting-and-blending.md, as it says. `UPDATE_GALLERY=1` writes it again.
 #[test]
-fn the_documented_picture_is_that_of_two_projectors_a_wall_and_a_box() {
+fn the_documented_image_is_that_of_two_projectors_a_wall_and_a_box() {
     const STEP_M: f64 = 0.005;
     const TURN: f64 = 0.06;
     let folder = tempfile::tempdir().unwrap();
@@ -132,7 +132,7 @@ fn the_documented_picture_is_that_of_two_projectors_a_wall_and_a_box() {
 }
 
 #[test]
-fn the_node_gives_its_pictures_their_share_in_linear_light() {
+fn the_node_gives_its_images_their_share_in_linear_light() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("half.png");
     let weights: Vec<f32> = (0..64 * 48).map(|at| if at % 64 < 32 { 0.5 } else { 1.0 }).collect();

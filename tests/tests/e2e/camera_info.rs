@@ -1,9 +1,9 @@
-//! The CameraInfo that a camera subscribes to, and the one that it publishes beside its picture.
+//! The CameraInfo that a camera subscribes to, and the one that it publishes beside its image.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
-/// A node with one camera at `eye` in front of a red cloud, and a viewer of its picture.
+/// A node with one camera at `eye` in front of a red cloud, and a viewer of its image.
 fn fixture(camera: &CameraPub) -> RosFixture {
     let fixture = RosFixture::start(&config(&[CLOUD], std::slice::from_ref(camera)), &[]).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
@@ -73,7 +73,7 @@ fn size_p_and_frame_of_a_camera_info_may_change_at_any_time() {
 }
 
 #[test]
-fn an_invalid_camera_info_is_one_error_and_stops_the_pictures() {
+fn an_invalid_camera_info_is_one_error_and_stops_the_images() {
     let fixture = fixture(&CameraPub::default());
     let infinite = "info(P=[50, 0, 32, 0, 0, float('inf'), 24, 0, 0, 0, 1, 0])";
     let nan = "info(P=[50, 0, float('nan'), 0, 0, 50, 24, 0, 0, 0, 1, 0])";
@@ -94,7 +94,7 @@ fn an_invalid_camera_info_is_one_error_and_stops_the_pictures() {
         assert!(wait_until(PATIENCE, || errors() == number + 1), "{bad}: {}", fixture.log());
         let error = fixture.node.errors().into_iter().rfind(|line| line.contains("ERROR")).unwrap();
         assert!(error.contains(field), "{bad}: {error}");
-        // What was published before may arrive after the error; the last good picture is not repeated.
+        // What was published before may arrive after the error; the last good image is not repeated.
         fixture.wait_for("viewer.quiet_secs() > 0.7");
         assert_eq!(errors(), number + 1, "{bad}: {}", fixture.log());
     }

@@ -68,7 +68,7 @@ fn a_file_that_cannot_be_read_is_one_line_and_exits_with_2() {
 }
 
 #[test]
-fn what_changes_no_picture_is_a_note_and_exits_with_0() {
+fn what_changes_no_image_is_a_note_and_exits_with_0() {
     let off = "{Class: fancy_plugins/Hologram, Name: h, Enabled: false}";
     for (view, note) in [("jsk_rviz_plugin/View", "jsk_rviz_plugin/View"), ("rviz/Orbit, Sparkle: 1", "Sparkle")] {
         let view = format!("  Views: {{Current: {{Class: {view}}}}}\n");

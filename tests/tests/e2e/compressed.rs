@@ -4,7 +4,7 @@ use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs;
 
-/// Python that subscribes to compressed pictures, and changes how they are made.
+/// Python that subscribes to compressed images, and changes how they are made.
 const SUBSCRIBE: &str = "
 from sensor_msgs.msg import CompressedImage
 from dynamic_reconfigure.msg import Config, IntParameter, StrParameter
@@ -35,7 +35,7 @@ fn has_thread(fixture: &RosFixture, name: &str) -> bool {
     threads.filter_map(Result::ok).any(|thread| name_of(thread).trim() == name)
 }
 
-/// The colour in the middle of the last compressed picture, as image_transport's subscriber would have it.
+/// The colour in the middle of the last compressed image, as image_transport's subscriber would have it.
 fn middle(fixture: &RosFixture) -> [u8; 3] {
     let file = fixture.config_file().with_extension("packed");
     fixture.python(format!("open('{}', 'wb').write(packed[-1].data)", file.display()));
@@ -55,7 +55,7 @@ fn middle(fixture: &RosFixture) -> [u8; 3] {
 }
 
 #[test]
-fn a_camera_is_seen_by_subscribers_of_compressed_pictures_alone() {
+fn a_camera_is_seen_by_subscribers_of_compressed_images_alone() {
     let fixture = fixture();
     let is_advertised = "['/view/image/compressed', 'sensor_msgs/CompressedImage'] in rospy.get_published_topics()";
     fixture.wait_for(is_advertised);
@@ -63,14 +63,14 @@ fn a_camera_is_seen_by_subscribers_of_compressed_pictures_alone() {
     fixture.wait_for("len(packed) > 5 and packed[-1].format == 'rgb8; jpeg compressed bgr8'");
     let color = middle(&fixture);
     assert!(color.iter().zip([255, 128, 0]).all(|(is, should)| is.abs_diff(should) < 12), "{color:?}");
-    // Lossless, from the next picture on.
+    // Lossless, from the next image on.
     assert_eq!(
         fixture.python("sorted(set_values(format='png', png_level=2).items())"),
         "[('format', 'png'), ('jpeg_quality', 80), ('png_level', 2)]"
     );
     fixture.wait_for("packed[-1].format == 'rgb8; png compressed bgr8' and packed[-1].data[:4] == b'\\x89PNG'");
     assert_eq!(middle(&fixture), [255, 128, 0]);
-    // The stamps are those of the raw pictures.
+    // The stamps are those of the raw images.
     fixture.python("viewer = Viewer('/view/image'); packed.clear()");
     fixture.wait_for("len({i[2] for i in viewer.images} & {p.header.stamp.to_sec() for p in packed}) > 3");
     assert_eq!(fixture.python("{p.header.frame_id for p in packed}"), "{'eye'}");

@@ -185,7 +185,7 @@ fn the_shares_are_on_diagnostics_and_the_page_and_a_scene_is_not_drawn_again_for
 }
 
 #[test]
-fn a_pause_and_a_test_picture_are_lit_only_where_the_last_check_allows() {
+fn a_pause_and_a_test_image_are_lit_only_where_the_last_check_allows() {
     let fixture = fixture(&["--confirm", "cloud"]);
     fixture.python("from std_srvs.srv import SetBool");
     fixture.python("camera = stream()");

@@ -1,4 +1,4 @@
-//! The depths beside the picture: on a topic of their own, while somebody subscribes, with the CameraInfo's stamp.
+//! The depths beside the image: on a topic of their own, while somebody subscribes, with the CameraInfo's stamp.
 
 use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -30,7 +30,7 @@ fn depths_are_metres_with_the_stamp_and_frame_of_the_camera_info() {
     let fixture = fixture(&[]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    // One who comes when the picture is drawn already gets them, too.
+    // One who comes when the image is drawn already gets them, too.
     fixture.python("listen()");
     fixture.wait_for("len(depths) > 5 and depth(32, 24, np.float32) > 0");
     assert_eq!(
@@ -40,7 +40,7 @@ fn depths_are_metres_with_the_stamp_and_frame_of_the_camera_info() {
     assert_eq!(fixture.python("round(depth(32, 24, np.float32), 4), depths[-1].header.frame_id"), "(2.0, 'eye')");
     assert_eq!(fixture.python("np.isnan(depth(5, 5, np.float32))"), "True");
     fixture.wait_for("depths[3].header.stamp in [message.header.stamp for message in infos]");
-    // With a cloud that is nearer, they change with the picture.
+    // With a cloud that is nearer, they change with the image.
     fixture.python("latch('/cloud', cloud(0x00ff00, points=((0, 0, 1.25),)))");
     fixture.wait_for("round(depth(32, 24, np.float32), 4) == 1.25 and viewer.middle() == (0, 255, 0)");
 }
@@ -73,7 +73,7 @@ fn depths_are_drawn_only_while_somebody_subscribes() {
     fixture.python("listen()");
     fixture.wait_for(format!("{depths} > 5 and len(depths) > 5"));
     fixture.python("depth_subscriber.unregister()");
-    // Both are of one moment: from some picture on, those without depths are drawn alone.
+    // Both are of one moment: from some image on, those without depths are drawn alone.
     fixture.python("def without(): return FRAMES - DEPTHS".replace("FRAMES", &frames).replace("DEPTHS", &depths));
     fixture.python("before = without()");
     fixture.wait_for("without() > before + 20");
@@ -84,7 +84,7 @@ fn depths_are_drawn_only_while_somebody_subscribes() {
 }
 
 #[test]
-fn pictures_on_a_topic_of_that_name_are_not_mixed_with_depths() {
+fn images_on_a_topic_of_that_name_are_not_mixed_with_depths() {
     let camera = CameraPub { image: "/view/depth", ..CameraPub::default() };
     let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &[]).unwrap();
     fixture.wait_for_log("depths are not published: the pictures themselves are on /view/depth").unwrap();

@@ -58,7 +58,7 @@ fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     assert_eq!(fixture.python("values('camera_stream: cloud')['class']"), "rviz/PointCloud2");
     let camera = "[values('camera_stream: CameraPub')[key] for key in ('image topic', 'size', 'subscribers')]";
     assert_eq!(fixture.python(camera), "['/view/image', '64x48', '1']", "{}", fixture.python("known"));
-    // An unchanged picture is published again without being rendered again.
+    // An unchanged image is published again without being rendered again.
     let frames = |what: &str| format!("int(values('camera_stream: CameraPub')['frames {what}'])");
     fixture.wait_for(format!("{} > 20 and 1 <= {} <= 3", frames("published"), frames("drawn")));
     assert!(fixture.python("known['camera_stream: cloud'][2]").contains("rviz_camera_stream"));

@@ -13,7 +13,7 @@ const WALL: &str =
 const ALL_RED: &str = "bytes(viewer.last.data) == b'\\xff\\0\\0' * 64 * 48";
 const ALL_BLACK: &str = "viewer.last and max(viewer.last.data) == 0";
 
-/// A mask of the picture's size that is dark on the right of this column.
+/// A mask of the image's size that is dark on the right of this column.
 const MASK: &str = "
 def mask(column, encoding='mono8'):
     message = Image(width=64, height=48, step=64, encoding=encoding)
@@ -86,7 +86,7 @@ fn no_light_falls_around_a_keep_out_frame_wherever_it_goes_and_none_at_all_while
     node.run("place = [0.3]").unwrap();
     node.run("PublishRepeatedly(20, lambda i: tf('map', 'head', (place[0], 0, 1), stamp=rospy.Time.now()), '/tf')")
         .unwrap();
-    // At 1 m, the middle is 15 pixels to the right of the picture's and the radius is 10 pixels.
+    // At 1 m, the middle is 15 pixels to the right of the image's and the radius is 10 pixels.
     let dark = "viewer.pixel(47, 24) == (0, 0, 0) and viewer.pixel(38, 24) == (0, 0, 0)";
     let lit = "viewer.pixel(34, 24) == (255, 0, 0) and viewer.pixel(60, 24) == (255, 0, 0)";
     let above_and_below = "viewer.pixel(47, 10) == viewer.pixel(47, 38) == (255, 0, 0)";
@@ -101,7 +101,7 @@ fn no_light_falls_around_a_keep_out_frame_wherever_it_goes_and_none_at_all_while
 #[test]
 fn a_frame_that_is_not_required_stays_dark_where_it_was_last_in_the_light_of_the_cameras_p() {
     let fixture = fixture(&["--keep-out", "head=0.2", "--no-mask-required"]);
-    // Light is flatter than rviz's picture, whose pixels are square.
+    // Light is flatter than rviz's image, whose pixels are square.
     fixture.python("latch('/eye/camera_info', info(P=[50, 0, 32, 0, 0, 25, 24, 0, 0, 0, 1, 0]))");
     fixture.wait_for(format!("viewer.last and {ALL_RED}"));
     fixture.python("send('/tf', tf('map', 'head', (0.3, 0, 1), stamp=rospy.Time.now()))");
@@ -165,10 +165,10 @@ fn check_and_render_refuse_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let case = case("pc2_flat_squares_rgb8");
     let (scene, bag) = (case.join("scene.rviz"), case.join("scene.bag"));
-    let picture = folder.path().join("picture.png");
+    let image = folder.path().join("picture.png");
     let mut render = Command::new(program("camera_stream"));
     render.args(["render", "--renderer", "cpu", "--orientation", "camm=90", "-d"]).arg(&scene);
-    render.arg("--bag").arg(bag).arg("-o").arg(&picture);
+    render.arg("--bag").arg(bag).arg("-o").arg(&image);
     let mut check = Command::new(program("camera_stream"));
     check.args(["check", "--mask-topic", "camm=/people"]).arg(&scene);
     for (mut command, status) in [(render, 1), (check, 2)] {
@@ -177,7 +177,7 @@ fn check_and_render_refuse_the_same() {
         assert_eq!(output.status.code(), Some(status), "{error}");
         assert!(error.contains("the config has no camera 'camm'; cameras: "), "{error}");
     }
-    assert!(!picture.exists());
+    assert!(!image.exists());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Messages faster than pictures can be drawn: the newest one is shown, and nothing is kept.
+//! Messages faster than images can be drawn: the newest one is shown, and nothing is kept.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -11,7 +11,7 @@ fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
     let fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     fixture.python("latch('/eye/camera_info', info(width=1024, height=1024, f=1100.0))");
-    // Half transparent squares that fill the picture, all of one colour, which tells the message: its red's upper bits.
+    // Half transparent squares that fill the image, all of one colour, which tells the message: its red's upper bits.
     fixture.python(
         "layers = [(0, 0, 1 + z / 1000) for z in range(200)]\n\
          coloured = [written(cloud((16 * k + 8) << 16 | 0xff, points=layers)) for k in range(16)]\n\
@@ -35,7 +35,7 @@ fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn a_thousand_sizes_of_the_picture_cost_nothing_afterwards() {
+fn a_thousand_sizes_of_the_image_cost_nothing_afterwards() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     let (memory, threads) = (of_process(&fixture, "VmRSS"), of_process(&fixture, "Threads"));
@@ -52,7 +52,7 @@ fn a_thousand_sizes_of_the_picture_cost_nothing_afterwards() {
     fixture.python("latch('/eye/camera_info', info())");
     fixture.wait_for("viewer.last and viewer.last.width == 64 and viewer.middle() == (255, 0, 0)");
     let sizes = fixture.python("len({i[4:6] for i in viewer.images})");
-    fixture.pictures_go_on(10);
+    fixture.images_go_on(10);
     let is_small = || of_process(&fixture, "VmRSS") < memory + (40 << 10);
     assert!(wait_until(PATIENCE, is_small), "{} kB, {memory} kB before", of_process(&fixture, "VmRSS"));
     println!("pictures of {sizes} sizes; {} MB, then {} MB", memory >> 10, of_process(&fixture, "VmRSS") >> 10);

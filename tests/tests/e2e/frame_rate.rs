@@ -22,7 +22,7 @@ fn monitor(fixture: &RosFixture) {
     fixture.python(MONITOR);
 }
 
-/// Asserts that the pictures that the viewer received were made at most so often, by their stamps. How many a slow
+/// Asserts that the images that the viewer received were made at most so often, by their stamps. How many a slow
 /// machine makes is its own affair; that no more are left out than need be, is tested with simulated times.
 pub(crate) fn at_most(fixture: &RosFixture, viewer: &str, most_hz: f64) {
     let stamps = format!("[image[2] for image in {viewer}.images]");
@@ -47,7 +47,7 @@ fn below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appear
 }
 
 #[test]
-fn changes_below_0_make_pictures_at_most_at_the_global_rate_in_the_long_run() {
+fn changes_below_0_make_images_at_most_at_the_global_rate_in_the_long_run() {
     let fixture = fixture(&[CameraPub::default()]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
@@ -57,11 +57,11 @@ fn changes_below_0_make_pictures_at_most_at_the_global_rate_in_the_long_run() {
 }
 
 #[test]
-fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
+fn at_0_there_is_one_image_for_each_trigger_and_none_without() {
     let fixture = fixture(&[CameraPub { rate: "0", ..CameraPub::default() }]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("all(s.get_num_connections() for s in viewer.subscribers)");
-    // No picture may come without a trigger.
+    // No image may come without a trigger.
     std::thread::sleep(Duration::from_secs(1));
     assert_eq!(fixture.python("viewer.images"), "[]");
     let printed = fixture.master.output("rosservice", &["call", "/camera_trigger"]).unwrap();
@@ -76,13 +76,13 @@ fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
         );
         fixture.wait_for(format!("len(viewer.images) == {count}"));
     }
-    // No further picture may come without a further trigger.
+    // No further image may come without a further trigger.
     std::thread::sleep(Duration::from_secs(1));
     assert_eq!(fixture.python("len(viewer.images), len(viewer.infos)"), "(4, 4)");
 }
 
 #[test]
-fn above_0_pictures_come_at_that_rate() {
+fn above_0_images_come_at_that_rate() {
     let fixture = fixture(&[CameraPub { rate: "8", ..CameraPub::default() }]);
     fixture.python("repeated = PublishRepeatedly(50, lambda i: cloud(i), '/cloud'); viewer = Viewer('/view/image')");
     fixture.wait_for("len(viewer.images) > 20");
@@ -91,7 +91,7 @@ fn above_0_pictures_come_at_that_rate() {
 }
 
 #[test]
-fn the_first_subscriber_gets_a_picture_at_once() {
+fn the_first_subscriber_gets_a_image_at_once() {
     let fixture = fixture(&[CameraPub { rate: "0.0001", ..CameraPub::default() }]);
     // The node has received all that it needs before the first subscriber comes.
     monitor(&fixture);

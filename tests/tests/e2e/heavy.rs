@@ -1,14 +1,14 @@
-//! Heavy scenes in the running node: pictures of another display go on beside them, and it ends when it is asked to.
+//! Heavy scenes in the running node: images of another display go on beside them, and it ends when it is asked to.
 //!
 //! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. Printed is the
-//! longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
-//! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that pictures change.
+//! longest time without a new image of it, from before the scene's message is sent until it has been shown for a
+//! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that images change.
 
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
 
 use crate::load::{CAMERA, CROWD, LONGEST_GAP_SECS, MANY};
 
-/// The display whose pictures must go on, so small and near that it hides nothing and nothing hides it.
+/// The display whose images must go on, so small and near that it hides nothing and nothing hides it.
 const NEAR: &str =
     "{Class: rviz/PointCloud2, Name: near, Enabled: true, Topic: /near, Style: Flat Squares, Size (m): 0.0005, \
      Color Transformer: RGB8, Position Transformer: XYZ}";
@@ -60,7 +60,7 @@ const HEAVY: &str = "import numpy\n\
 /// A scene: what it is, where it is sent, and the Python that makes its message.
 type Heavy = (&'static str, &'static str, &'static str);
 
-/// A node with the near display and others, which draws at 640×480, and whose pictures change.
+/// A node with the near display and others, which draws at 640×480, and whose images change.
 fn fixture(displays: &[&str]) -> RosFixture {
     let all: Vec<&str> = [NEAR].iter().chain(displays).copied().collect();
     let fixture =
@@ -78,8 +78,8 @@ fn fixture(displays: &[&str]) -> RosFixture {
     fixture
 }
 
-/// Shows scenes one after the other, while pictures go on, and ends the node while the last one is shown.
-fn pictures_go_on_beside(mut fixture: RosFixture, scenes: &[Heavy]) {
+/// Shows scenes one after the other, while images go on, and ends the node while the last one is shown.
+fn images_go_on_beside(mut fixture: RosFixture, scenes: &[Heavy]) {
     for (number, (name, topic, message)) in scenes.iter().enumerate() {
         fixture.python(format!("heavy = {message}"));
         if number > 0 {
@@ -107,11 +107,11 @@ fn cloud_of(style: &str, topic: &str) -> String {
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
+fn images_go_on_beside_a_depth_cameras_points_before_the_lens() {
     let displays = [("Flat Squares", "squares"), ("Spheres", "spheres"), ("Boxes", "boxes")];
     let displays = displays.map(|(style, topic)| cloud_of(style, topic));
     let fixture = fixture(&displays.each_ref().map(String::as_str));
-    pictures_go_on_beside(
+    images_go_on_beside(
         fixture,
         &[
             ("Flat Squares at 6 cm", "/squares", "heavy_cloud(spread(1900, 0.06))"),
@@ -126,10 +126,10 @@ fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
+fn images_go_on_beside_five_million_points_near_and_behind_the_lens() {
     let display = cloud_of("Flat Squares", "squares");
     let fixture = fixture(&[&display]);
-    pictures_go_on_beside(
+    images_go_on_beside(
         fixture,
         &[
             ("5 million points around", "/squares", "heavy_cloud(between(5000000, 1900, -0.5, 0.5))"),
@@ -140,13 +140,13 @@ fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn pictures_go_on_beside_markers_of_very_many_lines_triangles_and_translucent_spheres() {
+fn images_go_on_beside_markers_of_very_many_lines_triangles_and_translucent_spheres() {
     let fixture = fixture(&[MARKERS]);
     let list = "of_points(Marker.LINE_LIST, around(1000000))";
     let strip = "of_points(Marker.LINE_STRIP, around(1000000))";
     let triangles = "of_points(Marker.TRIANGLE_LIST, filling(100000), 1)";
     let spheres = "of_points(Marker.SPHERE_LIST, between(100000, 1900, 0.5, 2), 0.02, 0.5)";
-    pictures_go_on_beside(
+    images_go_on_beside(
         fixture,
         &[
             ("a line list of a million points", "/markers", list),

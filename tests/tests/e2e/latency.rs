@@ -4,7 +4,7 @@ use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::RosMaster;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
-/// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture first changed after a
+/// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the image first changed after a
 /// cloud.
 const FIGURES: &str = "
 CAMERA, DISPLAY = 'camera_stream: CameraPub', 'camera_stream: cloud'
@@ -21,8 +21,8 @@ def drawn_ms(): return figure(STAGES[0])[0] + figure(STAGES[1])[0] - 0.01
 def ago(secs): return rospy.Time.now() - rospy.Duration(secs)
 ";
 
-/// Asserts that the picture was drawn before the subscriber saw it, and published before that was reported: a node that
-/// has to wait for a processor may see its own hand-over later than the subscriber sees the picture.
+/// Asserts that the image was drawn before the subscriber saw it, and published before that was reported: a node that
+/// has to wait for a processor may see its own hand-over later than the subscriber sees the image.
 fn assert_in_time(fixture: &RosFixture, least_ms: f64) -> f64 {
     let figures = fixture.python("[(name, reported(name)) for name in STAGES + [TOTAL, AGE]]");
     let [drawn_ms, seen_ms] = ["drawn_ms()", "seen_ms(sent)"].map(|python| number(fixture, python));
@@ -32,7 +32,7 @@ fn assert_in_time(fixture: &RosFixture, least_ms: f64) -> f64 {
     seen_ms
 }
 
-/// Whether the three stages of the only picture add up to the total: they are reported to a hundredth of a millisecond.
+/// Whether the three stages of the only image add up to the total: they are reported to a hundredth of a millisecond.
 const ADDS_UP: &str = "abs(sum(figure(stage)[0] for stage in STAGES) - figure(TOTAL)[0]) < 0.03";
 
 /// A node whose camera sees an empty scene and has measured nothing yet.
@@ -59,11 +59,11 @@ fn number(fixture: &RosFixture, python: &str) -> f64 {
 }
 
 #[test]
-fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees() {
+fn the_stages_of_a_image_add_up_to_no_more_than_the_latency_a_subscriber_sees() {
     let fixture = fixture("info(width=1280, height=800, f=900.0)");
     fixture.wait_for("measured() == 0");
     assert_eq!(fixture.python("[reported(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
-    // A hundred squares of half the picture, each in front of the last one, take time to render.
+    // A hundred squares of half the image, each in front of the last one, take time to render.
     fixture.python("squares = [(0, 0, 4 - z / 50) for z in range(100)]");
     fixture.python("sent = time.time(); send('/cloud', cloud(0xff0000, points=squares, stamp=ago(2)))");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() == 1");
@@ -73,10 +73,10 @@ fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees(
     assert_eq!(fixture.python("all(figure(stage)[0] >= 0 for stage in STAGES)"), "True", "{figures}");
     let seen_ms = assert_in_time(&fixture, 0.0);
     let age_ms = number(&fixture, "figure(AGE)[0]");
-    // Stamped after `sent`, before it was received; the picture is stamped before it is published.
+    // Stamped after `sent`, before it was received; the image is stamped before it is published.
     let least_ms = 2000.0 + number(&fixture, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
     assert!((least_ms..=2000.0 + seen_ms).contains(&age_ms), "seen after {seen_ms} ms: {figures}");
-    // A repeated picture is not measured again.
+    // A repeated image is not measured again.
     let published = "int(values(CAMERA)['frames published'])";
     fixture.wait_for(format!("{published} > 60"));
     assert_eq!(fixture.python("measured(), reported(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
@@ -114,7 +114,7 @@ fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
 }
 
 #[test]
-fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps() {
+fn figures_are_those_of_the_last_hundred_images_and_the_age_follows_the_stamps() {
     let fixture = fixture("info()");
     let often = |stamp: &str| {
         fixture.python("before_count = len({image[6] for image in viewer.images})");

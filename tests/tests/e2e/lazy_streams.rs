@@ -57,7 +57,7 @@ fn an_unwatched_stream_is_not_received_and_comes_back_with_what_is_new() {
         assert!(wait_until(PATIENCE, is_only_new_cloud_seen), "the cloud from before the pause");
     }
 
-    // One that ended meanwhile is shown as it was, and pictures do not wait for it.
+    // One that ended meanwhile is shown as it was, and images do not wait for it.
     fixture.python("stream.stop(); publishers.pop('/cloud').unregister()");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("len(viewer.images) > 0");

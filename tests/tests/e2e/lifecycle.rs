@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-/// A node with a picture of a red cloud.
+/// A node with an image of a red cloud.
 fn fixture() -> RosFixture {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
@@ -101,9 +101,9 @@ fn a_publisher_that_was_killed_and_restarted_is_received_again() {
 }
 
 #[test]
-fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
+fn a_stalled_subscriber_does_not_stop_anothers_images() {
     let fixture = fixture();
-    // Big pictures, so that few fit into a buffer.
+    // Big images, so that few fit into a buffer.
     fixture.python("latch('/eye/camera_info', info(width=1280, height=800))");
     let stalled = PythonNode::start(&fixture.master, &["__name:=stalled"]).unwrap();
     // It does not subscribe to the CameraInfo, whose small messages would hardly ever fill a buffer.
@@ -116,7 +116,7 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
     let signal = |name: &str| Command::new("kill").args([name, &stalled.id().to_string()]).status().unwrap();
     assert!(signal("-STOP").success());
     // Many more than the stalled one's buffers hold.
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     // It was not cut off, and goes on with what is new.
     fixture.wait_for(subscribers(2));
     let newest: f64 = fixture.python("viewer.images[-1][2]").parse().unwrap();
@@ -125,8 +125,8 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
 }
 
 #[test]
-fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_picture_at_once() {
-    // One of them does not repeat its picture while this test runs.
+fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_image_at_once() {
+    // One of them does not repeat its image while this test runs.
     let rare =
         CameraPub { name: "Rare", image: "/rare/image", namespace: "rare", rate: "0.0001", ..CameraPub::default() };
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), rare]), &[]).unwrap();
@@ -135,7 +135,7 @@ fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_picture_a
     fixture.python(MONITOR);
     let of = |camera: &str, value: &str| format!("int(values('camera_stream: {camera}').get('{value}', -1))");
     let are_gone = format!("{} == 0 and {} == 0", of("CameraPub", "subscribers"), of("Rare", "subscribers"));
-    // With a moving camera every picture is another one, while somebody watches.
+    // With a moving camera every image is another one, while somebody watches.
     fixture.python("moves = PublishRepeatedly(60, moving, '/tf'); viewer = Viewer('/view/image')");
     fixture.wait_for(format!("viewer.middle() == (255, 0, 0) and {} > 30", of("CameraPub", "frames drawn")));
     fixture.python("viewer.close()");

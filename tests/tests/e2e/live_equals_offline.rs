@@ -14,9 +14,9 @@ fn offline(case: &Path, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
     command.args(["render", "--renderer", "cpu", "-d"]).arg(case.join("scene.rviz"));
     let output = command.arg("--bag").arg(case.join("scene.bag")).arg("-o").arg(&png).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let picture = image::open(&png).unwrap();
-    let (width, height) = (picture.width(), picture.height());
-    let mut pixels = if encoding == "mono8" { picture.to_luma8().into_raw() } else { picture.to_rgb8().into_raw() };
+    let image = image::open(&png).unwrap();
+    let (width, height) = (image.width(), image.height());
+    let mut pixels = if encoding == "mono8" { image.to_luma8().into_raw() } else { image.to_rgb8().into_raw() };
     if encoding == "bgr8" {
         pixels.chunks_exact_mut(3).for_each(|pixel| pixel.swap(0, 2));
     }
@@ -24,7 +24,7 @@ fn offline(case: &Path, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
 }
 
 #[test]
-fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
+fn a_played_bag_gives_the_image_that_render_draws_of_it() {
     let master = RosMaster::start().unwrap();
     let cases = [
         ("pc2_flat_squares_rgb8", "rgb8"),

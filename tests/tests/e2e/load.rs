@@ -1,4 +1,4 @@
-//! Heavy scenes and floods of messages: calls, signals and pictures go on, and memory is bounded.
+//! Heavy scenes and floods of messages: calls, signals and images go on, and memory is bounded.
 
 use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros::{wait_until, PATIENCE};
@@ -60,7 +60,7 @@ pub(crate) fn drawn(fixture: &RosFixture) -> u64 {
 }
 
 #[test]
-fn calls_signals_and_pictures_go_on_while_a_picture_takes_long() {
+fn calls_signals_and_images_go_on_while_a_image_takes_long() {
     let mut fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     fixture
@@ -70,7 +70,7 @@ fn calls_signals_and_pictures_go_on_while_a_picture_takes_long() {
     fixture.wait_for("viewer.middle() != (255, 0, 0)");
     fixture.python("latch('/eye/camera_info', info(width=8192, height=8192, f=9000.0))");
     fixture.wait_for("'drawing camera CameraPub' in (message('camera_stream: Scene') or '')");
-    fixture.pictures_go_on(30);
+    fixture.images_go_on(30);
     for call in ["trigger('/camera_trigger')", "c.update_configuration({'near_clip': 0.02})"] {
         let asked = Instant::now();
         fixture.python(call);
@@ -86,7 +86,7 @@ fn calls_signals_and_pictures_go_on_while_a_picture_takes_long() {
 }
 
 #[test]
-fn a_slow_picture_is_reported_with_the_display_that_costs_most() {
+fn a_slow_image_is_reported_with_the_display_that_costs_most() {
     let fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     fixture.python("latch('/eye/camera_info', info(width=2048, height=2048, f=2200.0))");
@@ -104,7 +104,7 @@ fn a_slow_picture_is_reported_with_the_display_that_costs_most() {
 }
 
 #[test]
-fn changes_that_a_camera_does_not_show_make_no_picture_and_others_no_more_than_the_global_rate() {
+fn changes_that_a_camera_does_not_show_make_no_image_and_others_no_more_than_the_global_rate() {
     let camera = |name, image, namespace| CameraPub { name, image, namespace, ..CameraPub::default() };
     let both = config(&[CLOUD, FRAMES], &[camera("CameraPub", "/view/image", ""), camera("All", "/all/image", "all")]);
     // The first camera does not show the frames.
@@ -133,7 +133,7 @@ fn made_up_frames_are_bounded_and_the_robots_go_on() {
     watched(&fixture);
     fixture.python("moving = lambda i: tf('map', 'hand', xyz=(0, i * 1e-3, 2), stamp=rospy.Time.now())");
     fixture.python("repeated = PublishRepeatedly(30, moving, '/tf')");
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     fixture.python("repeated.stop()");
     let before = of_process(&fixture, "VmRSS");
     fixture.python(
@@ -153,7 +153,7 @@ fn made_up_frames_are_bounded_and_the_robots_go_on() {
     fixture.python("repeated = PublishRepeatedly(30, moving, '/tf')");
     fixture.wait_for("values('camera_stream: CameraPub').get('size') == '64x48'");
     std::thread::sleep(Duration::from_secs(3));
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     print_rate(&fixture, "afterwards");
 }
 
@@ -192,7 +192,7 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
     assert!(wait_until(PATIENCE, || counted("made_up_") > 0), "{}", fixture.log());
 }
 
-/// Shows a picture of this size and then a small one. The node may keep so many megabytes.
+/// Shows an image of this size and then a small one. The node may keep so many megabytes.
 fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_mb: u64) {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), arguments).unwrap();
     watched(&fixture);
@@ -202,7 +202,7 @@ fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_
     let most = of_process(&fixture, "VmHWM");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.wait_for("viewer.last.width == 64");
-    fixture.pictures_go_on(10);
+    fixture.images_go_on(10);
     let is_small = || of_process(&fixture, "VmRSS") < before + (kept_mb << 10);
     assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
     println!("{} MB, at most {} MB, then {} MB", before >> 10, most >> 10, of_process(&fixture, "VmRSS") >> 10);
@@ -210,20 +210,20 @@ fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_
 
 #[test]
 #[ignore = "a figure of memory: ./test full"]
-fn a_huge_picture_gives_its_memory_back() {
+fn a_huge_image_gives_its_memory_back() {
     memory_is_given_back_after(16384, 16384, &[], 40);
 }
 
 /// Its colours, its depths and the copy that is read back have 72 MB each.
 #[test]
 #[ignore = "a figure of memory: ./test full"]
-fn a_large_picture_of_the_gpu_gives_its_memory_back() {
+fn a_large_image_of_the_gpu_gives_its_memory_back() {
     memory_is_given_back_after(6000, 3000, &["--renderer", "gpu"], 60);
 }
 
 #[test]
 #[ignore = "a figure of memory: ./test full"]
-fn large_pictures_and_depths_leave_no_memory_behind() {
+fn large_images_and_depths_leave_no_memory_behind() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
@@ -297,11 +297,11 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     assert!(most < 300 << 10, "{most} kB");
 }
 
-/// Without a new picture for longer than this, beside what takes long to draw, they have stopped: ten times what a slow
+/// Without a new image for longer than this, beside what takes long to draw, they have stopped: ten times what a slow
 /// machine needs.
 pub(crate) const LONGEST_GAP_SECS: f64 = 60.0;
 
-/// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new picture of the cloud
+/// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new image of the cloud
 /// came.
 pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
          def marker(i):\n        \
@@ -320,7 +320,7 @@ pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
+fn images_of_another_display_go_on_while_a_large_array_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     for kind in ["SPHERE", "ARROW", "TEXT_VIEW_FACING"] {
         let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
@@ -357,7 +357,7 @@ fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
 /// Two cores draw 640×480 and send it while Python makes and receives it.
 pub(crate) const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
 
-/// Receives pictures for three seconds and prints their rate.
+/// Receives images for three seconds and prints their rate.
 fn print_rate(fixture: &RosFixture, what: &str) {
     fixture.python("viewer.forget(); begun = time.time()");
     fixture.wait_for("time.time() > begun + 3 and len(viewer.images) > 10");

@@ -10,7 +10,7 @@
 //! cargo test --release -p rcs_tests --test e2e -- --exact transforms::a_cloud_waits_for_its_frame   one test
 //! ```
 //!
-//! `--nocapture` prints figures: gaps between pictures, rates, memory. No test asserts one that depends on the machine.
+//! `--nocapture` prints figures: gaps between images, rates, memory. No test asserts one that depends on the machine.
 //!
 //! A failing test prints the node's log. Events are waited for with a deadline ([`rcs_tests::ros::PATIENCE`]); a test
 //! sleeps only where nothing may happen meanwhile.

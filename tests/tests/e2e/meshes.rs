@@ -1,4 +1,4 @@
-//! Meshes of markers: loaded beside the pictures, and only files that may be read.
+//! Meshes of markers: loaded beside the images, and only files that may be read.
 
 use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros::{wait_until, PATIENCE};
@@ -73,7 +73,7 @@ fn write_square(path: &Path, triangles: usize) {
 }
 
 #[test]
-fn pictures_go_on_while_large_meshes_are_loaded_and_then_show_them() {
+fn images_go_on_while_large_meshes_are_loaded_and_then_show_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("square.stl");
     write_square(&file, TRIANGLES);
@@ -85,7 +85,7 @@ fn pictures_go_on_while_large_meshes_are_loaded_and_then_show_them() {
         let url = file_url(&folder.path().join(format!("{i}.stl")));
         fixture.python(format!("send('/markers', mesh('{url}', {i}))"));
     }
-    fixture.pictures_go_on(30);
+    fixture.images_go_on(30);
     fixture.wait_for("viewer.middle() == (0, 0, 0)");
 }
 
@@ -111,7 +111,7 @@ fn write_waves(path: &Path, side: usize) {
 
 #[test]
 #[ignore = "a load: ./test full"]
-fn pictures_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
+fn images_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("hall.stl");
     write_waves(&file, (HUGE_TRIANGLES as f64 / 2.0).sqrt().ceil() as usize);
@@ -120,7 +120,7 @@ fn pictures_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
     fixture.python(CROWD);
     fixture.python(CAMERA);
     fixture.wait_for("viewer.last.width == 640");
-    // The longest time without a new picture, from what is done until its end is seen and for some pictures more.
+    // The longest time without a new image, from what is done until its end is seen and for some images more.
     let gap = |done: &str, seen: &str| {
         fixture.python(format!("viewer.forget(); begun = time.time(); {done}"));
         fixture.wait_for(seen);
@@ -157,7 +157,7 @@ fn pictures_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
 }
 
 #[test]
-fn files_that_must_not_be_read_are_statuses_and_pictures_go_on() {
+fn files_that_must_not_be_read_are_statuses_and_images_go_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     assert!(Command::new("mkfifo").arg(path("fifo.stl")).status().unwrap().success());
@@ -188,7 +188,7 @@ fn files_that_must_not_be_read_are_statuses_and_pictures_go_on() {
     }
     // A missing package again and again, of other files each time.
     fixture.python("[send('/markers', mesh('package://no_such_package/%d.stl' % i, 100 + i)) for i in range(30)]");
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     for (i, (_, reason)) in cases.iter().enumerate() {
         wait_for_status(&fixture, &format!("m/{i}"), reason);
     }

@@ -1,4 +1,4 @@
-//! `~stale_timeout`: when a process of the chain dies, the picture turns black by itself, and comes back at once.
+//! `~stale_timeout`: when a process of the chain dies, the image turns black by itself, and comes back at once.
 
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
@@ -12,7 +12,7 @@ const OTHER_CLOUD: &str = "{Class: rviz/PointCloud2, Name: other, Enabled: true,
      Size (m): 1, Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 1, Decay Time: 0}";
 
 const RED: &str = "viewer.middle() == (255, 0, 0)";
-/// The picture goes on, and is black but for a note at its lower left.
+/// The image goes on, and is black but for a note at its lower left.
 const BLACK: &str = "viewer.middle() == (0, 0, 0) and 0 < sum(viewer.last.data) < 40 * len(viewer.last.data) \
      and sum(viewer.last.data[:len(viewer.last.data) // 2]) == 0";
 
@@ -35,7 +35,7 @@ const CLOUDS: &str = "PublishRepeatedly(20, lambda i: cloud(0xff0000, stamp=rosp
 const FRAMES: &str = "PublishRepeatedly(20, lambda i: tf('map', 'eye', stamp=rospy.Time.now()), '/tf')";
 const INFO: &str = "latch('/eye/camera_info', info())";
 
-/// Asserts that the picture turns black when the node that this code runs in is killed, while the rest goes on, and
+/// Asserts that the image turns black when the node that this code runs in is killed, while the rest goes on, and
 /// comes back with another one.
 fn dies(rest: [&str; 2], dying: &str, because: &str) {
     let fixture = fixture(&[]);
@@ -47,7 +47,7 @@ fn dies(rest: [&str; 2], dying: &str, because: &str) {
     drop(node);
     fixture.wait_for(BLACK);
     fixture.wait_for_log(because).unwrap();
-    // Black pictures are repeated like others, for those who join.
+    // Black images are repeated like others, for those who join.
     fixture.python("viewer.forget()");
     fixture.wait_for(format!("len(viewer.images) > 10 and {BLACK}"));
     let _node = other_node(&fixture, dying);
@@ -55,22 +55,22 @@ fn dies(rest: [&str; 2], dying: &str, because: &str) {
 }
 
 #[test]
-fn the_picture_turns_black_when_the_publisher_of_the_cloud_is_killed() {
+fn the_image_turns_black_when_the_publisher_of_the_cloud_is_killed() {
     dies([FRAMES, INFO], CLOUDS, "the picture is black: cloud: no data on /cloud of the last 0.5 s");
 }
 
 #[test]
-fn the_picture_turns_black_when_the_publisher_of_the_cameras_frame_is_killed() {
+fn the_image_turns_black_when_the_publisher_of_the_cameras_frame_is_killed() {
     dies([CLOUDS, INFO], FRAMES, "the picture is black: eye: no transform of the last 0.5 s");
 }
 
 #[test]
-fn the_picture_turns_black_when_the_publisher_of_the_camera_info_is_killed() {
+fn the_image_turns_black_when_the_publisher_of_the_camera_info_is_killed() {
     dies([CLOUDS, FRAMES], INFO, "the picture is black: CameraInfo: no data on /eye/camera_info of the last 0.5 s");
 }
 
 #[test]
-fn one_display_that_is_too_old_leaves_the_others_in_the_picture() {
+fn one_display_that_is_too_old_leaves_the_others_in_the_image() {
     let fixture = fixture(&[]);
     [FRAMES, INFO].iter().for_each(|part| drop(fixture.python(part)));
     let beside = "cloud(0x0000ff, points=((1, 0, 2),), stamp=rospy.Time.now())";
@@ -98,7 +98,7 @@ fn limits_are_parameters_too_and_single_topics_are_exempt() {
 }
 
 #[test]
-fn a_camera_that_is_only_triggered_turns_black_too_and_a_picture_without_a_note_is_all_black() {
+fn a_camera_that_is_only_triggered_turns_black_too_and_a_image_without_a_note_is_all_black() {
     let camera = CameraPub { rate: "0", ..CameraPub::default() };
     let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &["--stale-timeout", "0.5"]).unwrap();
     fixture.python("viewer = Viewer('/view/image')");
@@ -111,7 +111,7 @@ fn a_camera_that_is_only_triggered_turns_black_too_and_a_picture_without_a_note_
 }
 
 #[test]
-fn the_picture_turns_black_when_projector_or_publish_cloud_is_killed() {
+fn the_image_turns_black_when_projector_or_publish_cloud_is_killed() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| {
         let path = folder.path().join(name);

@@ -109,7 +109,7 @@ fn where_standard_output_is_a_file_information_goes_there() {
 
 /// A terminal that was stopped with Ctrl-S, or a pipe whose reader hangs.
 #[test]
-fn a_log_that_nobody_reads_stops_neither_pictures_nor_calls_nor_the_end() {
+fn a_log_that_nobody_reads_stops_neither_images_nor_calls_nor_the_end() {
     let master = RosMaster::start().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
     let folder = tempfile::tempdir().unwrap();

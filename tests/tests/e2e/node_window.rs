@@ -1,4 +1,4 @@
-//! `camera_stream --window`: a camera's picture on a monitor, in the node's own process.
+//! `camera_stream --window`: a camera's image on a monitor, in the node's own process.
 
 use std::time::Duration;
 
@@ -13,19 +13,19 @@ fn start(screen: &Screen, args: &[&str]) -> RosFixture {
     fixture_with(args, &[("DISPLAY", &screen.display), ("WAYLAND_DISPLAY", ""), ("WAYLAND_SOCKET", "")])
 }
 
-/// Whether the screen shows the camera's picture: its background, and the cloud.
-fn has_picture(screen: &Screen) -> bool {
+/// Whether the screen shows the camera's image: its background, and the cloud.
+fn has_image(screen: &Screen) -> bool {
     let pixels = screen.pixels();
     let count = |color: [u8; 3]| pixels.chunks_exact(3).filter(|pixel| *pixel == color).count();
     count([10, 20, 200]) > 100 && count([255, 128, 0]) > 100
 }
 
 #[test]
-fn the_window_shows_the_picture_without_subscribers_and_the_topic_has_the_same() {
+fn the_window_shows_the_image_without_subscribers_and_the_topic_has_the_same() {
     for args in [["--window", "auto"], ["_window:=0", "_set_mode:=false"], ["--window", "CameraPub=0"]] {
         let screen = Screen::start();
         let fixture = start(&screen, &args);
-        assert!(wait_until(PATIENCE, || has_picture(&screen)), "{args:?}: {}", fixture.log());
+        assert!(wait_until(PATIENCE, || has_image(&screen)), "{args:?}: {}", fixture.log());
         fixture.python("viewer = Viewer('/view/image')");
         fixture.wait_for("viewer.last is not None");
         let folder = tempfile::tempdir().unwrap();
@@ -43,7 +43,7 @@ fn the_window_shows_the_picture_without_subscribers_and_the_topic_has_the_same()
 #[test]
 fn the_window_turns_black_when_data_stop_and_keeps_what_is_current() {
     let screen = Screen::start();
-    // Pictures are drawn only when triggered, so the window hears of none for long.
+    // Images are drawn only when triggered, so the window hears of none for long.
     let config = config(&[CLOUD], &[CameraPub { rate: "0", ..CameraPub::default() }]);
     let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
     let python = PythonNode::start(&master, &[]).unwrap();
@@ -68,9 +68,9 @@ fn the_node_ends_and_takes_its_window_away() {
     for signal in ["TERM", "INT"] {
         let screen = Screen::start();
         let mut fixture = start(&screen, &["--window", "auto"]);
-        assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+        assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
         assert_eq!(fixture.node.end(signal).unwrap().code(), Some(0), "{}", fixture.log());
-        assert!(wait_until(PATIENCE, || !has_picture(&screen)));
+        assert!(wait_until(PATIENCE, || !has_image(&screen)));
     }
 }
 
@@ -79,12 +79,12 @@ fn the_topics_go_on_when_the_x_server_dies_and_the_window_comes_back_with_it() {
     let mut screen = Screen::start();
     let fixture = start(&screen, &["--window", "auto"]);
     fixture.python("viewer = Viewer('/view/image')");
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
     screen.kill();
     fixture.wait_for_log("the window is lost: X server").unwrap();
-    fixture.pictures_go_on(30);
+    fixture.images_go_on(30);
     screen.restart();
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
     assert!(fixture.log().lines().all(|line| !line.contains("XIO")), "{}", fixture.log());
 }
 
@@ -92,7 +92,7 @@ fn the_topics_go_on_when_the_x_server_dies_and_the_window_comes_back_with_it() {
 fn a_window_whose_display_server_hangs_is_logged() {
     let screen = Screen::start();
     let fixture = start(&screen, &["--window", "auto"]);
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
     screen.signal("STOP");
     let mut color = 0;
     let mut is_logged = || {
@@ -105,7 +105,7 @@ fn a_window_whose_display_server_hangs_is_logged() {
     assert!(fixture.log().contains(" s so far; the display server may not answer"), "{}", fixture.log());
     screen.signal("CONT");
     fixture.python("latch('/cloud', cloud(0xff8000))");
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
 }
 
 #[test]
@@ -114,13 +114,13 @@ fn a_window_that_cannot_open_is_tried_again_and_the_topics_go_on() {
     let fixture = start(&screen, &["--window", "CameraPub=HDMI-9"]);
     fixture.wait_for_log("no monitor 'HDMI-9'; monitors: 0: screen 640x360+0+0").unwrap();
     fixture.python("viewer = Viewer('/view/image')");
-    fixture.pictures_go_on(30);
+    fixture.images_go_on(30);
     let status = std::process::Command::new("xrandr")
         .args(["--setmonitor", "HDMI-9", "640/160x360/90+0+0", "none"])
         .env("DISPLAY", &screen.display)
         .status();
     assert!(status.unwrap().success());
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
     assert_eq!(fixture.log_lines(&["no monitor 'HDMI-9'"]), 1, "{}", fixture.log());
 }
 
@@ -129,13 +129,13 @@ fn a_key_closes_the_window_and_the_topics_go_on() {
     let screen = Screen::start();
     let fixture = start(&screen, &["--window", "auto"]);
     fixture.python("viewer = Viewer('/view/image')");
-    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || has_image(&screen)), "{}", fixture.log());
     let closes = || {
         screen.press("q");
         fixture.log_lines(&["the window was closed; the topics go on"]) == 1
     };
     assert!(wait_until(PATIENCE, closes), "{}", fixture.log());
-    fixture.pictures_go_on(30);
+    fixture.images_go_on(30);
 }
 
 #[test]
@@ -181,7 +181,7 @@ const RED: [u8; 3] = [255, 0, 0];
 const BLUE: [u8; 3] = [0, 0, 255];
 
 #[test]
-fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_picture() {
+fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_image() {
     let screen = Screen::start();
     let fixture = wall(&screen, &["--stale-timeout", "1"]);
     let publisher = PythonNode::start(&fixture.master, &["__name:=publisher"]).unwrap();
@@ -204,7 +204,7 @@ fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_picture() {
 }
 
 #[test]
-fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
+fn keep_out_frames_and_their_absence_beat_pauses_and_test_images() {
     let screen = Screen::start();
     let fixture = wall(&screen, &["--keep-out", "head=0.2"]);
     let tracker = PythonNode::start(&fixture.master, &["__name:=tracker"]).unwrap();
@@ -221,7 +221,7 @@ fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
     fixture.python("latch('/cloud', cloud(0x0000ff, points=points))");
     tracker.run("x[0] = -0.5").unwrap();
     assert!(wait_until(PATIENCE, || sees([RED, [0; 3], RED])), "the scene is held, and the head is masked where it is");
-    // The test picture has light there.
+    // The test image has light there.
     screen.press_until_logged(&fixture, "t", "test picture ");
     let black_pixels = |half: usize| {
         let pixels = screen.pixels();

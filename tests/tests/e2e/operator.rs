@@ -1,4 +1,4 @@
-//! The operator's settings: `~blackout`, `~pause`, `~test_picture`, a camera's `blackout`, and the keys of its window.
+//! The operator's settings: `~blackout`, `~pause`, `~test_image`, a camera's `blackout`, and the keys of its window.
 
 use std::time::Duration;
 
@@ -293,7 +293,7 @@ def lit_columns():
 masks = PublishRepeatedly(20, lambda i: mask(), '/mask')";
 
 #[test]
-fn masks_apply_to_paused_images_and_to_test_pictures() {
+fn masks_apply_to_paused_images_and_to_test_images() {
     let fixture = fixture(&["--mask-topic", "/mask"]);
     fixture.python(MASK);
     fixture.wait_for(format!("{RED} and lit_columns() == (0, 63)"));
@@ -317,7 +317,7 @@ fn masks_apply_to_paused_images_and_to_test_pictures() {
 }
 
 #[test]
-fn test_pictures_come_one_after_the_other_and_then_the_scene() {
+fn test_images_come_one_after_the_other_and_then_the_scene() {
     let screen = Screen::start();
     let fixture = with_window(&screen, &[]);
     assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());

@@ -1,4 +1,4 @@
-//! `~orientation`: the picture is turned, and the published CameraInfo leads a point to where it is in that picture.
+//! `~orientation`: the image is turned, and the published CameraInfo leads a point to where it is in that image.
 
 use std::process::Command;
 
@@ -28,7 +28,7 @@ def middle_of_light():
 ";
 
 #[test]
-fn a_consumer_of_the_published_camera_info_finds_what_the_published_picture_shows() {
+fn a_consumer_of_the_published_camera_info_finds_what_the_published_image_shows() {
     let (straight, mirrored) =
         ("[50, 0, 20, 0, 0, 50, 30, 0, 0, 0, 1, 0]", "[-50, 5, 43, 0, 0, 50, 30, 0, 0, 0, 1, 0]");
     for (orientation, size, p) in [
@@ -71,7 +71,7 @@ fn a_consumer_of_the_published_camera_info_finds_what_the_published_picture_show
 }
 
 #[test]
-fn render_turns_its_pictures_too() {
+fn render_turns_its_images_too() {
     let folder = tempfile::tempdir().unwrap();
     let case = case("pc2_flat_squares_rgb8");
     let drawn = |orientation: &str| {

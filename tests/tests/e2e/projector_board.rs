@@ -1,12 +1,12 @@
-//! `projector_calibrate` with a printed board: from folders of pictures and from topics to the files.
+//! `projector_calibrate` with a printed board: from folders of images and from topics to the files.
 
 use nalgebra::{Isometry3, Vector3};
 use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::{gray_code, Pattern};
-use rcs_files::picture_file;
+use rcs_files::image_file;
 use rcs_files::projector::ProjectorFile;
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -24,7 +24,7 @@ fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// Writes the pictures of a pose, tilted and beside the middle, in OpenCV's order: white and black last.
+/// Writes the images of a pose, tilted and beside the middle, in OpenCV's order: white and black last.
 fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], [right_m, down_m, depth_m]: [f64; 3]) {
     let place = rig.target.coords * (depth_m / rig.target.z) + Vector3::new(right_m, down_m, 0.0);
     let board = Isometry3::new(place, Vector3::new(about_x, about_y, 0.05));
@@ -36,13 +36,13 @@ fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], [right_m, 
     fs::create_dir_all(folder).unwrap();
     for (index, data) in scan.capture_all(&patterns).into_iter().enumerate() {
         let [width_px, height_px] = view.size_px();
-        let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data };
-        picture_file::write(&folder.join(format!("shot_{index}.png")), &picture).unwrap();
+        let image = Image { width_px, height_px, encoding: Encoding::Mono8, data };
+        image_file::write(&folder.join(format!("shot_{index}.png")), &image).unwrap();
     }
 }
 
 #[test]
-fn folders_of_pictures_calibrate_a_camera_and_a_projector() {
+fn folders_of_images_calibrate_a_camera_and_a_projector() {
     let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
     let poses = [
         ([0.1, 0.1], [0.0, 0.0, 1.2]),

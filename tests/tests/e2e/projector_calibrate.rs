@@ -163,13 +163,13 @@ fn patterns_are_written_with_their_list() {
         let list = read_patterns(&folder.path().join(step).join("patterns.yaml")).unwrap();
         assert_eq!((list.projector_size_px, list.patterns.len()), ([1280, 800], count));
         for (path, pattern) in list.patterns {
-            assert_eq!(image::open(&path).unwrap().into_luma8().into_raw(), pattern.picture([1280, 800]), "{path:?}");
+            assert_eq!(image::open(&path).unwrap().into_luma8().into_raw(), pattern.image([1280, 800]), "{path:?}");
         }
     }
 }
 
 #[test]
-fn the_screen_shows_test_pictures_and_patterns_pixel_for_pixel() {
+fn the_screen_shows_test_images_and_patterns_pixel_for_pixel() {
     let (folder, screen) = (tempfile::tempdir().unwrap(), Screen::start());
     let path = |name: &str| folder.path().join(name);
     assert_eq!(run(folder.path(), &["show", "-o", ".", "--size", "640x360"]).status.code(), Some(0));
@@ -204,7 +204,7 @@ fn the_screen_shows_test_pictures_and_patterns_pixel_for_pixel() {
 }
 
 #[test]
-fn captures_of_other_tools_are_decoded_and_a_wrong_picture_is_named() {
+fn captures_of_other_tools_are_decoded_and_a_wrong_image_is_named() {
     let captures = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures");
     let folder = tempfile::tempdir().unwrap();
     let decode =

@@ -20,7 +20,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 /// Shows `/projector/patterns` on a wall and sees it with a camera of 160×120 pixels. Camera pixel (x, y) is lit by
-/// projector pixel (0.7 x + 4, 0.6 y + 2); `mirrored` shows the picture mirrored. `packed` publishes compressed images.
+/// projector pixel (0.7 x + 4, 0.6 y + 2); `mirrored` shows the image mirrored. `packed` publishes compressed images.
 const ROBOT: &str = "
 from sensor_msgs.msg import CompressedImage
 packed = False
@@ -86,7 +86,7 @@ fn a_scan_on_topics_is_written_and_can_be_decoded() {
     assert_eq!(status.code(), Some(0), "{:?}", scan.errors());
     let capture = Capture::read(&folder.path().join("scan")).unwrap();
     assert_eq!((capture.projector_size_px, capture.image_size_px()), ([128, 80], [160, 120]));
-    assert_eq!((capture.pictures.len(), capture.camera_frame_id.as_str()), (2 + 2 * 14, "head_camera_optical"));
+    assert_eq!((capture.images.len(), capture.camera_frame_id.as_str()), (2 + 2 * 14, "head_camera_optical"));
     assert!(capture.depth_m.unwrap().iter().all(|depth| (depth - 1.2).abs() < 1e-4));
     assert_eq!(image::image_dimensions(&preview).unwrap(), (160, 120));
     assert!(scan.errors().iter().any(|line| line.contains("light is seen after")), "{:?}", scan.errors());
@@ -178,7 +178,7 @@ fn compressed_topics_are_scanned() {
     let mut scan = scan(&master, &folder.path().join("scan"), &[image, depth, ["--frames", "2"]].concat());
     assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", scan.errors());
     let capture = Capture::read(&folder.path().join("scan")).unwrap();
-    assert_eq!((capture.pictures.len(), capture.image_size_px()), (2 + 2 * 14, [160, 120]));
+    assert_eq!((capture.images.len(), capture.image_size_px()), (2 + 2 * 14, [160, 120]));
     assert!(capture.depth_m.unwrap().iter().all(|depth| (depth - 1.2).abs() < 1e-4));
 }
 
@@ -204,7 +204,7 @@ fn a_scan_that_rosbag_recorded_is_scanned_again() {
     assert!(
         python.wait_for(PATIENCE, "publisher('/head_camera/rgb/image_raw', Image, False).get_num_connections() > 0")
     );
-    // More pictures than are needed: a busy machine records some of them late.
+    // More images than are needed: a busy machine records some of them late.
     let mut live = scan(&master, &folder.path().join("live"), &["--frames", "6"]);
     assert_eq!(live.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", live.errors());
     record.signal("INT");
@@ -216,8 +216,8 @@ fn a_scan_that_rosbag_recorded_is_scanned_again() {
     assert_eq!(code, Some(0), "{errors}");
     let [live, again] = ["live", "scan"].map(|name| Capture::read(&folder.path().join(name)).unwrap());
     assert_eq!((again.camera, again.depth_m), (live.camera, live.depth_m));
-    for picture in &live.pictures {
-        assert!(again.pictures.contains(picture), "{:?}", picture.pattern);
+    for image in &live.images {
+        assert!(again.images.contains(image), "{:?}", image.pattern);
     }
 }
 
@@ -241,7 +241,7 @@ fn write_show(path: &Path) {
     let dark = vec![0; 128 * 80];
     let mut slides: Vec<(Vec<u8>, u32)> = vec![(dark.clone(), 20)];
     for pattern in gray_code(projector) {
-        slides.extend([(checkerboard.clone(), 5), (pattern.picture(projector), 10)]);
+        slides.extend([(checkerboard.clone(), 5), (pattern.image(projector), 10)]);
     }
     slides.extend([(checkerboard, 5), (dark, 20)]);
     let mut frame = 0_u32;
@@ -278,7 +278,7 @@ fn a_show_that_was_recorded_is_scanned_without_a_master() {
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains("30 patterns are seen from 2."), "{errors}");
     let capture = Capture::read(&folder.path().join("scan")).unwrap();
-    assert_eq!((capture.pictures.len(), capture.camera_frame_id.as_str()), (30, "camera"));
+    assert_eq!((capture.images.len(), capture.camera_frame_id.as_str()), (30, "camera"));
     assert!(capture.depth_m.iter().flatten().all(|depth| (depth - 1.2).abs() < 1e-4));
     let motions: Vec<_> = capture.robot.frames.iter().map(|above| (&*above.frame.parent, above.motion)).collect();
     assert_eq!(motions, [("head", FrameMotion::Fixed), ("base", FrameMotion::Moving)]);
@@ -306,7 +306,7 @@ fn a_show_that_was_recorded_is_scanned_without_a_master() {
     }
     let (code, errors) = scan_bag(folder.path(), "2.mcap 1.mcap", &topics);
     assert_eq!(code, Some(0), "{errors}");
-    assert_eq!(Capture::read(&folder.path().join("scan")).unwrap().pictures, capture.pictures);
+    assert_eq!(Capture::read(&folder.path().join("scan")).unwrap().images, capture.images);
 
     fs::write(folder.path().join("broken.bag"), "#ROSBAG V2.0\n").unwrap();
     let (code, errors) = scan_bag(folder.path(), "broken.bag", &topics);

@@ -154,7 +154,7 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
     let asks = |text: String| wait_until(PATIENCE, || refining.errors().iter().any(|line| line.contains(&text)));
     assert!(asks("click the next point".to_owned()), "{:?}", refining.errors());
 
-    // Things in the corners of the picture and elsewhere, clicked in the torso's frame.
+    // Things in the corners of the image and elsewhere, clicked in the torso's frame.
     let places = [[60, 40], [580, 50], [70, 320], [570, 310], [320, 60], [200, 200], [450, 250], [330, 300]];
     for (number, [u, v]) in places.into_iter().enumerate() {
         let ray = lens.ray(Point2::new(f64::from(u), f64::from(v))).unwrap();

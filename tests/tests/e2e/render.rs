@@ -1,4 +1,4 @@
-//! `camera_stream render`: pictures and sequences of a bag, and the errors.
+//! `camera_stream render`: images and sequences of a bag, and the errors.
 
 use rcs_tests::programs::{case, program, repository};
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
@@ -45,8 +45,8 @@ impl Render {
         errors[0].to_owned()
     }
 
-    pub(crate) fn pixel(&self, picture: &str, x: u32, y: u32) -> [u8; 3] {
-        image::open(self.path(picture)).unwrap().to_rgb8().get_pixel(x, y).0
+    pub(crate) fn pixel(&self, image: &str, x: u32, y: u32) -> [u8; 3] {
+        image::open(self.path(image)).unwrap().to_rgb8().get_pixel(x, y).0
     }
 
     /// Makes a bag with Python: `bag`, and the helpers of `python_node.py`.
@@ -105,7 +105,7 @@ fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
 
 /// Such a program sets the folder for which graphics libraries look.
 #[test]
-fn without_a_runtime_folder_the_picture_is_drawn_all_the_same() {
+fn without_a_runtime_folder_the_image_is_drawn_all_the_same() {
     let render = Render::with_scene();
     let mut command = Command::new(program("camera_stream"));
     command.args(["render", "-d", "scene.rviz", "--bag", "scene.bag", "-o", "out.png", "--at", "0"]);
@@ -139,7 +139,7 @@ fn a_sequence_is_numbered_and_covers_the_bag() {
     assert!(!render.path("folder").exists());
 }
 
-/// The colours of the pictures in a folder, in the order of their names.
+/// The colours of the images in a folder, in the order of their names.
 pub(crate) fn colors(render: &Render, folder: &str) -> Vec<[u8; 3]> {
     let entries = fs::read_dir(render.path(folder)).unwrap().map(|entry| entry.unwrap().file_name());
     let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
@@ -186,7 +186,7 @@ fn a_sequence_begins_when_its_camera_appears() {
     let printed = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && printed.contains("0.015 s later"), "{printed}");
     assert_eq!(colors(&render, "late"), [[255, 0, 0], [0, 255, 0], [0, 255, 0]]);
-    // One moment is what was asked for. The error says from when on there is a picture, and leaves no folder.
+    // One moment is what was asked for. The error says from when on there is an image, and leaves no folder.
     for target in ["-o out.png", "--sequence none"] {
         let error = render.bad(&format!("-d scene.rviz --bag late.bag {target} --at 0"));
         assert!(error.contains("/eye/camera_info") && error.contains("(--at 0.015)"), "{error}");
@@ -207,7 +207,7 @@ fn an_earlier_sequence_is_replaced_only_if_asked_for() {
 }
 
 #[test]
-fn the_ending_of_a_picture_is_its_format() {
+fn the_ending_of_a_image_is_its_format() {
     let render = Render::with_scene();
     render.good("-d scene.rviz --bag scene.bag -o out.jpg");
     let jpeg = fs::read(render.path("out.jpg")).unwrap();
@@ -269,7 +269,7 @@ fn run_with_path(render: &Render, arguments: &str, folder: &Path, alone: bool) -
 }
 
 #[test]
-fn a_video_is_what_ffmpeg_makes_of_the_pictures() {
+fn a_video_is_what_ffmpeg_makes_of_the_images() {
     let render = Render::with_scene();
     let folder = fake_ffmpeg(&render, "", "");
     let arguments = "-d scene.rviz --bag scene.bag --video out.mp4 --rate 2";

@@ -43,7 +43,7 @@ fn blue() -> CameraPub {
     CameraPub { background: "0; 0; 255", ..camera() }
 }
 
-/// A node whose picture has a red square in its middle.
+/// A node whose image has a red square in its middle.
 fn fixture(config: &str, args: &[&str]) -> RosFixture {
     let fixture = RosFixture::start(config, args).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
@@ -79,7 +79,7 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
         "('background_blue', 0)"
     );
 
-    // The next picture shows the new values; those out of bounds are clamped, and the answer has the clamped value.
+    // The next image shows the new values; those out of bounds are clamped, and the answer has the clamped value.
     let answer =
         fixture.python("c.update_configuration({'background_blue': 999, 'background_green': -1})['background_blue']");
     assert_eq!(answer, "255");
@@ -197,14 +197,14 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
 }
 
 #[test]
-fn pictures_go_on_when_the_file_changes_while_the_master_hangs() {
+fn images_go_on_when_the_file_changes_while_the_master_hangs() {
     let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
     fixture.master.signal("STOP");
     // Another subscription, another topic and another service: all of it is for the master to know.
     let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
     let second = CameraPub { name: "Second eye", image: "/second/image", namespace: "second", ..camera() };
     fixture.rewrite(&config(&[CLOUD, &other], &[blue(), second]));
-    fixture.pictures_go_on(90);
+    fixture.images_go_on(90);
     fixture.wait_for(format!("corner() == {BLUE}"));
     // It is told as soon as it answers.
     fixture.master.signal("CONT");
@@ -213,16 +213,16 @@ fn pictures_go_on_when_the_file_changes_while_the_master_hangs() {
 }
 
 #[test]
-fn pictures_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake() {
+fn images_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake() {
     let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
     fixture.python(HANGING);
     let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
     fixture.rewrite(&config(&[CLOUD, &other], &[blue()]));
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     fixture.wait_for(format!("corner() == {BLUE} and all(reached)"));
     // Nor does leaving them wait for their answers.
     fixture.rewrite(&config(&[CLOUD], &[camera()]));
-    fixture.pictures_go_on(60);
+    fixture.images_go_on(60);
     fixture.wait_for(format!("corner() == {BLACK} and viewer.middle() == {RED}"));
 }
 
@@ -285,7 +285,7 @@ fn a_config_from_a_pipe_is_read_at_the_start_only() {
 }
 
 #[test]
-fn saving_the_file_changes_the_picture() {
+fn saving_the_file_changes_the_image() {
     let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
     fixture.python("before = connections('/cloud'), viewer_connections()");
     fixture.rewrite(&config(&[CLOUD], &[blue()]));

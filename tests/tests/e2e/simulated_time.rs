@@ -40,7 +40,7 @@ fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_roun
         fixture.wait_for("len(viewer.colors) > 0 and viewer.middle() == (0, 0, 255)");
         let ended = player.wait(PATIENCE);
         assert!(ended.is_some(), "{:?}", player.errors());
-        // Pictures of the first round that were repeated before the second began do not count.
+        // Images of the first round that were repeated before the second began do not count.
         let of_round = if round == 1 { "viewer.colors" } else { "viewer.colors[viewer.colors.index((0, 0, 0)):]" };
         assert_eq!(fixture.python(of_round), "[(0, 0, 0), (255, 0, 0), (0, 0, 255)]", "round {round}");
         // Stamps are in the bag's time.

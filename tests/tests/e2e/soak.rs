@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// Longer than any gap on a slow machine that does something else, too.
 const GAP_LIMIT_SECS: &str = "20";
-/// Picture checks wait for frames to disappear and for slow machines.
+/// Image checks wait for frames to disappear and for slow machines.
 const LIMIT: Duration = Duration::from_secs(1500);
 
 fn soak(report: &Path, hours: &str, more: &[&str]) -> Running {
@@ -26,7 +26,7 @@ fn printed(soak: &Running, report: &Path) -> String {
 
 #[test]
 #[ignore = "a soak: ./test full"]
-fn half_a_minute_of_faults_costs_neither_pictures_nor_connections() {
+fn half_a_minute_of_faults_costs_neither_images_nor_connections() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
     let mut soak = soak(&report, "0.008", &["--seed", "11"]);
@@ -51,7 +51,7 @@ fn children(parent: u32, name: &str) -> Vec<PathBuf> {
 
 #[test]
 #[ignore = "a soak: ./test full"]
-fn pictures_that_stop_are_found_and_an_interrupted_run_leaves_a_report_and_no_process() {
+fn images_that_stop_are_found_and_an_interrupted_run_leaves_a_report_and_no_process() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
     let mut soak = soak(&report, "1", &["--seed", "1", "--only", "viewer_slow"]);

@@ -48,7 +48,7 @@ fn threads_that_share_work_have_names_in_every_program() {
     let run = |name: &str, arguments: &[&str]| assert_named(Command::new(program(name)).args(arguments));
     let simulate = |arguments: &[&str]| assert_named(Command::new(env!("CARGO_BIN_EXE_simulate_scan")).args(arguments));
 
-    // The demo's picture, so large that it takes a while.
+    // The demo's image, so large that it takes a while.
     let demo = |name: &str| repository().join(name).to_str().unwrap().to_owned();
     let lens = fs::read_to_string(demo("config/projector.yaml")).unwrap();
     let large = lens.replace("\nwidth: 1280\nheight: 800\n", "\nwidth: 6400\nheight: 4000\n");

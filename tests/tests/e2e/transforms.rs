@@ -14,7 +14,7 @@ fn fixture(args: &[&str]) -> RosFixture {
     fixture
 }
 
-/// Asserts that the next twenty pictures are empty.
+/// Asserts that the next twenty images are empty.
 fn nothing_appears(fixture: &RosFixture) {
     fixture.python("viewer.forget()");
     fixture.wait_for("len(viewer.images) > 20");
@@ -97,7 +97,7 @@ fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
     fixture.python("viewer = Viewer('/view/image')");
     let named = || fixture.log_lines(&["WARN", "CameraPub", "lens", "map"]) == 1;
     assert!(wait_until(PATIENCE, named), "{}", fixture.log());
-    // No picture may come while the frame is missing.
+    // No image may come while the frame is missing.
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(fixture.python("viewer.images"), "[]");
     fixture.python("latch('/tf_static', tf('map', 'lens'))");

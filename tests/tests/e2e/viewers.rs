@@ -1,4 +1,4 @@
-//! Subscribers of the picture: ROS's tools and the projector's window.
+//! Subscribers of the image: ROS's tools and the projector's window.
 
 use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
@@ -12,7 +12,7 @@ use std::time::Duration;
 const WIDTH_PX: usize = 640;
 const HEIGHT_PX: usize = 360;
 
-/// A node with a picture of that size: a scene with something of every colour.
+/// A node with an image of that size: a scene with something of every colour.
 pub(crate) fn fixture() -> RosFixture {
     fixture_with(&[], &[])
 }
@@ -33,7 +33,7 @@ pub(crate) fn fixture_with(args: &[&str], environment: &[(&str, &str)]) -> RosFi
 }
 
 #[test]
-fn rostopic_sees_the_picture_its_rate_and_its_type() {
+fn rostopic_sees_the_image_its_rate_and_its_type() {
     let fixture = fixture();
     let printed = fixture.master.output("rostopic", &["type", "/view/image"]).unwrap();
     assert_eq!(printed.trim(), "sensor_msgs/Image");
@@ -48,7 +48,7 @@ fn rostopic_sees_the_picture_its_rate_and_its_type() {
 }
 
 #[test]
-fn rosbag_records_the_picture_as_it_was_sent() {
+fn rosbag_records_the_image_as_it_was_sent() {
     let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let bag = folder.path().join("recorded.bag");
@@ -175,7 +175,7 @@ pub(crate) fn saved(python: &PythonNode, file: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen() {
+fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen() {
     let screen = Screen::start();
     let fixture = fixture();
     let screenshot = screen.folder.path().join("screenshot.png");
@@ -188,9 +188,9 @@ fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen
     let file = screen.folder.path().join("picture");
     let is_shown = || saved(&fixture.python, &file) == screen.pixels();
     assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());
-    let picture = saved(&fixture.python, &file);
+    let image = saved(&fixture.python, &file);
     for color in [[10, 20, 200], [255, 128, 0]] {
-        assert!(picture.chunks_exact(3).filter(|pixel| *pixel == color).count() > 100, "{color:?} is in the picture");
+        assert!(image.chunks_exact(3).filter(|pixel| *pixel == color).count() > 100, "{color:?} is in the picture");
     }
     // A changed scene is shown at once.
     fixture.python("latch('/cloud', cloud(0xff00ff, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
@@ -259,7 +259,7 @@ fn the_projectors_window_becomes_black_when_the_node_is_killed() {
 }
 
 #[test]
-fn black_pictures_and_none_beat_a_pause_of_the_projectors_window() {
+fn black_images_and_none_beat_a_pause_of_the_projectors_window() {
     let screen = Screen::start();
     let master = RosMaster::start().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
@@ -290,7 +290,7 @@ fn black_pictures_and_none_beat_a_pause_of_the_projectors_window() {
 }
 
 #[test]
-fn the_projectors_window_reads_compressed_pictures() {
+fn the_projectors_window_reads_compressed_images() {
     let screen = Screen::start();
     let master = RosMaster::start().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
@@ -342,8 +342,8 @@ fn image_views_window_is_kept_full_screen_over_the_monitor() {
     };
     let covers = || place().as_deref() == Some("0 0 640 360");
     assert!(wait_until(PATIENCE, covers), "{:?} {:?} {:?}", place(), keeper.errors(), viewer.errors());
-    let has_picture = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [10, 20, 200]);
-    assert!(wait_until(PATIENCE, has_picture), "{:?}", viewer.errors());
+    let has_image = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [10, 20, 200]);
+    assert!(wait_until(PATIENCE, has_image), "{:?}", viewer.errors());
     wmctrl(&["-r", TITLE, "-b", "remove,fullscreen"]);
     wmctrl(&["-r", TITLE, "-e", "0,30,30,200,150"]);
     assert!(wait_until(PATIENCE, covers), "it is put back: {:?} {:?}", place(), keeper.errors());

@@ -161,7 +161,7 @@ fn a_page_sets_parameters_and_a_missing_topic_has_advice() {
 }
 
 #[test]
-fn a_page_blacks_out_pauses_and_shows_test_pictures_and_all_pages_say_so() {
+fn a_page_blacks_out_pauses_and_shows_test_images_and_all_pages_say_so() {
     let fixture = fixture(&[]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("page, other = Page(URL), Page(URL)");

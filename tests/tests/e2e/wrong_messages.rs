@@ -25,7 +25,7 @@ fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
 
 /// Thirty a second, each of which the decoder of JPEG panics on.
 #[test]
-fn damaged_jpegs_are_logged_and_neither_end_the_node_nor_stop_the_picture() {
+fn damaged_jpegs_are_logged_and_neither_end_the_node_nor_stop_the_image() {
     const DEPTH: &str = "{Class: rviz/DepthCloud, Name: depth, Enabled: true, Depth Map Topic: /d/image, \
                          Color Image Topic: /c/image, Color Transport Hint: compressed}";
     let fixture = RosFixture::start(&config(&[CLOUD, DEPTH], &[CameraPub::default()]), &[]).unwrap();

@@ -1,5 +1,5 @@
-//! `projector_calibrate`: a projector's intrinsics and pose. See [`rcs_calibrate`].
+//! `projector_calibrate`: a projector's intrinsics and pose. See [`rcs_projector_calibrate`].
 
 fn main() -> std::process::ExitCode {
-    rcs_calibrate::main()
+    rcs_projector_calibrate::main()
 }

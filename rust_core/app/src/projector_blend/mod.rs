@@ -11,9 +11,9 @@ use clap::{Command, CommandFactory, Parser};
 use nalgebra::Isometry3;
 use rcs_calibration::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use rcs_files::blend_file::BlendFile;
-use rcs_files::picture_file;
+use rcs_files::image_file;
 use rcs_files::projector::ProjectorFile;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 
 use rcs_node_support::lifecycle;
 use rcs_node_support::ros_names::{subscribes, RosName};
@@ -110,7 +110,7 @@ fn run(arguments: &BlendArguments) -> Result<()> {
         report(path, output, weights);
     }
     if let Some(path) = &arguments.preview {
-        picture_file::write(path, &preview(&weights))?;
+        image_file::write(path, &preview(&weights))?;
     }
     Ok(())
 }
@@ -163,22 +163,22 @@ fn report(file: &Path, output: &Path, weights: &BlendWeights) {
 }
 
 /// The weights side by side, as grey levels.
-fn preview(all: &[BlendWeights]) -> Picture {
+fn preview(all: &[BlendWeights]) -> Image {
     let scaled: Vec<(usize, Vec<u8>)> = all.iter().map(scaled).collect();
     let height = scaled.iter().map(|(height, _)| *height).max().unwrap_or(1);
     let width = all.len() * (PREVIEW_PX + GAP_PX) - GAP_PX;
-    let mut picture = Picture::default();
-    picture.reset(width as u32, height as u32, Encoding::Mono8);
-    picture.data.fill(u8::MAX);
+    let mut image = Image::default();
+    image.reset(width as u32, height as u32, Encoding::Mono8);
+    image.data.fill(u8::MAX);
     for (index, (_, levels)) in scaled.iter().enumerate() {
         let left = index * (PREVIEW_PX + GAP_PX);
         for (row, levels) in levels.chunks(PREVIEW_PX).enumerate() {
-            if let Some(to) = picture.data.get_mut(row * width + left..row * width + left + levels.len()) {
+            if let Some(to) = image.data.get_mut(row * width + left..row * width + left + levels.len()) {
                 to.copy_from_slice(levels);
             }
         }
     }
-    picture
+    image
 }
 
 /// A projector's weights scaled to the preview's width: height and grey levels.

@@ -16,7 +16,7 @@ use rcs_messages::{header, AnyMessage, Image, MessageKind};
 use rcs_process::lock;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::Time;
-use rcs_window::{self as window, MonitorInfo, PictureSink, ReceivedPicture, ScreenPicture, UserEvent, WindowRole};
+use rcs_window::{self as window, ImageSink, MonitorInfo, ReceivedImage, ScreenImage, UserEvent, WindowRole};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
@@ -43,10 +43,10 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
-/// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
+/// Image pixel (u, v) is screen pixel (u, v). A warning is printed if image and monitor differ in size; the image
 /// is then at the top left, on black. Encodings: what image_view shows (colours, mono, Bayer, YUV, depth); compressed:
 /// JPEG, PNG. Keys: Escape or q ends; b is black until Shift+L, space or p pauses and resumes, t shows the next test
-/// picture.
+/// image.
 #[derive(Parser)]
 #[command(
     name = "projector_window",
@@ -134,7 +134,7 @@ fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndR
     let mut options = arguments.monitor.window_options(&arguments.topic());
     options.role = WindowRole::Guarded;
     options.light_limit = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
-    let sink = PictureSink::new().context("cannot open a window")?;
+    let sink = ImageSink::new().context("cannot open a window")?;
     // The node runs on a thread of its own and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::sync_channel(1);
     let node_end = end.clone();
@@ -180,7 +180,7 @@ fn follow_topic(
     arguments: WindowArguments,
     end: &EndRequest,
     viewer: &Mutex<Viewer>,
-    sink: &PictureSink,
+    sink: &ImageSink,
 ) -> anyhow::Result<()> {
     let (node, arguments) = match node {
         Some(node) => (node, arguments),
@@ -196,7 +196,7 @@ fn follow_topic(
         Transport::Raw => (topic, MessageKind::Image),
         Transport::Compressed => (format!("{topic}/compressed"), MessageKind::CompressedImage),
     };
-    // A queue of one: the window shows the latest picture.
+    // A queue of one: the window shows the latest image.
     let subscription = node.subscribe(&topic, kind, 1)?;
     lock(viewer).set_file(BlackoutFile::of_node(rcs_ros::ros_folder().as_deref(), node.name()));
     let (mut last_error, pulse) = (None, Pulse::start(Instant::now()));
@@ -205,11 +205,11 @@ fn follow_topic(
         pulse.beat(Instant::now());
         for event in events {
             let NodeEvent::Message { message, received, .. } = event else { continue };
-            match picture(subscription.topic(), &message) {
-                Ok(picture) => {
+            match image(subscription.topic(), &message) {
+                Ok(image) => {
                     let stamp = header(&message).map(|header| time_from_stamp(header.stamp)).unwrap_or(Time::ZERO);
                     let measured = Measured { stamp, received };
-                    picture.into_iter().for_each(|picture| lock(viewer).take(picture, measured));
+                    image.into_iter().for_each(|image| lock(viewer).take(image, measured));
                     last_error = None;
                 }
                 // An error that repeats is logged once.
@@ -231,7 +231,7 @@ fn follow_topic(
 }
 
 /// The image of a message; `None` for other types.
-fn picture(topic: &str, message: &AnyMessage) -> Result<Option<ScreenPicture>, String> {
+fn image(topic: &str, message: &AnyMessage) -> Result<Option<ScreenImage>, String> {
     match message {
         AnyMessage::Image(image) => read(image).map(Some),
         AnyMessage::CompressedImage(packed) => read(&unpack_image(topic, packed)?).map(Some),
@@ -239,9 +239,9 @@ fn picture(topic: &str, message: &AnyMessage) -> Result<Option<ScreenPicture>, S
     }
 }
 
-fn read(image: &Image) -> Result<ScreenPicture, String> {
+fn read(image: &Image) -> Result<ScreenImage, String> {
     let image = for_display::for_display(image)?;
-    let received = ReceivedPicture {
+    let received = ReceivedImage {
         width_px: image.width,
         height_px: image.height,
         step_bytes: image.step,
@@ -249,5 +249,5 @@ fn read(image: &Image) -> Result<ScreenPicture, String> {
         is_bigendian: image.is_bigendian != 0,
         data: image.data(),
     };
-    ScreenPicture::from_received(&received).map_err(|error| error.to_string())
+    ScreenImage::from_received(&received).map_err(|error| error.to_string())
 }

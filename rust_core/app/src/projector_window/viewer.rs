@@ -1,4 +1,4 @@
-//! Content of the window: the newest image, a paused one or a test picture, each under a grant, else black.
+//! Content of the window: the newest image, a paused one or a test image, each under a grant, else black.
 //!
 //! The window is a last hop like the node's own: an image must be current (where a timeout is set) and not black, which
 //! its publisher has a reason for, and the operator's black, which the next run keeps, comes before all.
@@ -11,8 +11,8 @@ use rcs_light::{
     Measured, Now,
 };
 use rcs_transforms::Time;
-use rcs_window::test_pictures::TestPicture;
-use rcs_window::{MonitorInfo, PictureSink, ScreenPicture, WindowKey};
+use rcs_window::test_images::TestImage;
+use rcs_window::{ImageSink, MonitorInfo, ScreenImage, WindowKey};
 
 /// Limit of the light where images do not become stale: it is granted anew ten times a second.
 const UNGUARDED_LIMIT: Duration = Duration::from_secs(5);
@@ -20,7 +20,7 @@ const BY_KEY: &str = "key b";
 
 /// A received image.
 struct ReceivedImage {
-    picture: Arc<ScreenPicture>,
+    image: Arc<ScreenImage>,
     is_black: bool,
     measured: Measured,
 }
@@ -32,15 +32,15 @@ pub(super) struct Viewer {
     timeout: Duration,
     newest: Option<ReceivedImage>,
     /// The paused image.
-    held: Option<Arc<ScreenPicture>>,
+    held: Option<Arc<ScreenImage>>,
     is_paused: bool,
-    test: Option<(TestPicture, Arc<ScreenPicture>)>,
+    test: Option<(TestImage, Arc<ScreenImage>)>,
     blackouts: Blackouts,
     /// `None` until the node has its name.
     file: Option<BlackoutFile>,
     generation: Generation,
     /// The image that the window has; `None` for black.
-    shown: Option<Lit<Arc<ScreenPicture>>>,
+    shown: Option<Lit<Arc<ScreenImage>>>,
     /// The time of the last decision.
     last_now: Now,
     /// Why it is black, as far as that was logged.
@@ -93,13 +93,13 @@ impl Viewer {
     }
 
     /// Takes an image.
-    pub(super) fn take(&mut self, picture: ScreenPicture, measured: Measured) {
-        let is_black = picture.is_black();
-        let picture = Arc::new(picture);
+    pub(super) fn take(&mut self, image: ScreenImage, measured: Measured) {
+        let is_black = image.is_black();
+        let image = Arc::new(image);
         if self.is_paused && self.held.is_none() && !is_black {
-            self.held = Some(Arc::clone(&picture));
+            self.held = Some(Arc::clone(&image));
         }
-        self.newest = Some(ReceivedImage { picture, is_black, measured });
+        self.newest = Some(ReceivedImage { image, is_black, measured });
     }
 
     /// Takes a key: B, Shift+L, P or the space bar, T. Returns `true` if it has one of them.
@@ -110,11 +110,11 @@ impl Viewer {
             WindowKey::Space | WindowKey::Character('p' | 'P') => {
                 self.is_paused ^= true;
                 let newest = self.newest.as_ref().filter(|newest| self.is_paused && !newest.is_black);
-                self.held = newest.map(|newest| Arc::clone(&newest.picture));
+                self.held = newest.map(|newest| Arc::clone(&newest.image));
                 log::info!("{}", if self.is_paused { "paused until key p" } else { "showing images" });
             }
             WindowKey::Character('t' | 'T') => {
-                self.set_test(TestPicture::after(self.test.as_ref().map(|(test, _)| *test)));
+                self.set_test(TestImage::after(self.test.as_ref().map(|(test, _)| *test)));
                 match &self.test {
                     Some((test, _)) => log::info!("test picture {}", test.name()),
                     None => log::info!("showing images"),
@@ -141,16 +141,16 @@ impl Viewer {
         }
     }
 
-    fn set_test(&mut self, test: Option<TestPicture>) {
+    fn set_test(&mut self, test: Option<TestImage>) {
         let (width, height) = self.monitor.size_px;
         self.test = test.and_then(|test| {
-            let picture = ScreenPicture::from_picture(&test.draw([width, height], &self.monitor.name)).ok()?;
-            Some((test, Arc::new(picture)))
+            let image = ScreenImage::from_image(&test.draw([width, height], &self.monitor.name)).ok()?;
+            Some((test, Arc::new(image)))
         });
     }
 
     /// Hands the window what it may show now.
-    pub(super) fn present(&mut self, sink: &PictureSink, now: Now) {
+    pub(super) fn present(&mut self, sink: &ImageSink, now: Now) {
         self.last_now = now;
         let lit = self.choose(now);
         self.log_dark(lit.as_ref().err());
@@ -170,24 +170,24 @@ impl Viewer {
     }
 
     /// Hands the window what a key has changed, until the next turn of the node.
-    pub(super) fn present_now(&mut self, sink: &PictureSink) {
+    pub(super) fn present_now(&mut self, sink: &ImageSink) {
         let now = Now { steady: Instant::now(), ..self.last_now };
         self.present(sink, now);
     }
 
-    fn choose(&self, now: Now) -> Result<Lit<Arc<ScreenPicture>>, DarkReason> {
-        let (content, picture) = match (&self.test, &self.held, &self.newest) {
-            (Some((_, picture)), ..) => (Content::Test, Some(picture)),
+    fn choose(&self, now: Now) -> Result<Lit<Arc<ScreenImage>>, DarkReason> {
+        let (content, image) = match (&self.test, &self.held, &self.newest) {
+            (Some((_, image)), ..) => (Content::Test, Some(image)),
             (None, Some(held), _) => (Content::Scene, Some(held)),
-            (None, None, newest) => (Content::Scene, newest.as_ref().map(|newest| &newest.picture)),
+            (None, None, newest) => (Content::Scene, newest.as_ref().map(|newest| &newest.image)),
         };
-        let (width, height) = picture.map(|picture| picture.size_px()).unwrap_or_default();
+        let (width, height) = image.map(|image| image.size_px()).unwrap_or_default();
         let operator = match &self.blackouts.all {
             Some(by) => Err(DarkReason::new(DarkCause::Blackout, format!("black by {by}"))),
             None => Ok(self.generation.clone()),
         };
         let grant = self.evidence(now).decide(content, [width, height], operator, now.steady)?;
-        let lit = picture.and_then(|picture| grant.show(Arc::clone(picture)));
+        let lit = image.and_then(|image| grant.show(Arc::clone(image)));
         lit.ok_or_else(|| DarkReason::new(DarkCause::NoImage, "there is no image"))
     }
 
@@ -233,8 +233,8 @@ mod tests {
         MonitorInfo { size_px: (64, 48), ..MonitorInfo::default() }
     }
 
-    fn image(level: u8) -> ScreenPicture {
-        ScreenPicture::from_fn(2, 1, |_, _| [level; 3])
+    fn image(level: u8) -> ScreenImage {
+        ScreenImage::from_fn(2, 1, |_, _| [level; 3])
     }
 
     /// A viewer with an image at 100 s, and the time after some seconds.
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_black_image_beats_a_pause_and_a_test_picture() {
+    fn a_black_image_beats_a_pause_and_a_test_image() {
         let (mut viewer, now) = viewer(1.0, 9);
         viewer.press(WindowKey::Space);
         viewer.take(image(0), Measured { stamp: now(0.1).ros, received: now(0.1).steady });
@@ -294,21 +294,21 @@ mod tests {
     }
 
     #[test]
-    fn a_pause_keeps_its_image_and_test_pictures_go_on_one_by_one() {
+    fn a_pause_keeps_its_image_and_test_images_go_on_one_by_one() {
         let (mut viewer, now) = viewer(0.0, 1);
         let shown = |viewer: &Viewer| {
             let lit = viewer.choose(now(0.0)).unwrap();
-            let picture = lit.content(now(0.0).steady).unwrap();
+            let image = lit.content(now(0.0).steady).unwrap();
             let mut pixels = [0; 64 * 48];
-            picture.draw_unscaled(&mut pixels, 64);
-            (picture.size_px(), pixels[0] & 0xff)
+            image.draw_unscaled(&mut pixels, 64);
+            (image.size_px(), pixels[0] & 0xff)
         };
         viewer.press(WindowKey::Space);
         viewer.take(image(2), Measured { stamp: now(0.0).ros, received: now(0.0).steady });
         assert_eq!(shown(&viewer), ((2, 1), 1));
         viewer.press(WindowKey::Space);
         assert_eq!(shown(&viewer), ((2, 1), 2));
-        for _ in TestPicture::ALL {
+        for _ in TestImage::ALL {
             viewer.press(T);
             assert_eq!(shown(&viewer).0, (64, 48));
         }
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn test_pictures_before_any_image_are_for_focusing_where_nothing_is_guarded() {
+    fn test_images_before_any_image_are_for_focusing_where_nothing_is_guarded() {
         for (timeout_secs, expected) in [(0.0, None), (1.0, Some(DarkCause::NoImage))] {
             let mut viewer = Viewer::new(monitor(), Duration::from_secs_f64(timeout_secs));
             assert_eq!(

@@ -1,7 +1,7 @@
 //! Calibration of a projector and a camera without depth, by a printed chessboard (Moreno and Taubin, "Simple,
 //! accurate, and robust projector-camera calibration", 2012).
 //!
-//! Camera and projector are rigid, the board moves. `detect` finds the board's corners in the picture of each pose, and
+//! Camera and projector are rigid, the board moves. `detect` finds the board's corners in the image of each pose, and
 //! `lit` the projector's pixel of each corner by the decoded pixels around it. `camera` solves for the camera's lens
 //! and the boards' poses in its frame (`zhang` starts, `bundle` adjusts), which makes the corners points of one scan in
 //! space; from there on everything is [`crate::solve`]: lens and pose of the projector, refusals and report. Then

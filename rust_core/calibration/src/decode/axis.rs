@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::blur::{blur_px, Energy, Tables};
 use super::channels::{AxisChannels, MOST_CHANNELS};
-use super::light::LightImages;
+use super::light_images::LightImages;
 use super::neighbours::{Field, PlanePrediction};
 use super::search::{Found, Search};
 
@@ -59,7 +59,7 @@ impl SinglePixels {
 
 impl AxisDecoder<'_> {
     pub(super) fn decode_single(&self) -> SinglePixels {
-        let width = self.light.pictures.size_px[0] as usize;
+        let width = self.light.images.size_px[0] as usize;
         let all = self.energy_of((0..self.noise.len()).step_by(13));
         let bands = self.noise.len().div_ceil(width * TILE);
         let bands: Vec<DecodedBand> = (0..bands).into_par_iter().map(|band| self.band(band, width, &all)).collect();

@@ -6,7 +6,7 @@
 
 use super::channels::{Channels, StripeChannel};
 use super::response::{Response, CLIPPED_FROM};
-use super::Pictures;
+use super::Images;
 use crate::statistics::median;
 
 /// Minimum difference of white and black, levels.
@@ -31,26 +31,26 @@ pub(super) struct Steadied {
 }
 
 impl Steadied {
-    pub(super) fn pictures<'a>(&'a self, taken: &Pictures<'a>) -> Pictures<'a> {
+    pub(super) fn images<'a>(&'a self, taken: &Images<'a>) -> Images<'a> {
         let levels = self.levels.iter().map(Vec::as_slice).collect();
-        Pictures { size_px: taken.size_px, patterns: taken.patterns, levels }
+        Images { size_px: taken.size_px, patterns: taken.patterns, levels }
     }
 }
 
 /// Compensates changes of the exposure; `None` if there is no large one.
-pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Steadied> {
+pub(super) fn steadied(taken: &Images<'_>, channels: &Channels) -> Option<Steadied> {
     let mut steadied: Option<Steadied> = None;
     let mut factors = vec![1.0; taken.levels.len()];
     for _ in 0..ROUNDS {
-        let pictures = steadied.as_ref().map(|steadied| steadied.pictures(taken));
-        let pictures = pictures.as_ref().unwrap_or(taken);
-        let response = Response::find(pictures, channels);
+        let images = steadied.as_ref().map(|steadied| steadied.images(taken));
+        let images = images.as_ref().unwrap_or(taken);
+        let response = Response::find(images, channels);
         let mut found = 1.0;
         for channel in channels.axes.iter().flat_map(|axis| &axis.all) {
             // Pairs of too fine stripes take the factor of the pair before.
-            found = factor(pictures, channels, &response, channel).unwrap_or(found);
-            for picture in [channel.lit, channel.inverse] {
-                factors[picture] *= found;
+            found = factor(images, channels, &response, channel).unwrap_or(found);
+            for image in [channel.lit, channel.inverse] {
+                factors[image] *= found;
             }
         }
         let change = factors.iter().map(|factor| (factor - 1.0_f64).abs()).fold(0.0, f64::max);
@@ -69,13 +69,13 @@ pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Stea
 }
 
 /// Ratio of a pair's light and that of white and black: the median over clear pixels.
-fn factor(pictures: &Pictures<'_>, channels: &Channels, response: &Response, channel: &StripeChannel) -> Option<f64> {
+fn factor(images: &Images<'_>, channels: &Channels, response: &Response, channel: &StripeChannel) -> Option<f64> {
     let wanted = [channels.white, channels.black, channel.lit, channel.inverse];
-    let [white, black, ..] = wanted.map(|picture| pictures.levels[picture]);
+    let [white, black, ..] = wanted.map(|image| images.levels[image]);
     let tells = |pixel: &usize| white[*pixel].saturating_sub(black[*pixel]) >= LEAST_CONTRAST;
     let every = (white.len() / SAMPLED).max(1);
     let ratio = |pixel: usize| {
-        let seen = wanted.map(|picture| pictures.levels[picture][pixel]);
+        let seen = wanted.map(|image| images.levels[image][pixel]);
         let [white, black, lit, inverse] = seen.map(|level| f64::from(response.light(level)));
         let is_clear = ((lit - inverse) / (white + black)).powi(2) > CLEAR;
         (is_clear && seen.iter().all(|level| *level < CLIPPED_FROM)).then(|| (lit + inverse) / (white + black))

@@ -17,27 +17,27 @@ mod bleeding;
 mod blur;
 pub(crate) mod channels;
 mod exposure;
-mod light;
+mod images;
+mod light_images;
 mod margins;
 mod neighbours;
-mod order;
-mod pictures;
 mod quality;
 pub(crate) mod response;
 mod search;
+mod wrong_images;
 
-pub use order::{PictureFault, WrongPicture};
-pub use pictures::{DecodeError, DecodedPixel, Pictures};
+pub use images::{DecodeError, DecodedPixel, Images};
 pub use quality::{Quality, ScanProblem};
+pub use wrong_images::{ImageFault, WrongImage};
 
 use axis::{contradicted_share, AxisDecoder};
 use bleeding::Gradients;
 use blur::Tables;
 use channels::Channels;
-use light::LightImages;
+use light_images::LightImages;
 use margins::{without_bleeding, without_margins};
-use order::PictureCheck;
 use response::Response;
+use wrong_images::ImageCheck;
 
 /// Decoded scan.
 #[derive(Debug, Clone)]
@@ -63,28 +63,28 @@ impl Decoded {
 ///
 /// # Errors
 /// [`DecodeError`]: images are missing or differ in size.
-pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded, DecodeError> {
-    let expected = pictures.size_px[0] as usize * pictures.size_px[1] as usize;
-    if pictures.levels.len() != pictures.patterns.len() {
-        return Err(DecodeError::Count(pictures.levels.len(), pictures.patterns.len()));
+pub fn decode(images: &Images<'_>, projector_px: [u32; 2]) -> Result<Decoded, DecodeError> {
+    let expected = images.size_px[0] as usize * images.size_px[1] as usize;
+    if images.levels.len() != images.patterns.len() {
+        return Err(DecodeError::Count(images.levels.len(), images.patterns.len()));
     }
-    if let Some(index) = pictures.levels.iter().position(|levels| levels.len() != expected) {
-        return Err(DecodeError::Size { index, count: pictures.levels[index].len(), expected });
+    if let Some(index) = images.levels.iter().position(|levels| levels.len() != expected) {
+        return Err(DecodeError::Size { index, count: images.levels[index].len(), expected });
     }
-    let channels = Channels::new(pictures.patterns)?;
+    let channels = Channels::new(images.patterns)?;
     channels.check_size(projector_px)?;
-    let steadied = exposure::steadied(pictures, &channels);
-    let steady_pictures = steadied.as_ref().map(|steadied| steadied.pictures(pictures));
-    let pictures = steady_pictures.as_ref().unwrap_or(pictures);
-    let response = Response::find(pictures, &channels);
-    let light = LightImages { pictures, channels: &channels, response: &response };
+    let steadied = exposure::steadied(images, &channels);
+    let steady_images = steadied.as_ref().map(|steadied| steadied.images(images));
+    let images = steady_images.as_ref().unwrap_or(images);
+    let response = Response::find(images, &channels);
+    let light = LightImages { images, channels: &channels, response: &response };
     let noise = light.noise();
-    let mut quality = Quality::measure(&PictureCheck { light: &light, noise: &noise });
+    let mut quality = Quality::measure(&ImageCheck { light: &light, noise: &noise });
     quality.exposure_change = quality.exposure_change.max(steadied.as_ref().map_or(0.0, |steadied| steadied.change));
     quality.beyond = [0, 1].map(|axis| light.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
     let amplitudes = light.amplitudes();
-    let width = pictures.size_px[0] as usize;
+    let width = images.size_px[0] as usize;
     let gradients = Gradients::new(&amplitudes, width);
     let tables = [0, 1].map(|axis| Tables::new(&channels.axes[axis], projector_px[axis]));
     let decoders = [0, 1].map(|axis| AxisDecoder {
@@ -106,9 +106,9 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
             }
         })
         .collect();
-    quality.wrong_picture = quality.wrong_picture.or_else(|| order::folded(&pixels, width, &channels));
+    quality.wrong_image = quality.wrong_image.or_else(|| wrong_images::folded(&pixels, width, &channels));
     quality.contradicted = contradicted_share(&single, &noise);
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
-    Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
+    Ok(Decoded { size_px: images.size_px, pixels, lit, quality })
 }

@@ -7,9 +7,9 @@ use nalgebra::{Matrix4, Vector2, Vector4};
 
 use super::channels::StripeChannel;
 use super::exposure::{CLEAR, LEAST_COMPARED, SAMPLED};
-use super::light::LightImages;
-use super::order::{PictureCheck, PictureFault, WrongPicture};
+use super::light_images::LightImages;
 use super::response::CLIPPED_FROM;
+use super::wrong_images::{ImageCheck, ImageFault, WrongImage};
 use crate::statistics::median;
 
 const CLIPPED: u8 = 255;
@@ -42,7 +42,7 @@ pub struct Quality {
     /// Shares of the lit pixels whose stripes lead beyond the projector's last column and row.
     pub beyond: [f64; 2],
     /// Image of another pattern than listed.
-    pub wrong_picture: Option<WrongPicture>,
+    pub wrong_image: Option<WrongImage>,
     /// Share of the lit pixels whose stripes fit no coordinate.
     pub contradicted: f64,
     /// Exponent of the camera's response: light = level ^ gamma.
@@ -80,7 +80,7 @@ pub enum ScanProblem {
     },
     /// An image shows another pattern than listed.
     #[error("{}", .0.describe(|index| format!("picture {}", index + 1)))]
-    WrongPicture(WrongPicture),
+    WrongImage(WrongImage),
     /// The stripes of many lit pixels lead beyond the projector's image.
     #[error(
         "the stripes of {:.0} % of the lit pixels lead beyond the projector's last {last}: the projector has another \
@@ -99,7 +99,7 @@ impl ScanProblem {
     /// `true` if the scan is unusable.
     pub fn is_fatal(self) -> bool {
         match self {
-            Self::Moved(_) | Self::WrongPicture(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
+            Self::Moved(_) | Self::WrongImage(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
             Self::Clipped(_) => false,
         }
@@ -120,23 +120,23 @@ impl Quality {
         let problem = if is_lost { overexposed } else { ScanProblem::Clipped(clipped) };
         let clipped = (clipped > MUCH_CLIPPED).then_some(problem);
         // A motion between stripes and their inverse also breaks the pair.
-        let is_by_motion = |wrong: &WrongPicture| moved.is_some() && matches!(wrong.fault, PictureFault::NoInverse(_));
-        let wrong_picture = self.wrong_picture.filter(|wrong| !is_by_motion(wrong)).map(ScanProblem::WrongPicture);
-        [wrong_picture, beyond, moved, exposure, clipped].into_iter().flatten().collect()
+        let is_by_motion = |wrong: &WrongImage| moved.is_some() && matches!(wrong.fault, ImageFault::NoInverse(_));
+        let wrong_image = self.wrong_image.filter(|wrong| !is_by_motion(wrong)).map(ScanProblem::WrongImage);
+        [wrong_image, beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 
     /// Measures the quality, without wrong images.
-    pub(super) fn measure(check: &PictureCheck<'_>) -> Self {
-        let PictureCheck { light, noise } = *check;
-        let LightImages { pictures, channels, response } = *light;
-        let wrong_picture = check.wrong_picture();
+    pub(super) fn measure(check: &ImageCheck<'_>) -> Self {
+        let ImageCheck { light, noise } = *check;
+        let LightImages { images, channels, response } = *light;
+        let wrong_image = check.wrong_image();
         let lit: Vec<usize> = (0..noise.len()).filter(|pixel| noise[*pixel].is_finite()).collect();
-        let white = pictures.levels[channels.white];
+        let white = images.levels[channels.white];
         let clipped = lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count();
         let mut quality = Self {
             clipped: clipped as f64 / lit.len().max(1) as f64,
             gamma: response.gamma,
-            wrong_picture,
+            wrong_image,
             ..Self::default()
         };
         let every = (lit.len() / SAMPLED).max(1);
@@ -144,7 +144,7 @@ impl Quality {
         if sample.len() < LEAST_COMPARED {
             return quality;
         }
-        let is_right = |channel: &&StripeChannel| wrong_picture.is_none_or(|wrong| wrong.stripes != channel.stripes);
+        let is_right = |channel: &&StripeChannel| wrong_image.is_none_or(|wrong| wrong.stripes != channel.stripes);
         for channel in channels.axes.iter().flat_map(|axis| &axis.all).filter(is_right) {
             let comparison = compare(light, channel, &sample);
             quality.moved_px = quality.moved_px.max(comparison.moved_px);
@@ -165,13 +165,13 @@ struct LightSum {
 impl LightSum {
     /// `None` at the image's edge and where a pixel is clipped.
     fn at(images: &LightImages<'_>, pixel: usize) -> Option<Self> {
-        let LightImages { pictures, channels, response } = *images;
-        let [width, height] = pictures.size_px.map(|side| side as usize);
+        let LightImages { images, channels, response } = *images;
+        let [width, height] = images.size_px.map(|side| side as usize);
         let (x, y) = (pixel % width, pixel / width);
         if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
             return None;
         }
-        let (white, black) = (pictures.levels[channels.white], pictures.levels[channels.black]);
+        let (white, black) = (images.levels[channels.white], images.levels[channels.black]);
         let around = [pixel, pixel - 1, pixel + 1, pixel - width, pixel + width];
         if around.iter().any(|pixel| white[*pixel] >= CLIPPED_FROM) {
             return None;
@@ -194,7 +194,7 @@ struct Comparison {
 /// Compares a pair with white and black by fitting both images' exposures and one motion together, so that changes of
 /// the exposure do not count as motion.
 fn compare(images: &LightImages<'_>, channel: &StripeChannel, sample: &[LightSum]) -> Comparison {
-    let levels = [channel.lit, channel.inverse].map(|picture| images.pictures.levels[picture]);
+    let levels = [channel.lit, channel.inverse].map(|image| images.images.levels[image]);
     let mut light_square = 0.0;
     let mut changes = Vec::new();
     let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());

@@ -5,7 +5,7 @@
 //! images.
 
 use super::channels::Channels;
-use super::Pictures;
+use super::Images;
 use crate::statistics::{bisect, median};
 
 /// Number of sampled pixels, and minimum for a result.
@@ -32,8 +32,8 @@ pub(crate) struct Response {
 
 impl Response {
     /// Estimates the response from well lit pixels.
-    pub(crate) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
-        let sample = LevelSample::collect(pictures, channels);
+    pub(crate) fn find(images: &Images<'_>, channels: &Channels) -> Self {
+        let sample = LevelSample::collect(images, channels);
         let mut response = Self::with_gamma(1.0);
         if sample.pixels.len() >= LEAST {
             response = Self::with_gamma(sample.gamma());
@@ -80,16 +80,16 @@ struct LevelSample {
 
 impl LevelSample {
     /// Samples pixels that are neither clipped nor 0 in black, unless black is 0 everywhere, as in rendered images.
-    fn collect(pictures: &Pictures<'_>, channels: &Channels) -> Self {
-        let sample = Self::with_black_from(1, pictures, channels);
+    fn collect(images: &Images<'_>, channels: &Channels) -> Self {
+        let sample = Self::with_black_from(1, images, channels);
         if sample.pixels.len() < LEAST {
-            return Self::with_black_from(0, pictures, channels);
+            return Self::with_black_from(0, images, channels);
         }
         sample
     }
 
-    fn with_black_from(least_black: u8, pictures: &Pictures<'_>, channels: &Channels) -> Self {
-        let (white, black) = (pictures.levels[channels.white], pictures.levels[channels.black]);
+    fn with_black_from(least_black: u8, images: &Images<'_>, channels: &Channels) -> Self {
+        let (white, black) = (images.levels[channels.white], images.levels[channels.black]);
         let all = channels.axes.iter().flat_map(|axis| &axis.all);
         let pairs: Vec<[usize; 2]> = all.map(|channel| [channel.lit, channel.inverse]).collect();
         let is_good = |pixel: &usize| {
@@ -101,7 +101,7 @@ impl LevelSample {
         let levels = |pixel: usize| PixelLevels {
             white: white[pixel],
             black: black[pixel],
-            pairs: pairs.iter().map(|pair| pair.map(|picture| pictures.levels[picture][pixel])).collect(),
+            pairs: pairs.iter().map(|pair| pair.map(|image| images.levels[image][pixel])).collect(),
         };
         Self { pixels: (0..white.len()).filter(is_good).step_by(every).map(levels).collect() }
     }

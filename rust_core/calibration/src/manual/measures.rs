@@ -6,7 +6,7 @@ pub struct WallMeasures {
     /// Z: from the lens to the wall; with a second distance, from any fixed point of the projector.
     pub distance_m: f64,
     /// W and H of the image on the wall.
-    pub picture_m: [f64; 2],
+    pub image_m: [f64; 2],
     /// X and Y from the image's top left corner to the intersection of the optical axis and the wall. Optional at one
     /// of two distances.
     pub axis_m: Option<[f64; 2]>,
@@ -100,8 +100,8 @@ impl ManualMeasures {
         ];
         for (wall, [distance, width, height, x, y]) in self.walls().zip(NAMES) {
             positive(distance, wall.distance_m)?;
-            positive(width, wall.picture_m[0])?;
-            positive(height, wall.picture_m[1])?;
+            positive(width, wall.image_m[0])?;
+            positive(height, wall.image_m[1])?;
             // The axis may lie left of the image or above it.
             for (name, at) in [x, y].into_iter().zip(wall.axis_m.into_iter().flatten()) {
                 finite(name, at)?;
@@ -120,13 +120,13 @@ fn check_growth(first: &WallMeasures, second: &WallMeasures) -> Result<(), Manua
         return Err(ManualError::SameDistance(near.distance_m));
     }
     for (axis, side) in ["width", "height"].into_iter().enumerate() {
-        if far.picture_m[axis] <= near.picture_m[axis] {
+        if far.image_m[axis] <= near.image_m[axis] {
             return Err(ManualError::DoesNotGrow {
                 side,
                 near_distance_m: near.distance_m,
-                near_m: near.picture_m[axis],
+                near_m: near.image_m[axis],
                 far_distance_m: far.distance_m,
-                far_m: far.picture_m[axis],
+                far_m: far.image_m[axis],
             });
         }
     }

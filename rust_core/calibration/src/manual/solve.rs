@@ -39,7 +39,7 @@ pub struct ManualAccuracy {
 /// ```
 /// use rcs_calibration::manual::{solve, ManualMeasures, WallMeasures};
 ///
-/// let at = |distance_m, picture_m, axis_m| WallMeasures { distance_m, picture_m, axis_m: Some(axis_m) };
+/// let at = |distance_m, image_m, axis_m| WallMeasures { distance_m, image_m, axis_m: Some(axis_m) };
 /// let mut measures = ManualMeasures {
 ///     size_px: [1280, 800],
 ///     first: at(1.0, [0.8, 0.5], [0.4, 0.5]),
@@ -65,17 +65,17 @@ pub fn solve(measures: &ManualMeasures) -> Result<ManualLens, ManualError> {
     let ManualMeasures { size_px, first, second, .. } = measures;
     let sides = size_px.map(f64::from);
     let focal_px = [0, 1].map(|axis| match second {
-        None => sides[axis] * first.distance_m / first.picture_m[axis],
+        None => sides[axis] * first.distance_m / first.image_m[axis],
         Some(second) => {
-            sides[axis] * (second.distance_m - first.distance_m) / (second.picture_m[axis] - first.picture_m[axis])
+            sides[axis] * (second.distance_m - first.distance_m) / (second.image_m[axis] - first.image_m[axis])
         }
     });
     let places: Vec<_> = measures.walls().filter_map(|wall| Some((wall, wall.axis_m?))).collect();
     let center_px = [0, 1].map(|axis| match places[..] {
-        [(wall, place)] => sides[axis] * place[axis] / wall.picture_m[axis],
+        [(wall, place)] => sides[axis] * place[axis] / wall.image_m[axis],
         _ => {
             let sum = |value: fn(f64, f64) -> f64| -> f64 {
-                places.iter().map(|(wall, place)| value(place[axis], wall.picture_m[axis])).sum()
+                places.iter().map(|(wall, place)| value(place[axis], wall.image_m[axis])).sum()
             };
             sides[axis] * sum(|place, side| place * side) / sum(|_, side| side * side)
         }
@@ -86,7 +86,7 @@ pub fn solve(measures: &ManualMeasures) -> Result<ManualLens, ManualError> {
     }
     let lens = Lens::pinhole(*size_px, focal_px, center_px);
     let lens_place_m =
-        second.map(|_| [0, 1].map(|axis| focal_px[axis] * first.picture_m[axis] / sides[axis] - first.distance_m));
+        second.map(|_| [0, 1].map(|axis| focal_px[axis] * first.image_m[axis] / sides[axis] - first.distance_m));
     let accuracy = ManualAccuracy::new(measures, &lens);
     let warnings = warnings(measures, &lens, lens_place_m);
     Ok(ManualLens { lens, accuracy, lens_place_m, warnings })
@@ -97,16 +97,16 @@ impl ManualAccuracy {
     fn new(measures: &ManualMeasures, lens: &Lens) -> Self {
         let ManualMeasures { first, second, tape_error_m, .. } = measures;
         let focal_share = Vector2::from_fn(|axis, _| match second {
-            None => tape_error_m * (1.0 / first.distance_m).hypot(1.0 / first.picture_m[axis]),
+            None => tape_error_m * (1.0 / first.distance_m).hypot(1.0 / first.image_m[axis]),
             Some(second) => {
                 let by_distance = 1.0 / (second.distance_m - first.distance_m);
-                let by_side = 1.0 / (second.picture_m[axis] - first.picture_m[axis]);
+                let by_side = 1.0 / (second.image_m[axis] - first.image_m[axis]);
                 tape_error_m * 2.0_f64.sqrt() * by_distance.hypot(by_side)
             }
         });
         let center_px = Vector2::from_fn(|axis, _| {
             let with_axis = measures.walls().filter(|wall| wall.axis_m.is_some());
-            let squares: f64 = with_axis.map(|wall| wall.picture_m[axis].powi(2)).sum();
+            let squares: f64 = with_axis.map(|wall| wall.image_m[axis].powi(2)).sum();
             let side_px = f64::from(lens.size_px[axis]);
             // The side's error counts in proportion to the axis' distance from the corner.
             side_px * tape_error_m * 1.0_f64.hypot(lens.center_px[axis] / side_px) / squares.sqrt()

@@ -12,7 +12,7 @@ fn wall(lens: &Lens, from_light_m: f64, behind_m: f64) -> WallMeasures {
     let on_wall = |px: f64, focal: f64| px / focal * from_light_m;
     WallMeasures {
         distance_m: from_light_m - behind_m,
-        picture_m: [on_wall(width, lens.focal_px.x), on_wall(height, lens.focal_px.y)],
+        image_m: [on_wall(width, lens.focal_px.x), on_wall(height, lens.focal_px.y)],
         axis_m: Some([on_wall(lens.center_px.x, lens.focal_px.x), on_wall(lens.center_px.y, lens.focal_px.y)]),
     }
 }
@@ -26,7 +26,7 @@ fn measures(first: WallMeasures, second: Option<WallMeasures>) -> ManualMeasures
 }
 
 fn simple() -> WallMeasures {
-    WallMeasures { distance_m: 1.25, picture_m: [0.8, 0.5], axis_m: Some([0.41, 0.53]) }
+    WallMeasures { distance_m: 1.25, image_m: [0.8, 0.5], axis_m: Some([0.41, 0.53]) }
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn one_distance_is_the_papers_formulas() {
 }
 
 #[test]
-fn a_good_measurement_has_no_warnings_and_a_center_below_the_picture_stays_there() {
+fn a_good_measurement_has_no_warnings_and_a_center_below_the_image_stays_there() {
     let lens = beamer();
     for second in [None, Some(wall(&lens, 2.0, 0.03))] {
         let found = solve(&measures(wall(&lens, 1.0, 0.03), second)).unwrap();
@@ -81,8 +81,8 @@ proptest! {
         parts in 0..8,
     ) {
         let [z1, w1, h1, x1, y1, z2, w2, h2, x2, y2] = values;
-        let at = |distance_m, picture_m, axis_m, has_axis: bool| {
-            WallMeasures { distance_m, picture_m, axis_m: has_axis.then_some(axis_m) }
+        let at = |distance_m, image_m, axis_m, has_axis: bool| {
+            WallMeasures { distance_m, image_m, axis_m: has_axis.then_some(axis_m) }
         };
         let first = at(z1, [w1, h1], [x1, y1], parts & 1 == 0);
         let second = (parts & 2 == 0).then(|| at(z2, [w2, h2], [x2, y2], parts & 4 == 0));
@@ -105,17 +105,17 @@ fn focal_difference_is_large(shape: f64) -> bool {
 #[test]
 fn impossible_measurements_are_refused() {
     let near = simple();
-    let far = WallMeasures { distance_m: 2.5, picture_m: [1.6, 1.0], axis_m: Some([0.82, 1.06]) };
+    let far = WallMeasures { distance_m: 2.5, image_m: [1.6, 1.0], axis_m: Some([0.82, 1.06]) };
     type Change = fn(&mut ManualMeasures);
     let cases: [(Change, &str); 10] = [
         (|m| m.size_px[0] = 0, "0x800 pixels"),
         (|m| m.first.distance_m = 0.0, "the distance is 0 m"),
         (|m| m.first.distance_m = f64::NAN, "the distance is NaN"),
-        (|m| m.first.picture_m[1] = -0.5, "the picture's height is -0.5 m"),
-        (|m| m.second.as_mut().unwrap().picture_m[0] = f64::INFINITY, "width at the second distance is inf"),
+        (|m| m.first.image_m[1] = -0.5, "the picture's height is -0.5 m"),
+        (|m| m.second.as_mut().unwrap().image_m[0] = f64::INFINITY, "width at the second distance is inf"),
         (|m| m.second.as_mut().unwrap().axis_m = Some([0.1, f64::NAN]), "Y at the second distance is NaN"),
         (|m| m.second.as_mut().unwrap().distance_m = 1.25, "both distances are 1.25 m"),
-        (|m| m.second.as_mut().unwrap().picture_m[0] = 0.8, "the width is 0.8 m at 2.5 m and 0.8 m at 1.25 m"),
+        (|m| m.second.as_mut().unwrap().image_m[0] = 0.8, "the width is 0.8 m at 2.5 m and 0.8 m at 1.25 m"),
         (|m| m.second.as_mut().unwrap().distance_m = 1.0, "the width is 0.8 m at 1.25 m and 1.6 m at 1 m"),
         (
             |m| {
@@ -131,7 +131,7 @@ fn impossible_measurements_are_refused() {
         let error = solve(&measures).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
-    let tiny = WallMeasures { picture_m: [1e-310, 0.5], ..near };
+    let tiny = WallMeasures { image_m: [1e-310, 0.5], ..near };
     assert!(matches!(solve(&measures(tiny, None)), Err(ManualError::Absurd { .. })));
 }
 
@@ -141,11 +141,11 @@ fn each_warning_has_its_cause() {
     let (near, far) = (wall(&lens, 1.0, 0.02), wall(&lens, 2.0, 0.02));
     type Change = fn(&mut WallMeasures, &mut WallMeasures);
     let cases: [(Change, bool, &str); 7] = [
-        (|near, _| near.picture_m[1] *= 1.03, false, "fx 1862.0 and fy 1807.8 differ by 3.0 %"),
+        (|near, _| near.image_m[1] *= 1.03, false, "fx 1862.0 and fy 1807.8 differ by 3.0 %"),
         (|near, _| near.distance_m *= 1000.0, false, "are all lengths in metres?"),
         (|near, _| near.axis_m = Some([-0.1, 0.4]), false, "cx -190.0 is far outside of the picture (0 to 1280)"),
         (|near, _| near.axis_m = Some([0.3, 0.9]), false, "cy 1710.0 is far outside of the picture (0 to 800)"),
-        (|_, far| far.picture_m[1] += 0.02, true, "the picture is 1.600 times as wide as high at the first, 1.563"),
+        (|_, far| far.image_m[1] += 0.02, true, "the picture is 1.600 times as wide as high at the first, 1.563"),
         (|_, far| far.axis_m = Some([0.7, 0.86]), true, "cx is 640.0 by the first, 665.0 by the second"),
         (|near, far| (near.distance_m, far.distance_m) = (0.7, 1.7), true, "from 300 mm behind the place"),
     ];
@@ -174,7 +174,7 @@ fn the_stated_accuracy_is_that_of_simulated_tape_errors() {
             let mut blurred = exact;
             for wall in [Some(&mut blurred.first), blurred.second.as_mut()].into_iter().flatten() {
                 wall.distance_m += error();
-                wall.picture_m.iter_mut().chain(wall.axis_m.iter_mut().flatten()).for_each(|length| *length += error());
+                wall.image_m.iter_mut().chain(wall.axis_m.iter_mut().flatten()).for_each(|length| *length += error());
             }
             let found = solve(&blurred).unwrap().lens;
             focal_sum += (found.focal_px.x / lens.focal_px.x - 1.0).powi(2);

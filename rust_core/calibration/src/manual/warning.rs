@@ -157,8 +157,8 @@ pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Opt
 fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, second: &WallMeasures) {
     let ManualMeasures { size_px, first, tape_error_m, .. } = measures;
     let walls = [first, second];
-    let shapes = walls.map(|wall| wall.picture_m[0] / wall.picture_m[1]);
-    let shares = walls.map(|wall| (1.0 / wall.picture_m[0]).hypot(1.0 / wall.picture_m[1]));
+    let shapes = walls.map(|wall| wall.image_m[0] / wall.image_m[1]);
+    let shares = walls.map(|wall| (1.0 / wall.image_m[0]).hypot(1.0 / wall.image_m[1]));
     if (shapes[0] / shapes[1]).ln().abs() > MOST_SIGMAS * tape_error_m * shares[0].hypot(shares[1]) {
         warnings.push(ManualWarning::ShapesDiffer(shapes[0], shapes[1]));
     }
@@ -166,7 +166,7 @@ fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, s
     for axis in Axis::ALL {
         let index = axis.index();
         let side_px = f64::from(size_px[index]);
-        let sides_m = walls.map(|wall| wall.picture_m[index]);
+        let sides_m = walls.map(|wall| wall.image_m[index]);
         let shares = [first_axis[index] / sides_m[0], second_axis[index] / sides_m[1]];
         let errors = [0, 1].map(|wall| tape_error_m / sides_m[wall] * 1.0_f64.hypot(shares[wall]));
         if (shares[0] - shares[1]).abs() > MOST_SIGMAS * errors[0].hypot(errors[1]) {

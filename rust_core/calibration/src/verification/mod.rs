@@ -2,7 +2,7 @@
 //!
 //! 1. [`VerificationPlan::new`] chooses targets on surfaces with steady depth that the projector lights unoccluded:
 //!    spots all over, and outlines along the edges of the depth image.
-//! 2. [`VerificationPlan::pictures`] are the images to project, by the projector's file.
+//! 2. [`VerificationPlan::images`] are the images to project, by the projector's file.
 //! 3. [`VerificationPlan::measure`] finds the light in the camera's images. The surface gives the lit point, and the
 //!    file the projector pixel that should have lit it: its distance from the pixel that did is the error.
 //!
@@ -132,17 +132,17 @@ impl VerificationPlan {
     }
 
     /// Images to project one after the other: grey levels, row by row. The last one has the outlines, the others spots.
-    pub fn pictures(&self) -> Vec<Vec<u8>> {
+    pub fn images(&self) -> Vec<Vec<u8>> {
         let size_px = self.projector.lens.size_px;
-        let spots = spots::pictures(&self.spots, size_px);
-        spots.into_iter().chain([self.outlines.picture(size_px)]).map(|drawing| drawing.levels).collect()
+        let spots = spots::images(&self.spots, size_px);
+        spots.into_iter().chain([self.outlines.image(size_px)]).map(|drawing| drawing.levels).collect()
     }
 
     /// Spots and outlines in one image, for people.
     pub fn overview(&self) -> Vec<u8> {
         let size_px = self.projector.lens.size_px;
-        let mut all: Drawing = self.outlines.picture(size_px);
-        spots::pictures(&self.spots, size_px).iter().for_each(|drawing| all.add(drawing));
+        let mut all: Drawing = self.outlines.image(size_px);
+        spots::images(&self.spots, size_px).iter().for_each(|drawing| all.add(drawing));
         all.levels
     }
 
@@ -151,7 +151,7 @@ impl VerificationPlan {
         [self.spots.len(), self.outlines.places.len()]
     }
 
-    /// Measures the errors from the camera's images of [`Self::pictures`], in their order: grey levels, row by row.
+    /// Measures the errors from the camera's images of [`Self::images`], in their order: grey levels, row by row.
     ///
     /// # Errors
     /// [`VerificationProblem::FewSeen`].

@@ -93,7 +93,7 @@ impl Outlines {
         Self { width, pixels, places }
     }
 
-    pub(super) fn picture(&self, size_px: [u32; 2]) -> Drawing {
+    pub(super) fn image(&self, size_px: [u32; 2]) -> Drawing {
         let mut drawing = Drawing::black(size_px);
         for (index, own) in self.pixels.iter().enumerate() {
             let Some(own) = own else { continue };

@@ -122,12 +122,12 @@ impl PoseRefinement {
     }
 
     /// At most eight images to project one after the other: grey levels, row by row.
-    pub fn pictures(&self) -> Vec<Vec<u8>> {
-        let drawings = spots::pictures(&self.spots, self.projector.lens.size_px);
+    pub fn images(&self) -> Vec<Vec<u8>> {
+        let drawings = spots::images(&self.spots, self.projector.lens.size_px);
         drawings.into_iter().map(|drawing| drawing.levels).collect()
     }
 
-    /// Solves for the pose from the camera's images of [`Self::pictures`], in their order: grey levels, row by row, and
+    /// Solves for the pose from the camera's images of [`Self::images`], in their order: grey levels, row by row, and
     /// depths as in [`VerificationScene::depth_m`].
     ///
     /// # Errors

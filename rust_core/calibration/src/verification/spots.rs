@@ -120,15 +120,15 @@ fn code(spots: usize) -> (usize, Vec<u16>) {
 }
 
 /// Images that identify spots.
-pub(super) fn pictures(spots: &[Spot], size_px: [u32; 2]) -> Vec<Drawing> {
+pub(super) fn images(spots: &[Spot], size_px: [u32; 2]) -> Vec<Drawing> {
     let (images, words) = code(spots.len());
-    let mut pictures = vec![Drawing::black(size_px); images];
+    let mut images = vec![Drawing::black(size_px); images];
     for (spot, word) in spots.iter().zip(words) {
-        for (_, picture) in pictures.iter_mut().enumerate().filter(|(image, _)| word >> image & 1 == 1) {
-            picture.disc(spot.pixel, spot.radius_px);
+        for (_, image) in images.iter_mut().enumerate().filter(|(image, _)| word >> image & 1 == 1) {
+            image.disc(spot.pixel, spot.radius_px);
         }
     }
-    pictures
+    images
 }
 
 /// Light of a spot in the camera's images.
@@ -140,7 +140,7 @@ pub(super) struct SpotLight {
     pub(super) in_images: Vec<(usize, Point2<f64>)>,
 }
 
-/// Detects each spot in the camera's images of [`pictures`].
+/// Detects each spot in the camera's images of [`images`].
 pub(super) fn find(spots: &[Spot], images: &[Shares]) -> Vec<Option<SpotLight>> {
     let (count, words) = code(spots.len());
     let Some(first) = images.first().filter(|_| images.len() >= count) else { return vec![None; spots.len()] };

@@ -1,7 +1,7 @@
 //! Warp of eight pixels at once.
 //!
 //! The source pixels around a run's places are mostly consecutive: then the eight upper left neighbours are in a row,
-//! and so are the three other ones. A lens that stretches or turns its picture breaks that order now and then, by
+//! and so are the three other ones. A lens that stretches or turns its image breaks that order now and then, by
 //! skipping or repeating a source pixel or changing the row. Each order is then loaded as if it were that of the whole
 //! run, and each pixel selects its own.
 //!

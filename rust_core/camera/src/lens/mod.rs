@@ -11,21 +11,21 @@ mod tests;
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Level};
 use rayon::prelude::*;
-use rcs_scene::{DepthPicture, Encoding, MapRun, Picture, PixelMap};
+use rcs_scene::{DepthImage, Encoding, Image, MapRun, PixelMap};
 
 /// Rows that a thread takes at once.
 const ROWS: usize = 16;
 
-/// Warps `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between pixels are interpolated; pixels
+/// Warps `drawn`, an [`Encoding::Rgba8`] image of the map's source. Colours between pixels are interpolated; pixels
 /// without a place have the background's colour.
-pub fn see_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, picture: &mut Picture) {
+pub fn see_through(map: &PixelMap, drawn: &Image, background: [u8; 3], encoding: Encoding, image: &mut Image) {
     let [width, height] = map.size_px();
-    picture.reset(width, height, encoding);
-    write_through(map, drawn, background, encoding, &mut picture.data);
+    image.reset(width, height, encoding);
+    write_through(map, drawn, background, encoding, &mut image.data);
 }
 
 /// [`see_through`] into borrowed bytes: rows from the top, without padding. Surplus rows are left out.
-pub fn write_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, to: &mut [u8]) {
+pub fn write_through(map: &PixelMap, drawn: &Image, background: [u8; 3], encoding: Encoding, to: &mut [u8]) {
     let width = map.size_px()[0] as usize;
     let step = (width * encoding.bytes_per_pixel()).max(1);
     let [r, g, b] = background;
@@ -43,14 +43,14 @@ pub fn write_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encod
 }
 
 /// Warps depths: each pixel has that of the nearest one, because a depth between two is on no surface.
-pub fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
+pub fn see_depth_through(map: &PixelMap, drawn: &DepthImage, depth: &mut DepthImage) {
     let [width, height] = map.size_px();
     depth.reset(width, height);
     write_depth_through(map, drawn, &mut depth.depths_m);
 }
 
 /// [`see_depth_through`] into borrowed depths. Surplus rows are left out.
-pub fn write_depth_through(map: &PixelMap, drawn: &DepthPicture, to: &mut [f32]) {
+pub fn write_depth_through(map: &PixelMap, drawn: &DepthImage, to: &mut [f32]) {
     let rows = to.par_chunks_mut((map.size_px()[0] as usize).max(1)).enumerate();
     rows.for_each(|(row, pixels)| {
         pixels.fill(f32::NAN);
@@ -77,7 +77,7 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    fn new(drawn: &'a Picture) -> Self {
+    fn new(drawn: &'a Image) -> Self {
         let below = drawn.data.get(drawn.step()..).unwrap_or(&[]);
         Self { bytes: &drawn.data, below, width: drawn.width_px as i32 }
     }

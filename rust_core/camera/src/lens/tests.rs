@@ -1,22 +1,22 @@
-//! Warped pictures, and equality of all ways of computing them.
+//! Warped images, and equality of all ways of computing them.
 
 use proptest::prelude::*;
 
 use super::*;
 use crate::simd_levels::levels;
 
-fn drawn(width_px: u32, height_px: u32, color: impl Fn(u32, u32) -> [u8; 4]) -> Picture {
-    let mut picture = Picture::default();
-    picture.reset(width_px, height_px, Encoding::Rgba8);
+fn drawn(width_px: u32, height_px: u32, color: impl Fn(u32, u32) -> [u8; 4]) -> Image {
+    let mut image = Image::default();
+    image.reset(width_px, height_px, Encoding::Rgba8);
     let pixels = (0..height_px).flat_map(|y| (0..width_px).map(move |x| (x, y)));
-    picture.data = pixels.flat_map(|(x, y)| color(x, y)).collect();
-    picture
+    image.data = pixels.flat_map(|(x, y)| color(x, y)).collect();
+    image
 }
 
-fn seen(map: &PixelMap, drawn: &Picture, encoding: Encoding) -> Picture {
-    let mut picture = Picture::default();
-    see_through(map, drawn, [1, 2, 3], encoding, &mut picture);
-    picture
+fn seen(map: &PixelMap, drawn: &Image, encoding: Encoding) -> Image {
+    let mut image = Image::default();
+    see_through(map, drawn, [1, 2, 3], encoding, &mut image);
+    image
 }
 
 #[test]
@@ -24,9 +24,9 @@ fn colours_between_pixels_are_interpolated() {
     let map = PixelMap::new([20, 10], |[u, v]| Some([u + 0.25, v + 0.5])).unwrap();
     let [width, height] = map.source_size_px();
     let source = drawn(width, height, |x, y| [(4 * x) as u8, (10 * y) as u8, 200, 255]);
-    let picture = seen(&map, &source, Encoding::Rgb8);
+    let image = seen(&map, &source, Encoding::Rgb8);
     let [left, top] = map.source_origin_px();
-    for (at, pixel) in picture.data.as_chunks::<3>().0.iter().enumerate() {
+    for (at, pixel) in image.data.as_chunks::<3>().0.iter().enumerate() {
         let (x, y) = ((at % 20) as i32 - left, (at / 20) as i32 - top);
         assert_eq!(*pixel, [(4 * x + 1) as u8, (10 * y + 5) as u8, 200]);
     }
@@ -36,12 +36,12 @@ fn colours_between_pixels_are_interpolated() {
 fn depths_are_those_of_the_nearest_pixel_and_never_between_two() {
     let map = PixelMap::new([20, 10], |[u, v]| (u < 15.0).then_some([u + 0.4, v + 0.6])).unwrap();
     let [width, height] = map.source_size_px();
-    let mut drawn = DepthPicture::default();
+    let mut drawn = DepthImage::default();
     drawn.reset(width, height);
     for (at, depth) in (0..).zip(&mut drawn.depths_m) {
         *depth = if (at % width + at / width) % 2 == 0 { 1.0 } else { 9.0 };
     }
-    let mut seen = DepthPicture::default();
+    let mut seen = DepthImage::default();
     see_depth_through(&map, &drawn, &mut seen);
     let [left, top] = map.source_origin_px();
     for (at, depth) in seen.depths_m.iter().enumerate() {
@@ -60,13 +60,13 @@ fn an_even_surface_keeps_its_colour_and_the_rest_is_background() {
     let [width, height] = map.source_size_px();
     let source = drawn(width, height, |_, _| [10, 255, 99, 255]);
     for encoding in Encoding::ALL {
-        let picture = seen(&map, &source, encoding);
-        assert_eq!((picture.width_px, picture.height_px), (33, 21));
+        let image = seen(&map, &source, encoding);
+        assert_eq!((image.width_px, image.height_px), (33, 21));
         let cell = encoding.bytes_per_pixel();
         let mut colors = [vec![0; cell], vec![0; cell]];
         encoding.write_row(&[[10, 255, 99, 255]], &mut colors[0]);
         encoding.write_row(&[[1, 2, 3, 255]], &mut colors[1]);
-        for (at, pixel) in picture.data.chunks(cell).enumerate() {
+        for (at, pixel) in image.data.chunks(cell).enumerate() {
             assert_eq!(pixel, colors[usize::from(at % 33 >= 12)], "{encoding:?}, {at}");
         }
     }
@@ -98,7 +98,7 @@ proptest! {
 
     #[test]
     fn eight_pixels_at_once_are_as_one_by_one(runs in proptest::collection::vec(runs(), 20), data in sources()) {
-        let drawn = Picture { width_px: 40, height_px: 24, encoding: Encoding::Rgba8, data };
+        let drawn = Image { width_px: 40, height_px: 24, encoding: Encoding::Rgba8, data };
         let source = Source::new(&drawn);
         for run in runs {
             let mut singly = [[0; 4]; MapRun::PIXELS];
@@ -119,9 +119,9 @@ fn the_first_and_the_last_pixels_of_the_source_are_seen() {
     let map = PixelMap::new([19, 5], |[u, v]| Some([u * 0.6, v * 0.9 + 0.25])).unwrap();
     let [width, height] = map.source_size_px();
     let source = drawn(width, height, |x, y| [(10 * x) as u8, (20 * y) as u8, 0, 255]);
-    let picture = seen(&map, &source, Encoding::Rgba8);
+    let image = seen(&map, &source, Encoding::Rgba8);
     let [left, top] = map.source_origin_px().map(f64::from);
-    for (at, pixel) in picture.data.as_chunks::<4>().0.iter().enumerate() {
+    for (at, pixel) in image.data.as_chunks::<4>().0.iter().enumerate() {
         let (u, v) = ((at % 19) as f64, (at / 19) as f64);
         let expected = [10.0 * (u * 0.6 - left), 20.0 * (v * 0.9 + 0.25 - top)];
         for (level, expected) in pixel.iter().zip(expected) {

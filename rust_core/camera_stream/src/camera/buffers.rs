@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rcs_scene::{DepthPicture, Picture};
+use rcs_scene::{DepthImage, Image};
 
 use super::frame::{FinishedFrame, FrameSpec};
 
@@ -14,9 +14,9 @@ pub(super) struct FrameBuffers {
     /// `true` if settings have changed since, during a pause.
     pub(super) is_outdated: bool,
     /// The image before it, which is drawn into again unless an output still holds it.
-    pub(super) back: Option<Arc<Picture>>,
+    pub(super) back: Option<Arc<Image>>,
     /// The depths that it was checked by, which are drawn into again.
-    pub(super) back_objects: DepthPicture,
+    pub(super) back_objects: DepthImage,
     /// The size for which the renderer keeps memory.
     pub(super) drawn_px: Option<[u32; 2]>,
 }
@@ -29,7 +29,7 @@ impl FrameBuffers {
     /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
     pub(super) fn retire_front(&mut self, next_px: [u32; 2]) {
         let count = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let is_similar = |back: &Arc<Picture>| count([back.width_px, back.height_px]) <= 4 * count(next_px);
+        let is_similar = |back: &Arc<Image>| count([back.width_px, back.height_px]) <= 4 * count(next_px);
         self.back = self.front.take().map(|last| last.image.into_memory()).filter(is_similar);
     }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   idle ──► DueFrame ──submit──► FrameInFlight ──finish──► FinishedFrame ──► outputs ──► idle
-//!            (CameraOutput::poll)                           (CameraOutput::publish)
+//!            (CameraPublisher::poll)                        (CameraPublisher::publish)
 //! ```
 
 use std::sync::Arc;
@@ -12,17 +12,17 @@ use rcs_displays::CameraView;
 use rcs_light::{Content, DarkReason, Evidence, Grant};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_render::{DepthRequest, Depths, Finished, Orientation, RenderError, Renderer, View};
-use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
+use rcs_scene::{Camera, DepthImage, DisplayId, DisplayMask, Image, Scene};
 use rcs_transforms::Time;
 
 use super::light_check::CheckedLight;
 use crate::control::pattern::Pattern;
 use crate::control::OperatorSettings;
-use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::outputs::depth_image::{DepthEncoding, EncodedDepths};
 use crate::outputs::FrameImage;
 use crate::safety::surface::SurfaceCheck;
 use crate::scene::renderer_view;
-use rcs_window::test_pictures::TestPicture;
+use rcs_window::test_images::TestImage;
 
 /// The content of a frame.
 #[derive(Clone, PartialEq)]
@@ -33,15 +33,15 @@ pub(crate) enum FrameContent {
     Black { size_px: [u32; 2], dark: DarkReason },
     /// A line of text on black that says why.
     Note { size_px: [u32; 2], dark: DarkReason },
-    /// A test picture or a pattern.
-    Test { size_px: [u32; 2], test: TestImage },
+    /// A test image or a pattern.
+    Test { size_px: [u32; 2], test: TestContent },
 }
 
 /// An image that stands on the projector as it is.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum TestImage {
-    /// A test picture of the operator.
-    Picture(TestPicture),
+pub(crate) enum TestContent {
+    /// A test image of the operator.
+    Image(TestImage),
     /// A pattern of a calibration.
     Pattern(Arc<Pattern>),
 }
@@ -71,7 +71,7 @@ pub(crate) struct DueFrame {
     /// The encoding of its depths, if somebody subscribes to them.
     pub(crate) depth: Option<DepthEncoding>,
     /// What its light is checked against, and memory for the depths of what it lights.
-    pub(crate) check: Option<(SurfaceCheck, DepthPicture)>,
+    pub(crate) check: Option<(SurfaceCheck, DepthImage)>,
     /// `true` if the image before post-processing is needed, too: a pause may keep it below newer masks.
     pub(crate) keeps_drawn: bool,
     /// Time of the decision to draw it.
@@ -83,7 +83,7 @@ pub(crate) struct FrameInFlight {
     spec: FrameSpec,
     camera: Arc<Camera>,
     depth: Option<DepthEncoding>,
-    check: Option<(SurfaceCheck, DepthPicture)>,
+    check: Option<(SurfaceCheck, DepthImage)>,
     keeps_drawn: bool,
     begun: Instant,
 }
@@ -92,9 +92,9 @@ pub(crate) struct FrameInFlight {
 pub(crate) struct FinishedFrame {
     pub(crate) spec: FrameSpec,
     pub(crate) image: FrameImage,
-    pub(crate) depth: Option<Arc<DepthImage>>,
+    pub(crate) depth: Option<Arc<EncodedDepths>>,
     /// The image before post-processing, where it is needed.
-    pub(crate) drawn: Option<Arc<Picture>>,
+    pub(crate) drawn: Option<Arc<Image>>,
     /// Its light, where that must be confirmed, for the camera.
     pub(crate) checked: Option<CheckedLight>,
     /// Time of the decision to draw it; `None` for a black frame.
@@ -108,11 +108,11 @@ pub(crate) struct FinishedFrame {
 pub(crate) struct SharedBuffers {
     pub(crate) depths: Depths,
     /// Scratch buffer of post-processing.
-    turned: Picture,
+    turned: Image,
 }
 
 impl FrameContent {
-    /// `true` if one of the two shows something that is stale in the other, or another test picture.
+    /// `true` if one of the two shows something that is stale in the other, or another test image.
     pub(crate) fn differs_in_staleness(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Test { test: own, .. }, Self::Test { test, .. }) => own != test,
@@ -182,7 +182,7 @@ impl DueFrame {
 }
 
 impl FrameInFlight {
-    /// Waits for the renderer and post-processes the image; it is drawn into `picture`. `None` if the renderer has lost
+    /// Waits for the renderer and post-processes the image; it is drawn into `image`. `None` if the renderer has lost
     /// the frame, or nothing of it may be lit. Frames are finished in the order in which they were submitted.
     ///
     /// # Errors
@@ -190,11 +190,11 @@ impl FrameInFlight {
     pub(crate) fn finish(
         mut self,
         renderer: &mut dyn Renderer,
-        mut picture: Picture,
+        mut image: Image,
         buffers: &mut SharedBuffers,
     ) -> Result<Option<FinishedFrame>, RenderError> {
-        let Finished::Drawn = renderer.finish_with_depths(&mut picture, &mut buffers.depths)? else { return Ok(None) };
-        let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
+        let Finished::Drawn = renderer.finish_with_depths(&mut image, &mut buffers.depths)? else { return Ok(None) };
+        let drawn = self.keeps_drawn.then(|| Arc::new(image.clone()));
         let checked = self.check.map(|(surface, memory)| {
             let objects = std::mem::replace(&mut buffers.depths.objects, memory);
             CheckedLight::new(objects, self.camera, &surface)
@@ -204,8 +204,9 @@ impl FrameInFlight {
             grant = grant.confirm(checked.mask());
         }
         self.spec.grant = Some(grant.clone());
-        let depth = self.depth.map(|encoding| DepthImage::new(&buffers.depths.opaque, encoding, self.spec.orientation));
-        let Some(lit) = grant.light(picture, &mut buffers.turned) else { return Ok(None) };
+        let depth =
+            self.depth.map(|encoding| EncodedDepths::new(&buffers.depths.opaque, encoding, self.spec.orientation));
+        let Some(lit) = grant.light(image, &mut buffers.turned) else { return Ok(None) };
         let (image, depth, begun) = (FrameImage::lit(lit), depth.map(Arc::new), Some(self.begun));
         Ok(Some(FinishedFrame { spec: self.spec, image, depth, drawn, checked, begun, is_published: false }))
     }
@@ -233,7 +234,7 @@ impl FinishedFrame {
         let content = match &self.spec.content {
             FrameContent::Scene { .. } => Content::Scene,
             // A pattern's end is its own.
-            FrameContent::Test { test: TestImage::Pattern(_), .. } | FrameContent::Black { .. } => return Ok(()),
+            FrameContent::Test { test: TestContent::Pattern(_), .. } | FrameContent::Black { .. } => return Ok(()),
             FrameContent::Test { .. } => Content::Test,
             FrameContent::Note { .. } => Content::Note,
         };

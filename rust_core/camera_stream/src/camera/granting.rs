@@ -5,18 +5,18 @@ use std::time::Instant;
 
 use rcs_light::{Content, DarkCause, DarkReason, Grant};
 
-use super::frame::{FrameContent, FrameSpec, TestImage};
-use super::output::CameraOutput;
+use super::frame::{FrameContent, FrameSpec, TestContent};
+use super::output::CameraPublisher;
 use super::substitute;
 use crate::control::OperatorSettings;
 
-impl CameraOutput {
+impl CameraPublisher {
     /// Why its scene is dark now.
     pub(super) fn dark_reason(&self, operator: &OperatorSettings) -> Option<DarkReason> {
         operator.light.clone().err().or_else(|| self.light.evidence.dark_reason(Instant::now()))
     }
 
-    /// The grant of the scene, or the content in its place with its grant: a test picture or pattern where the operator
+    /// The grant of the scene, or the content in its place with its grant: a test image or pattern where the operator
     /// wants one, else black for a reason. `place` is the size before turning, and the optical frame.
     pub(super) fn grant_scene(
         &self,
@@ -30,8 +30,8 @@ impl CameraOutput {
         };
         let turned_px = self.orientation().size_px(size_px);
         let pattern = operator.pattern.as_ref().filter(|pattern| pattern.fits(frame_id, turned_px));
-        let pattern = pattern.map(|pattern| TestImage::Pattern(Arc::clone(pattern)));
-        if let Some(test) = pattern.or(operator.test_picture.map(TestImage::Picture)) {
+        let pattern = pattern.map(|pattern| TestContent::Pattern(Arc::clone(pattern)));
+        if let Some(test) = pattern.or(operator.test_image.map(TestContent::Image)) {
             match decide(Content::Test) {
                 Ok(grant) if grant.is_unconfirmed() => {
                     let dark =

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use rcs_light::DarkCause;
-use rcs_window::ScreenPicture;
+use rcs_window::ScreenImage;
 
 use super::frame::FrameContent;
-use super::output::CameraOutput;
+use super::output::CameraPublisher;
 
-impl CameraOutput {
+impl CameraPublisher {
     /// Why the camera is not dark only because there is nothing to show; `None` if it is.
     pub(crate) fn why_busy(&self) -> Option<String> {
         let operator = self.operator();
@@ -25,8 +25,8 @@ impl CameraOutput {
                 (dark.cause != DarkCause::Displays).then(|| dark.why.clone())
             }
             FrameContent::Scene { .. } => {
-                let picture = last.image.picture(Instant::now());
-                let is_black = ScreenPicture::from_picture(&picture).is_ok_and(|picture| picture.is_black());
+                let image = last.image.content(Instant::now());
+                let is_black = ScreenImage::from_image(&image).is_ok_and(|image| image.is_black());
                 (!is_black).then(|| "the scene is shown".to_owned())
             }
         }

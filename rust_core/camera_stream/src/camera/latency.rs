@@ -12,7 +12,7 @@
 
 use std::time::{Duration, Instant};
 
-use rcs_camera::{figure, RollingWindow, StepTimes, PICTURES};
+use rcs_camera::{figure, RollingWindow, StepTimes, IMAGES};
 use rcs_displays::ShownMessage;
 use rcs_scene::{DisplayId, DisplayMask};
 use rcs_transforms::Time;
@@ -35,9 +35,9 @@ pub(crate) struct Latency {
     transforms: Option<MessageTimes>,
     /// From received to decoded, to drawn, to published.
     steps: StepTimes<3>,
-    age_ms: RollingWindow<PICTURES>,
+    age_ms: RollingWindow<IMAGES>,
     /// From looking up frames to publishing, of predicted images; milliseconds of ROS time.
-    lookup_to_publish_ms: RollingWindow<PICTURES>,
+    lookup_to_publish_ms: RollingWindow<IMAGES>,
 }
 
 /// The news of an update of the scene.
@@ -105,10 +105,10 @@ impl Latency {
 
     /// The figures with their names.
     pub(crate) fn values(&self) -> [(&'static str, String); 6] {
-        let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
+        let text = |window: &RollingWindow<IMAGES>| figure(window.percentiles());
         let [to_decoded, to_drawn, to_published] = self.steps.steps_ms();
         [
-            ("frames measured", self.steps.pictures().to_string()),
+            ("frames measured", self.steps.images().to_string()),
             ("received to decoded ms (median / p95)", text(to_decoded)),
             ("decoded to drawn ms (median / p95)", text(to_drawn)),
             ("drawn to published ms (median / p95)", text(to_published)),
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_without_new_messages_and_hidden_displays_are_not_measured() {
+    fn images_without_new_messages_and_hidden_displays_are_not_measured() {
         let mut bench = Bench::new();
         bench.publish(1, 2);
         bench.show(9, 0, 1, 10);

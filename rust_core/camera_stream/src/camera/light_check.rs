@@ -8,14 +8,14 @@ use std::sync::Arc;
 use rcs_confirm::{Confirmation, Shares};
 use rcs_light::{Content, Grant};
 use rcs_render::LightMask;
-use rcs_scene::{Camera, DepthPicture};
+use rcs_scene::{Camera, DepthImage};
 
 use crate::safety::surface::SurfaceCheck;
 
 /// Depths that a frame lights, with the mask of the surface that they were compared with.
 pub(crate) struct CheckedLight {
     /// Depths of what the listed displays light.
-    objects: DepthPicture,
+    objects: DepthImage,
     /// The camera that they were drawn with.
     camera: Arc<Camera>,
     /// The depth image that it was compared with.
@@ -26,7 +26,7 @@ pub(crate) struct CheckedLight {
 
 impl CheckedLight {
     /// Compares the depths of what an image lights with the surface.
-    pub(super) fn new(objects: DepthPicture, camera: Arc<Camera>, surface: &SurfaceCheck) -> Self {
+    pub(super) fn new(objects: DepthImage, camera: Arc<Camera>, surface: &SurfaceCheck) -> Self {
         let Confirmation { mask, shares } = surface.confirm(&objects);
         Self { objects, camera, version: surface.version, mask, shares }
     }
@@ -37,7 +37,7 @@ impl CheckedLight {
     }
 
     /// The memory of the depths, for the next frame.
-    pub(super) fn into_memory(self) -> DepthPicture {
+    pub(super) fn into_memory(self) -> DepthImage {
         self.objects
     }
 }
@@ -52,7 +52,7 @@ pub(super) struct LastCheck {
 
 impl LastCheck {
     /// Takes the check of a new frame. Returns the depths of the one before, for their memory.
-    pub(super) fn set(&mut self, checked: CheckedLight) -> DepthPicture {
+    pub(super) fn set(&mut self, checked: CheckedLight) -> DepthImage {
         self.has_moved = false;
         self.checked.replace(checked).map(CheckedLight::into_memory).unwrap_or_default()
     }

@@ -26,7 +26,7 @@ use rcs_messages::std_msgs::Header;
 use rcs_render::Orientation;
 use rcs_ros::settings::NamedValues;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_scene::{DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
+use rcs_scene::{DepthImage, DisplayId, DisplayMask, Image, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
 
@@ -43,7 +43,7 @@ use super::runtime_settings::RuntimeSettings;
 use super::substitute;
 use super::timing::FrameTiming;
 use crate::control::{Control, OperatorSettings};
-use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::outputs::depth_image::{DepthEncoding, EncodedDepths};
 use crate::outputs::shown::{self, ShownRecord};
 use crate::outputs::{FrameImage, Output, OutputFrame, TopicOutput, WindowOutput};
 use crate::safety::{self, CameraLight};
@@ -61,7 +61,7 @@ pub(crate) struct CameraContext {
 }
 
 /// A camera with its outputs and its trigger service.
-pub(crate) struct CameraOutput {
+pub(crate) struct CameraPublisher {
     context: Arc<CameraContext>,
     pub(super) settings: RuntimeSettings,
     pub(super) connections: CameraConnections,
@@ -94,14 +94,14 @@ impl Epoch {
 }
 
 /// The cameras' names, for the log.
-pub(crate) fn names(cameras: &[CameraOutput]) -> String {
+pub(crate) fn names(cameras: &[CameraPublisher]) -> String {
     match cameras {
         [] => "no camera".to_owned(),
         cameras => cameras.iter().map(|camera| camera.view().name.as_str()).collect::<Vec<_>>().join(", "),
     }
 }
 
-impl CameraOutput {
+impl CameraPublisher {
     /// A camera without connections; [`Self::apply`] gives it those.
     pub(super) fn new(context: &Arc<CameraContext>, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
         let is_black = context.control.of_camera(plan.name()).is_switched_off;
@@ -405,14 +405,14 @@ impl CameraOutput {
         Ok(None)
     }
 
-    /// Publishes a black frame or a test picture if one is due, because there is no camera and the last frame must not
+    /// Publishes a black frame or a test image if one is due, because there is no camera and the last frame must not
     /// pass for a current one. Without a CameraInfo and a frame before it, no size is known.
     fn publish_without_camera(&mut self, info: Option<&Arc<CameraInfo>>, operator: &OperatorSettings) -> Result<()> {
         let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
         let last = self.buffers.last();
         let size_of_info = info.map(|info| [info.width, info.height]).filter(is_possible);
         let size_px = size_of_info.or_else(|| last.map(|last| last.content.size_px()));
-        // A test picture before there is a CameraInfo is for the window's monitor.
+        // A test image before there is a CameraInfo is for the window's monitor.
         let monitor_px = || Some(self.orientation().size_px(self.connections.outputs.window.as_ref()?.monitor_px()?));
         let Some(size_px) = size_px.or_else(monitor_px) else { return Ok(()) };
         let info = info.or(last.map(|last| &last.info)).cloned().unwrap_or_default();
@@ -439,7 +439,7 @@ impl CameraOutput {
         let Some(mut last) = self.buffers.front.take() else { return Ok(()) };
         let drawn = last.drawn.as_ref().filter(|_| !last.spec.has_light_of(&spec));
         if let (Some(drawn), Some(grant)) = (drawn, spec.grant.clone()) {
-            let Some(lit) = grant.light(Picture::clone(drawn), &mut Picture::default()) else { return Ok(()) };
+            let Some(lit) = grant.light(Image::clone(drawn), &mut Image::default()) else { return Ok(()) };
             last.image = FrameImage::lit(lit);
         }
         last.renew(spec.grant.as_ref());
@@ -459,10 +459,10 @@ impl CameraOutput {
     }
 
     /// Depths where nothing is drawn.
-    fn nowhere(&self, spec: &FrameSpec) -> Arc<DepthImage> {
-        let ([width_px, height_px], mut nowhere) = (spec.content.size_px(), DepthPicture::default());
+    fn nowhere(&self, spec: &FrameSpec) -> Arc<EncodedDepths> {
+        let ([width_px, height_px], mut nowhere) = (spec.content.size_px(), DepthImage::default());
         nowhere.reset(width_px, height_px);
-        Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.orientation))
+        Arc::new(EncodedDepths::new(&nowhere, self.context.depth_encoding, spec.orientation))
     }
 
     /// `true` if somebody subscribed since the last call and is to get an image at once.
@@ -496,7 +496,7 @@ impl CameraOutput {
     }
 
     /// Memory for the frame that the renderer is about to finish.
-    pub(crate) fn take_back_buffer(&mut self) -> Picture {
+    pub(crate) fn take_back_buffer(&mut self) -> Image {
         self.buffers.back.take().and_then(|back| Arc::try_unwrap(back).ok()).unwrap_or_default()
     }
 

@@ -48,12 +48,12 @@ mod tests {
 
     /// The result of a simulation.
     struct Outcome {
-        /// The mean age of the newest data in a picture when the screen shows it first.
+        /// The mean age of the newest data in an image when the screen shows it first.
         age_ms: f64,
-        pictures: usize,
+        images: usize,
     }
 
-    /// A screen of 59.8 Hz, data at a rate, pictures at most at another rate that take 9 ms or a little more or less,
+    /// A screen of 59.8 Hz, data at a rate, images at most at another rate that take 9 ms or a little more or less,
     /// for a minute on a simulated clock.
     fn simulate(data_hz: f64, most_hz: f64, is_paced: bool) -> Outcome {
         let start = Instant::now();
@@ -63,9 +63,9 @@ mod tests {
         let arrival = |number: u32| start + Duration::from_secs_f64(f64::from(number) / data_hz);
         let took = |number: usize| Duration::from_micros(8_800 + 37 * (number as u64 * 7919 % 11));
         let (mut pacing, mut now, mut newest, mut shown) = (Pacing::default(), arrival(1), 0, 0);
-        // By refresh, the age of the data of the last picture before it.
+        // By refresh, the age of the data of the last image before it.
         let mut ages: Vec<(Instant, Duration)> = Vec::new();
-        let mut pictures = 0;
+        let mut images = 0;
         while now < end {
             while arrival(newest + 1) <= now {
                 newest += 1;
@@ -87,32 +87,32 @@ mod tests {
             }
             shown = newest;
             limit.take(now);
-            pacing.record(took(pictures));
-            now += took(pictures);
-            pictures += 1;
+            pacing.record(took(images));
+            now += took(images);
+            images += 1;
             // The window and the server need two milliseconds more.
             let at = refresh.next(now + Duration::from_millis(2));
             ages.retain(|(last, _)| *last != at);
             ages.push((at, at - arrival(shown)));
         }
         let sum: f64 = ages.iter().map(|(_, age)| age.as_secs_f64() * 1e3).sum();
-        Outcome { age_ms: sum / ages.len() as f64, pictures }
+        Outcome { age_ms: sum / ages.len() as f64, images }
     }
 
     #[test]
-    fn data_are_younger_at_the_refresh_and_no_picture_is_lost() {
+    fn data_are_younger_at_the_refresh_and_no_image_is_lost() {
         for (data_hz, least_gain_ms) in [(29.7, -0.3), (50.0, 2.0), (97.0, 4.0), (180.0, 3.0), (500.0, 4.0)] {
             let (plain, paced) = (simulate(data_hz, 30.0, false), simulate(data_hz, 30.0, true));
             let gain_ms = plain.age_ms - paced.age_ms;
             println!("{data_hz} Hz: {:.1} ms at once, {:.1} ms paced", plain.age_ms, paced.age_ms);
-            println!("{} pictures, {} pictures", plain.pictures, paced.pictures);
+            println!("{} pictures, {} pictures", plain.images, paced.images);
             assert!(gain_ms >= least_gain_ms, "{data_hz} Hz: {gain_ms}");
-            assert!(paced.pictures + 3 >= plain.pictures, "{} {}", paced.pictures, plain.pictures);
+            assert!(paced.images + 3 >= plain.images, "{} {}", paced.images, plain.images);
         }
     }
 
     #[test]
-    fn without_a_refresh_or_a_picture_before_nothing_waits() {
+    fn without_a_refresh_or_a_image_before_nothing_waits() {
         let now = Instant::now();
         let mut pacing = Pacing::default();
         assert_eq!(pacing.wait(Refresh::new(now, REFRESH), now), None);

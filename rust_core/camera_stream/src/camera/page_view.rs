@@ -2,7 +2,7 @@
 
 use rcs_ros::ReconfigureServer;
 
-use super::output::CameraOutput;
+use super::output::CameraPublisher;
 use crate::outputs::TopicOutput;
 
 /// A camera's figures for the operator's page.
@@ -22,7 +22,7 @@ pub(crate) struct CameraFigures<'a> {
     pub(crate) dark: Option<String>,
 }
 
-impl CameraOutput {
+impl CameraPublisher {
     /// Its figures for the operator's page.
     pub(crate) fn figures(&self) -> CameraFigures<'_> {
         let last = self.buffers.front.as_ref();

@@ -6,7 +6,7 @@ use rcs_displays::SceneState;
 use rcs_rviz_config::Config;
 
 use super::connections::{take_where, CameraConnections, KeptConnections};
-use super::output::{CameraContext, CameraOutput};
+use super::output::{CameraContext, CameraPublisher};
 use super::plan::CameraPlan;
 use super::reconfigurable::{switches, Switch};
 use crate::outputs::{Outputs, PageOutput, WindowOutput};
@@ -16,13 +16,13 @@ use crate::outputs::{Outputs, PageOutput, WindowOutput};
 pub(crate) fn rearrange(
     context: &Arc<CameraContext>,
     plans: Vec<CameraPlan>,
-    mut old: Vec<CameraOutput>,
+    mut old: Vec<CameraPublisher>,
     config: &Config,
     displays: &SceneState,
     window: impl Fn(&str) -> Option<WindowOutput>,
-) -> Vec<CameraOutput> {
+) -> Vec<CameraPublisher> {
     let ros = &context.ros;
-    let mut kept = KeptConnections::new(ros, old.iter_mut().map(CameraOutput::release), &plans);
+    let mut kept = KeptConnections::new(ros, old.iter_mut().map(CameraPublisher::release), &plans);
     // Removed cameras free the names of their parameters first, as others may use them.
     old.retain(|camera| plans.iter().any(|plan| plan.id == camera.id()));
     let switches: Arc<[Switch]> = switches(config).into();
@@ -33,7 +33,7 @@ pub(crate) fn rearrange(
         let outputs = Outputs { topic: kept.topic(ros, &plan), window: window(plan.name()), page };
         let connections = CameraConnections { outputs, trigger_service };
         let known = take_where(&mut old, |camera| camera.id() == plan.id);
-        let mut camera = known.unwrap_or_else(|| CameraOutput::new(context, &plan, &switches));
+        let mut camera = known.unwrap_or_else(|| CameraPublisher::new(context, &plan, &switches));
         camera.apply(plan, connections, &switches, config.global.frame_rate_hz, displays);
         cameras.push(camera);
     }

@@ -79,7 +79,7 @@ mod tests {
              package octomap_rviz_plugins (it shows /octomap): draw it in rviz with the CameraPub plugin, or show \
              octomap_server's occupied_cells_vis_array (rviz/MarkerArray)"
         ), "{last}");
-        // It is a note, which changes no picture, where it is disabled.
+        // It is a note, which changes no image, where it is disabled.
         let config =
             rcs_rviz_config::parse(&text.replace("map, Enabled: true", "map, Enabled: false"), "a.rviz").unwrap();
         assert!(print(&config, None, &mut Vec::new()).unwrap());

@@ -1,4 +1,4 @@
-//! The operator's words: blackout, pause and test pictures, of all cameras and of each.
+//! The operator's words: blackout, pause and test images, of all cameras and of each.
 //!
 //! ```text
 //!  services, dynamic_reconfigure, keys of windows, page ─► Control ─┬─► control thread: black at once
@@ -19,7 +19,7 @@ use std::time::Instant;
 use rcs_light::{BlackoutFile, Blackouts, DarkCause, DarkReason, Generation};
 use rcs_process::lock;
 use rcs_ros::{ParameterValue, RosNode};
-use rcs_window::test_pictures::TestPicture;
+use rcs_window::test_images::TestImage;
 use rcs_window::WindowKey;
 
 use pattern::Pattern;
@@ -49,7 +49,7 @@ struct ControlledState {
     number: u64,
     /// Who has paused all cameras.
     paused: Option<String>,
-    test_picture: Option<TestPicture>,
+    test_image: Option<TestImage>,
     /// The pattern that came last.
     pattern: Option<Arc<Pattern>>,
     cameras: Vec<CameraState>,
@@ -61,7 +61,7 @@ struct ControlledState {
 struct CameraState {
     name: String,
     is_paused: bool,
-    test_picture: Option<TestPicture>,
+    test_image: Option<TestImage>,
     generation: Generation,
 }
 
@@ -74,8 +74,8 @@ pub(crate) struct OperatorSettings {
     pub(crate) is_switched_off: bool,
     /// Who has paused it.
     pub(crate) paused: Option<String>,
-    /// The test picture in place of the scene.
-    pub(crate) test_picture: Option<TestPicture>,
+    /// The test image in place of the scene.
+    pub(crate) test_image: Option<TestImage>,
     /// The pattern of a calibration in place of both, where it fits.
     pub(crate) pattern: Option<Arc<Pattern>>,
 }
@@ -87,8 +87,8 @@ pub(crate) struct ControlState {
     pub(crate) blackout: Option<String>,
     /// Who has paused all cameras.
     pub(crate) paused: Option<String>,
-    /// The test picture of all cameras, by its name.
-    pub(crate) test_picture: Option<&'static str>,
+    /// The test image of all cameras, by its name.
+    pub(crate) test_image: Option<&'static str>,
 }
 
 impl fmt::Debug for Control {
@@ -225,13 +225,13 @@ impl Control {
         });
     }
 
-    /// Shows the next test picture in all cameras, and after the last one the scene again. Returns its name.
-    pub(crate) fn next_test_picture(&self, caller: &str) -> Option<&'static str> {
+    /// Shows the next test image in all cameras, and after the last one the scene again. Returns its name.
+    pub(crate) fn next_test_image(&self, caller: &str) -> Option<&'static str> {
         self.set(|state| {
-            state.test_picture = TestPicture::after(state.test_picture);
-            state.cameras.iter_mut().for_each(|camera| camera.test_picture = None);
-            log_test("all cameras", state.test_picture, caller);
-            state.test_picture.map(TestPicture::name)
+            state.test_image = TestImage::after(state.test_image);
+            state.cameras.iter_mut().for_each(|camera| camera.test_image = None);
+            log_test("all cameras", state.test_image, caller);
+            state.test_image.map(TestImage::name)
         })
     }
 
@@ -256,8 +256,8 @@ impl Control {
             }),
             WindowKey::Character('t' | 'T') => self.set(|state| {
                 let camera = state.camera(name);
-                camera.test_picture = TestPicture::after(camera.test_picture);
-                log_test(&format!("camera {name}"), camera.test_picture, "key t");
+                camera.test_image = TestImage::after(camera.test_image);
+                log_test(&format!("camera {name}"), camera.test_image, "key t");
             }),
             _ => {}
         }
@@ -268,7 +268,7 @@ impl Control {
         let mut state = lock(&self.state);
         let all = state.blackouts.all.as_ref().map(|caller| format!("blackout by {caller}"));
         let own = state.blackouts.cameras.get(name).map(|caller| format!("blackout by {caller}, of this camera"));
-        let (paused, test_picture, is_switched_off) = (state.paused.clone(), state.test_picture, own.is_some());
+        let (paused, test_image, is_switched_off) = (state.paused.clone(), state.test_image, own.is_some());
         let pattern = state.pattern.clone().filter(|pattern| pattern.is_current(Instant::now()));
         let camera = state.camera(name);
         OperatorSettings {
@@ -278,7 +278,7 @@ impl Control {
             },
             is_switched_off,
             paused: paused.or_else(|| camera.is_paused.then(|| "key p in its window".to_owned())),
-            test_picture: camera.test_picture.or(test_picture),
+            test_image: camera.test_image.or(test_image),
             pattern,
         }
     }
@@ -287,7 +287,7 @@ impl Control {
     pub(crate) fn state(&self) -> ControlState {
         let state = lock(&self.state);
         let (blackout, paused) = (state.blackouts.all.clone(), state.paused.clone());
-        ControlState { blackout, paused, test_picture: state.test_picture.map(TestPicture::name) }
+        ControlState { blackout, paused, test_image: state.test_image.map(TestImage::name) }
     }
 
     /// Number of what was said about blackouts last. It is another one after each blackout and each release.
@@ -375,7 +375,7 @@ fn on_or_off(on: bool) -> &'static str {
     }
 }
 
-fn log_test(what: &str, test: Option<TestPicture>, caller: &str) {
+fn log_test(what: &str, test: Option<TestImage>, caller: &str) {
     match test {
         Some(test) => log::info!("{what}: test picture {} by {caller}", test.name()),
         None => log::info!("{what}: the scene again, after the last test picture, by {caller}"),

@@ -134,7 +134,7 @@ fn a_word_of_the_operator_and_a_config_void_what_was_granted_before() {
 }
 
 #[test]
-fn a_service_has_the_last_word_on_pauses_and_test_pictures_of_keys() {
+fn a_service_has_the_last_word_on_pauses_and_test_images_of_keys() {
     let folder = tempfile::tempdir().unwrap();
     let control = control(folder.path());
     control.press("Left", WindowKey::Space);
@@ -143,9 +143,9 @@ fn a_service_has_the_last_word_on_pauses_and_test_pictures_of_keys() {
     assert!(control.of_camera("Left").paused.is_none());
     control.press("Left", T);
     control.press("Left", T);
-    let shown = |name| control.of_camera(name).test_picture;
-    assert_eq!((shown("Left"), shown("Right")), (Some(TestPicture::ALL[1]), None));
-    let names: Vec<_> = (0..=TestPicture::ALL.len()).map(|_| control.next_test_picture("/script")).collect();
+    let shown = |name| control.of_camera(name).test_image;
+    assert_eq!((shown("Left"), shown("Right")), (Some(TestImage::ALL[1]), None));
+    let names: Vec<_> = (0..=TestImage::ALL.len()).map(|_| control.next_test_image("/script")).collect();
     assert_eq!(names[..2], [Some("name"), Some("border")]);
-    assert_eq!((names[TestPicture::ALL.len()], shown("Left")), (None, None));
+    assert_eq!((names[TestImage::ALL.len()], shown("Left")), (None, None));
 }

@@ -16,7 +16,7 @@ const MAX_AGE_SECS: f64 = 1.0;
 const START_PROJECTOR: &str = "start the node projector with the projector's file, or correct camera_info_topic";
 const CORRECT_FILE: &str = "correct the projector's file, or the node that publishes it";
 
-/// The CameraInfo: there, valid, drawn as it says, and that of the picture.
+/// The CameraInfo: there, valid, drawn as it says, and that of the image.
 pub(super) fn info(look: &Look<'_>, camera: &CameraView) -> Finding {
     let name = look.name("camera_info", camera);
     match scene::camera(look.scene, camera, look.options.model) {

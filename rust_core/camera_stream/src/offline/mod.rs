@@ -19,12 +19,12 @@ use rcs_light::{Content, Evidence, Generation, LightRules};
 use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_render::{LastStep, Orientation, Renderer};
+use rcs_render::{Orientation, PostProcess, Renderer};
 use rcs_resources::PackageIndex;
-use rcs_scene::Picture;
+use rcs_scene::Image;
 use rcs_transforms::Time;
 
-use crate::outputs::{FrameImage, Output, OutputFrame, PictureFile, PictureSequence, VideoFile};
+use crate::outputs::{FrameImage, ImageFile, ImageSequence, Output, OutputFrame, VideoFile};
 use crate::projection_warning::ProjectionWarning;
 use crate::safety::names::{of_camera, ForCamera};
 use crate::scene::camera_pose::CameraProblem;
@@ -42,7 +42,7 @@ const FILE_LIMIT: Duration = Duration::from_secs(3600);
 #[derive(Clone, Debug)]
 pub enum RenderTarget {
     /// One image, by default after the bag's last message.
-    Picture {
+    Image {
         /// The PNG or JPEG file.
         file: PathBuf,
     },
@@ -96,7 +96,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     let view = choose_camera(scene.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
     // In files nothing ages, and no eyes are near.
-    let post = Arc::new(LastStep { orientation, ..LastStep::default() });
+    let post = Arc::new(PostProcess { orientation, ..PostProcess::default() });
     let evidence = Evidence::unknown(&[], LightRules::none(FILE_LIMIT), post);
     let bag = job.open()?;
     let Some(times) = BagTimes::of(&bag).with_context(|| job.name())? else {
@@ -112,7 +112,7 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     let end = EndRequest::watch_signals()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
-    let (mut picture, mut turned) = (Picture::default(), Picture::default());
+    let (mut buffer, mut turned) = (Image::default(), Image::default());
     let mut projection = ProjectionWarning::default();
     for moment in moments.iter() {
         if end.is_requested() {
@@ -132,16 +132,16 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
         };
         projection.check(scene, &view, job.model);
         let snapshot = scene.scene();
-        renderer.render(&renderer_view(&view, &snapshot, &camera), &mut picture)?;
-        let size_px = [picture.width_px, picture.height_px];
+        renderer.render(&renderer_view(&view, &snapshot, &camera), &mut buffer)?;
+        let size_px = [buffer.width_px, buffer.height_px];
         let grant = evidence.decide(Content::Scene, size_px, Ok(Generation::default()), Instant::now());
-        let lit = grant.map_err(|dark| anyhow!("{dark}"))?.light(picture, &mut turned);
+        let lit = grant.map_err(|dark| anyhow!("{dark}"))?.light(buffer, &mut turned);
         let image = FrameImage::lit(lit.context("the picture has another size than its camera")?);
         let (info, stamp) = (scene.camera_info(&view).cloned().unwrap_or_default(), ros_time(moment));
         let frame = OutputFrame { image, info, depth: None, stamp, shown: None };
         output.send(&frame)?;
         // Drawn into again, unless the output still writes it.
-        picture = Arc::try_unwrap(frame.image.into_memory()).unwrap_or_default();
+        buffer = Arc::try_unwrap(frame.image.into_memory()).unwrap_or_default();
         progress.inc(1);
     }
     output.finish()?;
@@ -169,20 +169,20 @@ impl RenderJob<'_> {
     fn moments(&self, player: &mut Player, scene: &mut SceneState, view: &CameraView) -> Result<RenderTimes> {
         let times = player.times;
         let rate_hz = match self.target {
-            RenderTarget::Picture { .. } => return self.section.single(times),
+            RenderTarget::Image { .. } => return self.section.single(times),
             RenderTarget::Sequence { rate_hz, .. } | RenderTarget::Video { rate_hz, .. } => *rate_hz,
         };
         let [first, last] = self.section.bounds(times)?;
         let whole = RenderTimes::between([first, last], rate_hz)?;
         let begin = player.play_until_camera(scene, view, self.model, [first, last]);
         let Some(begin) = begin.with_context(|| self.name())? else {
-            // The error of the first picture says what is missing.
+            // The error of the first image says what is missing.
             return Ok(whole);
         };
         if begin > first {
             let late_secs = begin.secs_since(first);
-            let is_missing_pictures = late_secs * rate_hz >= 1.0;
-            let level = if is_missing_pictures { log::Level::Info } else { log::Level::Debug };
+            let is_missing_images = late_secs * rate_hz >= 1.0;
+            let level = if is_missing_images { log::Level::Info } else { log::Level::Debug };
             log::log!(
                 level,
                 "the first picture is of {begin}: {late_secs:.3} s later the camera has its CameraInfo and pose"
@@ -212,8 +212,8 @@ impl RenderJob<'_> {
 impl RenderTarget {
     fn open(&self) -> Result<Box<dyn Output>> {
         Ok(match self {
-            Self::Picture { file } => Box::new(PictureFile::new(file)),
-            Self::Sequence { folder, overwrite, .. } => Box::new(PictureSequence::create(folder, *overwrite)?),
+            Self::Image { file } => Box::new(ImageFile::new(file)),
+            Self::Sequence { folder, overwrite, .. } => Box::new(ImageSequence::create(folder, *overwrite)?),
             Self::Video { file, rate_hz } => Box::new(VideoFile::create(file, *rate_hz)?),
         })
     }
@@ -280,10 +280,10 @@ fn ros_time(time: Time) -> rcs_messages::Time {
 }
 
 /// A progress bar on a terminal for more than one image, nothing on a pipe.
-fn progress(pictures: u64) -> ProgressBar {
-    if pictures < 2 {
+fn progress(images: u64) -> ProgressBar {
+    if images < 2 {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left");
-    ProgressBar::new(pictures).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(images).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

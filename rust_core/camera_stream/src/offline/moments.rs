@@ -6,7 +6,7 @@ use anyhow::{bail, Result};
 use rcs_transforms::Time;
 
 /// Most images of a sequence: their numbers have six digits.
-const MAX_PICTURES: u64 = 1_000_000;
+const MAX_IMAGES: u64 = 1_000_000;
 
 /// The part of a bag to render. Times are seconds after the bag's first message, or ROS times that lie within the bag.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,8 +86,8 @@ impl RenderTimes {
         let length_secs = last.secs_since(first);
         // The last one is drawn although its time is rounded.
         let count = (length_secs * rate_hz + 1e-9).floor() + 1.0;
-        if !(count >= 1.0 && count <= MAX_PICTURES as f64) {
-            bail!("--rate {rate_hz}: {count} pictures of {length_secs} s, more than {MAX_PICTURES}");
+        if !(count >= 1.0 && count <= MAX_IMAGES as f64) {
+            bail!("--rate {rate_hz}: {count} pictures of {length_secs} s, more than {MAX_IMAGES}");
         }
         Ok(Self { first, rate_hz, count: count as u64 })
     }

@@ -14,7 +14,7 @@ use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
 /// Sizes in MB that a mesh file can be limited to.
 pub(crate) const MESH_MB: RangeInclusive<u64> = 1..=4096;
 
-/// How CameraInfos become pictures.
+/// How CameraInfos become images.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ModelArgs {
     /// Use P as rviz does (half a pixel off, more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror), or exactly
@@ -50,7 +50,7 @@ pub struct NodeArgs {
     /// Do not reload the config when its file changes
     #[arg(long = "no-watch", action = ArgAction::SetFalse)]
     pub watches_config: bool,
-    /// Receive clouds, scans and images also while nobody subscribes to a picture
+    /// Receive clouds, scans and images also while nobody subscribes to an image
     #[arg(long = "no-lazy", action = ArgAction::SetFalse)]
     pub is_lazy: bool,
     /// Encoding of depth images: metres (32FC1) or millimetres (16UC1)
@@ -98,7 +98,7 @@ struct Opposites {
 /// Full-screen windows of the node's cameras.
 #[derive(Args, Clone, Debug)]
 pub struct WindowArgs {
-    /// Show the picture full screen on a monitor: name, number in projector_window --list-monitors, or auto (the last
+    /// Show the image full screen on a monitor: name, number in projector_window --list-monitors, or auto (the last
     /// that is not primary); with CAMERA= where the config has several cameras; repeatable
     #[arg(long, value_name = "[CAMERA=]MONITOR")]
     pub window: Vec<String>,
@@ -116,13 +116,13 @@ pub struct LightArgs {
     /// Limit for a single topic: seconds, held (as long as it has a publisher) or never; repeatable
     #[arg(long, value_name = "TOPIC=LIMIT")]
     pub stale_timeouts: Vec<String>,
-    /// Write into a black picture why it is black
+    /// Write into a black image why it is black
     #[arg(long)]
     pub stale_note: bool,
     /// Start blacked out, until ~blackout releases it
     #[arg(long)]
     pub blackout: bool,
-    /// Topic of a mono8 image over the projector's picture, dark where there must be no light; with CAMERA= for one
+    /// Topic of a mono8 image over the projector's image, dark where there must be no light; with CAMERA= for one
     #[arg(long, value_name = "[CAMERA=]TOPIC")]
     pub mask_topic: Vec<String>,
     /// No light within this distance of a frame's origin, in metres; repeatable
@@ -131,7 +131,7 @@ pub struct LightArgs {
     /// Keep the last mask and keep-out place while the current one is missing or expired, instead of blacking out
     #[arg(long = "no-mask-required", action = ArgAction::SetFalse)]
     pub is_mask_required: bool,
-    /// Grey image over the projector's picture, dark or transparent where there must be no light; with CAMERA= for one
+    /// Grey image over the projector's image, dark or transparent where there must be no light; with CAMERA= for one
     #[arg(long, value_name = "[CAMERA=]FILE.png")]
     pub mask: Vec<String>,
     /// Projector's share of the light, from projector_blend: a grey image, white for all; with CAMERA= for one
@@ -140,7 +140,7 @@ pub struct LightArgs {
     /// Gamma of the projectors, 0.5 to 5: light is the level to this power
     #[arg(long, value_name = "GAMMA", default_value_t = 2.2, value_parser = gamma)]
     pub blend_gamma: f32,
-    /// Turn the picture clockwise by 0, 90, 180 or 270 degrees, or mirror it before: mirrored, mirrored-90,
+    /// Turn the image clockwise by 0, 90, 180 or 270 degrees, or mirror it before: mirrored, mirrored-90,
     /// mirrored-180, mirrored-270; with CAMERA= for one [default: 0]
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
     pub orientation: Vec<String>,

@@ -26,13 +26,13 @@ pub enum Lead {
 /// Prediction of moving frames.
 #[derive(Args, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PredictionSettings {
-    /// Draw moving frames this many seconds ahead (0 to 1), or as far as the picture is late (auto), or not (none)
+    /// Draw moving frames this many seconds ahead (0 to 1), or as far as the image is late (auto), or not (none)
     #[arg(long = "predict", value_name = "SECS|auto|none", default_value = "none", value_parser = lead)]
     pub lead: Lead,
     /// Longest time after a frame's newest transform that it is predicted for, 0 to 1 seconds
     #[arg(long = "predict-limit", value_name = "SECS", default_value = "0.1", value_parser = up_to_a_second)]
     pub limit: Duration,
-    /// With --predict auto: the time from publishing a picture to its light, 0 to 1 seconds
+    /// With --predict auto: the time from publishing an image to its light, 0 to 1 seconds
     #[arg(long, value_name = "SECS", default_value = "0.02", value_parser = up_to_a_second)]
     pub screen_delay: Duration,
 }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use std::time::Instant;
 
-use rcs_files::picture_file;
+use rcs_files::image_file;
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
@@ -137,11 +137,11 @@ fn encode_all(shared: &CompressionQueue) {
         let publisher = &shared.publisher;
         task.begin();
         let result = guarded(|| {
-            let picture = image.picture(Instant::now());
-            let data = picture_file::encode(&picture, settings.coding()).map_err(|error| error.to_string())?;
-            let format = settings.format(picture.encoding);
+            let content = image.content(Instant::now());
+            let data = image_file::encode(&content, settings.coding()).map_err(|error| error.to_string())?;
+            let format = settings.format(content.encoding);
             // Drawn into again while the message is on its way.
-            drop(picture);
+            drop(content);
             if image.grant().is_some_and(|grant| !grant.is_valid(Instant::now())) {
                 // A blackout came meanwhile.
                 return Ok(());
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_of_the_encoder_costs_that_picture_only() {
+    fn a_panic_of_the_encoder_costs_that_image_only() {
         assert_eq!(guarded(|| Ok(1)), Ok(1));
         assert_eq!(guarded::<u8>(|| std::panic::panic_any("damaged")), Err("the encoder panicked".to_owned()));
     }

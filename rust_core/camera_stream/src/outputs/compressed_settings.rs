@@ -4,7 +4,7 @@
 //! As there, values that the parameter server holds at the start are taken over, so that a launch file can set them.
 //! Values out of bounds become the nearest ones.
 
-use rcs_files::picture_file::Coding;
+use rcs_files::image_file::Coding;
 use rcs_ros::settings::{settings, Setting, SettingGroup};
 use rcs_ros::ParameterValue;
 use rcs_scene::Encoding;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
-use rcs_render::{LastStep, Orientation};
+use rcs_render::{Orientation, PostProcess};
 
 /// The mask of an image of this size, turned like the image, from its post-processing; all dark where nothing may be
 /// lit and so without one. `None` where no light has to be confirmed.
-pub(super) fn confirmed_image(post: Option<&LastStep>, size_px: [u32; 2], header: Header) -> Option<Image> {
+pub(super) fn confirmed_image(post: Option<&PostProcess>, size_px: [u32; 2], header: Header) -> Option<Image> {
     let levels = match post.map(|post| (&post.confirmed, post.orientation)) {
         None => vec![0; size_px[0] as usize * size_px[1] as usize],
         Some((None, _)) => return None,
@@ -31,10 +31,10 @@ mod tests {
     #[test]
     fn the_mask_is_turned_like_the_image_and_a_black_image_has_none_lit() {
         let mask = LightMask::new([2, 1], vec![255, 0]).map(Arc::new);
-        let post = LastStep { confirmed: mask, orientation: "90".parse().unwrap(), ..LastStep::default() };
+        let post = PostProcess { confirmed: mask, orientation: "90".parse().unwrap(), ..PostProcess::default() };
         let image = confirmed_image(Some(&post), [1, 2], Header::default()).unwrap();
         assert_eq!((image.width, image.height, image.step, image.data()), (1, 2, 1, [255, 0].as_slice()));
         assert_eq!(confirmed_image(None, [1, 2], Header::default()).unwrap().data(), [0, 0]);
-        assert!(confirmed_image(Some(&LastStep::default()), [1, 2], Header::default()).is_none());
+        assert!(confirmed_image(Some(&PostProcess::default()), [1, 2], Header::default()).is_none());
     }
 }

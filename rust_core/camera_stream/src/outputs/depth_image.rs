@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_render::Orientation;
-use rcs_scene::{resize_block, DepthPicture};
+use rcs_scene::{resize_block, DepthImage};
 
 /// Encoding of a depth image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -22,15 +22,15 @@ pub enum DepthEncoding {
 
 /// An encoded depth image.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct DepthImage {
+pub(crate) struct EncodedDepths {
     size_px: [u32; 2],
     encoding: DepthEncoding,
     bytes: Arc<Vec<u8>>,
 }
 
-impl DepthImage {
+impl EncodedDepths {
     /// Encodes depths, with the orientation of the image.
-    pub(crate) fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
+    pub(crate) fn new(depths: &DepthImage, encoding: DepthEncoding, orientation: Orientation) -> Self {
         let mut bytes = Vec::new();
         resize_block(&mut bytes, depths.depths_m.len() * encoding.bytes_per_pixel(), 0);
         match encoding {
@@ -67,7 +67,7 @@ impl DepthEncoding {
 }
 
 /// Writes each depth as these bytes.
-fn write_cells<const N: usize>(depths: &DepthPicture, bytes: &mut [u8], cell: impl Fn(f32) -> [u8; N]) {
+fn write_cells<const N: usize>(depths: &DepthImage, bytes: &mut [u8], cell: impl Fn(f32) -> [u8; N]) {
     for (to, depth) in bytes.as_chunks_mut::<N>().0.iter_mut().zip(&depths.depths_m) {
         *to = cell(*depth);
     }
@@ -88,9 +88,9 @@ mod tests {
     use super::*;
 
     fn image(encoding: &str, orientation: &str) -> Image {
-        let depths = DepthPicture { width_px: 3, height_px: 1, depths_m: vec![1.5, f32::NAN, 70.0] };
+        let depths = DepthImage { width_px: 3, height_px: 1, depths_m: vec![1.5, f32::NAN, 70.0] };
         let encoding = clap::ValueEnum::from_str(encoding, true).unwrap();
-        DepthImage::new(&depths, encoding, orientation.parse().unwrap()).message(Header::default())
+        EncodedDepths::new(&depths, encoding, orientation.parse().unwrap()).message(Header::default())
     }
 
     #[test]

@@ -8,9 +8,9 @@ mod compressed;
 mod compressed_settings;
 mod confirmed_image;
 pub(crate) mod depth_image;
+mod image_files;
 pub(crate) mod page;
 mod page_image;
-mod picture_files;
 pub(crate) mod shown;
 mod topic;
 mod video;
@@ -23,15 +23,15 @@ use anyhow::Result;
 use rcs_light::{Grant, Lit};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use rcs_window::{OnScreen, Refresh};
 
-use crate::outputs::depth_image::DepthImage;
+use crate::outputs::depth_image::EncodedDepths;
 use crate::outputs::shown::{ShownPublisher, ShownRecord};
-use crate::safety::black_image::black_picture;
+use crate::safety::black_image::black_image;
 
+pub(crate) use image_files::{ImageFile, ImageSequence};
 pub(crate) use page::PageOutput;
-pub(crate) use picture_files::{PictureFile, PictureSequence};
 pub(crate) use topic::{retain, TopicNames, TopicOutput};
 pub(crate) use video::VideoFile;
 pub(crate) use window::{WindowOutput, WindowThread};
@@ -42,41 +42,41 @@ pub(crate) struct FrameImage(ImageContent);
 
 #[derive(Clone, Debug)]
 enum ImageContent {
-    Black(Arc<Picture>),
-    Lit(Lit<Arc<Picture>>),
+    Black(Arc<Image>),
+    Lit(Lit<Arc<Image>>),
 }
 
 impl FrameImage {
     /// A black image.
     pub(crate) fn black(size_px: [u32; 2], encoding: Encoding) -> Self {
-        Self(ImageContent::Black(Arc::new(black_picture(size_px, encoding))))
+        Self(ImageContent::Black(Arc::new(black_image(size_px, encoding))))
     }
 
     /// A lit image, while its grant is valid.
-    pub(crate) fn lit(lit: Lit<Arc<Picture>>) -> Self {
+    pub(crate) fn lit(lit: Lit<Arc<Image>>) -> Self {
         Self(ImageContent::Lit(lit))
     }
 
     /// Width and height.
     pub(crate) fn size_px(&self) -> [u32; 2] {
         match &self.0 {
-            ImageContent::Black(picture) => [picture.width_px, picture.height_px],
+            ImageContent::Black(image) => [image.width_px, image.height_px],
             ImageContent::Lit(lit) => lit.size_px(),
         }
     }
 
     /// The image; black once its grant is void.
-    pub(crate) fn picture(&self, now: Instant) -> Arc<Picture> {
+    pub(crate) fn content(&self, now: Instant) -> Arc<Image> {
         match &self.0 {
-            ImageContent::Black(picture) => Arc::clone(picture),
+            ImageContent::Black(image) => Arc::clone(image),
             ImageContent::Lit(lit) => {
-                lit.content(now).map_or_else(|| Arc::new(black_picture(lit.size_px(), lit.encoding())), Arc::clone)
+                lit.content(now).map_or_else(|| Arc::new(black_image(lit.size_px(), lit.encoding())), Arc::clone)
             }
         }
     }
 
     /// The lit image; `None` for black.
-    pub(crate) fn lit_image(&self) -> Option<&Lit<Arc<Picture>>> {
+    pub(crate) fn lit_image(&self) -> Option<&Lit<Arc<Image>>> {
         match &self.0 {
             ImageContent::Black(_) => None,
             ImageContent::Lit(lit) => Some(lit),
@@ -97,9 +97,9 @@ impl FrameImage {
     }
 
     /// The image for its memory, which is drawn into again once no output holds it any more.
-    pub(crate) fn into_memory(self) -> Arc<Picture> {
+    pub(crate) fn into_memory(self) -> Arc<Image> {
         match self.0 {
-            ImageContent::Black(picture) => picture,
+            ImageContent::Black(image) => image,
             ImageContent::Lit(lit) => lit.into_memory(),
         }
     }
@@ -111,7 +111,7 @@ pub(crate) struct OutputFrame {
     pub(crate) image: FrameImage,
     pub(crate) info: Arc<CameraInfo>,
     /// The image's depths, if somebody subscribes to them.
-    pub(crate) depth: Option<Arc<DepthImage>>,
+    pub(crate) depth: Option<Arc<EncodedDepths>>,
     pub(crate) stamp: Time,
     /// The record of a new image, if somebody subscribes to them.
     pub(crate) shown: Option<Arc<ShownRecord>>,

@@ -14,7 +14,7 @@ use rcs_web::{ImageFile, Images};
 use super::page_image::{image_file, mask_file};
 use super::{FrameImage, Output, OutputFrame};
 use crate::runtime::watchdog::Task;
-use crate::safety::black_image::black_picture;
+use crate::safety::black_image::black_image;
 
 /// Shows a camera's images on the page.
 pub(crate) struct PageOutput {
@@ -44,7 +44,7 @@ impl PageOutput {
         self.mask = Some((grant.cloned(), size_px));
         let grant = grant.cloned();
         let mask = move || {
-            let dark = || black_picture(size_px, Encoding::Mono8);
+            let dark = || black_image(size_px, Encoding::Mono8);
             mask_file(&grant.map_or_else(dark, |grant| grant.allowed()), stamp_secs)
         };
         self.images.offer_mask(&self.camera, mask);
@@ -59,7 +59,7 @@ impl Output for PageOutput {
         }
         let (image, stamp_secs) = (frame.image.clone(), secs(frame.stamp));
         self.offer_mask(&image, stamp_secs);
-        self.images.offer(&self.camera, move || encode(&image.picture(Instant::now()), stamp_secs));
+        self.images.offer(&self.camera, move || encode(&image.content(Instant::now()), stamp_secs));
         Ok(())
     }
 
@@ -77,8 +77,8 @@ impl Output for PageOutput {
     }
 }
 
-fn encode(picture: &rcs_scene::Picture, stamp_secs: f64) -> Option<ImageFile> {
-    let file = image_file(picture, stamp_secs);
+fn encode(image: &rcs_scene::Image, stamp_secs: f64) -> Option<ImageFile> {
+    let file = image_file(image, stamp_secs);
     file.map_err(|error| log::error!("the page: cannot encode an image: {error}")).ok()
 }
 

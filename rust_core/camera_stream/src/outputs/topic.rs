@@ -105,8 +105,8 @@ impl TopicOutput {
 
 impl Output for TopicOutput {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
-        let picture = frame.image.picture(Instant::now());
-        let header = self.publisher.publish(&picture, &frame.info, frame.stamp)?;
+        let image = frame.image.content(Instant::now());
+        let header = self.publisher.publish(&image, &frame.info, frame.stamp)?;
         self.compressed.offer(&frame.image, header);
         let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
         if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {

@@ -1,4 +1,4 @@
-//! Pictures as a video file, encoded by the program `ffmpeg`.
+//! Images as a video file, encoded by the program `ffmpeg`.
 //!
 //! ffmpeg reads the pixels from its standard input and writes a file beside the final one, which gets its name when it
 //! is whole. The ending of the name decides the format, as always with ffmpeg.
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Context, Error, Result};
 use rcs_process::join_within;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 
 use super::{Output, OutputFrame};
 
@@ -101,11 +101,11 @@ impl VideoFile {
         anyhow!("{}: ffmpeg failed: {reason}", self.file.display())
     }
 
-    fn add(&mut self, picture: &Arc<Picture>) -> Result<()> {
-        let size_px = [picture.width_px, picture.height_px];
+    fn add(&mut self, image: &Arc<Image>) -> Result<()> {
+        let size_px = [image.width_px, image.height_px];
         let mut running = match self.running.take() {
             Some(running) => running,
-            None => self.start(size_px, picture.encoding)?,
+            None => self.start(size_px, image.encoding)?,
         };
         if running.size_px != size_px {
             let (file, first, then) = (self.file.display(), size(running.size_px), size(size_px));
@@ -114,7 +114,7 @@ impl VideoFile {
             self.running = Some(running);
             return Err(error);
         }
-        match running.input.write(picture, self.end_timeout) {
+        match running.input.write(image, self.end_timeout) {
             Some(Ok(())) => {
                 self.running = Some(running);
                 Ok(())
@@ -135,7 +135,7 @@ impl VideoFile {
 
 impl Output for VideoFile {
     fn send(&mut self, frame: &OutputFrame) -> Result<()> {
-        self.add(&frame.image.picture(Instant::now()))
+        self.add(&frame.image.content(Instant::now()))
     }
 
     fn finish(&mut self) -> Result<()> {
@@ -170,19 +170,19 @@ impl Running {
 /// input when dropped.
 #[derive(Debug)]
 struct EncoderInput {
-    pictures: SyncSender<Arc<Picture>>,
+    images: SyncSender<Arc<Image>>,
     written: Receiver<io::Result<()>>,
 }
 
 impl EncoderInput {
     fn start(stdin: Option<ChildStdin>) -> io::Result<Self> {
-        let (pictures, to_write) = sync_channel::<Arc<Picture>>(1);
+        let (images, to_write) = sync_channel::<Arc<Image>>(1);
         let (outcome, written) = sync_channel(1);
         let writing = move || {
             let mut stdin = stdin;
-            for picture in to_write {
-                let result = stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(&picture.data));
-                drop(picture);
+            for image in to_write {
+                let result = stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(&image.data));
+                drop(image);
                 // Nobody receives it once it has taken too long.
                 if outcome.send(result).is_err() {
                     return;
@@ -190,14 +190,14 @@ impl EncoderInput {
             }
         };
         std::thread::Builder::new().name("ffmpeg-pictures".to_owned()).spawn(writing)?;
-        Ok(Self { pictures, written })
+        Ok(Self { images, written })
     }
 
     /// Writes an image. `None` if that takes longer than `timeout`.
-    fn write(&self, picture: &Arc<Picture>, timeout: Duration) -> Option<io::Result<()>> {
+    fn write(&self, image: &Arc<Image>, timeout: Duration) -> Option<io::Result<()>> {
         let ended = || Err(io::ErrorKind::BrokenPipe.into());
         // There is room: each is waited for.
-        if self.pictures.send(Arc::clone(picture)).is_err() {
+        if self.images.send(Arc::clone(image)).is_err() {
             return Some(ended());
         }
         match self.written.recv_timeout(timeout) {
@@ -322,12 +322,12 @@ mod tests {
     }
 
     #[test]
-    fn an_encoder_that_takes_no_picture_is_ended() {
+    fn an_encoder_that_takes_no_image_is_ended() {
         // More than a pipe holds.
         let data = vec![7; 512 * 512 * 3];
         let encoding = Encoding::Rgb8;
-        let picture = Arc::new(Picture { width_px: 512, height_px: 512, encoding, data });
-        let write = |video: &mut VideoFile| video.add(&picture);
+        let image = Arc::new(Image { width_px: 512, height_px: 512, encoding, data });
+        let write = |video: &mut VideoFile| video.add(&image);
         let (error, took) = error_of("exec sleep 100", Duration::from_millis(200), write);
         assert!(error.ends_with("ffmpeg failed: it has not taken a picture within 200ms"), "{error}");
         assert!(took < Duration::from_secs(50), "{took:?}");

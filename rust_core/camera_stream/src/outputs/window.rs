@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use rcs_light::Grant;
 use rcs_process::{join_within, lock};
-use rcs_window::{run_with, MonitorInfo, OnScreen, PictureSink, Refresh, UserEvent, WindowKey, WindowOptions};
+use rcs_window::{run_with, ImageSink, MonitorInfo, OnScreen, Refresh, UserEvent, WindowKey, WindowOptions};
 
 use super::{Output, OutputFrame};
 use crate::runtime::watchdog::{self, Task, Worker};
@@ -24,7 +24,7 @@ const END_PATIENCE: Duration = Duration::from_millis(500);
 /// Shows a camera's images in a window.
 #[derive(Clone)]
 pub(crate) struct WindowOutput {
-    sink: PictureSink,
+    sink: ImageSink,
     viewer: Arc<Viewer>,
     /// Watched for as long as the output is used.
     _worker: Arc<WindowWorker>,
@@ -33,7 +33,7 @@ pub(crate) struct WindowOutput {
 /// The window's thread for the watchdog: it hangs if its display server does.
 struct WindowWorker {
     source: String,
-    sink: PictureSink,
+    sink: ImageSink,
     viewer: Arc<Viewer>,
 }
 
@@ -59,7 +59,7 @@ struct Viewer {
 
 /// A window's thread. Closes the window when dropped.
 pub(crate) struct WindowThread {
-    sink: PictureSink,
+    sink: ImageSink,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -74,7 +74,7 @@ impl WindowOutput {
         wake: impl Fn() + Send + 'static,
         press: impl Fn(WindowKey) + Send + 'static,
     ) -> std::io::Result<(WindowOutput, WindowThread)> {
-        let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
+        let (sink, viewer) = (ImageSink::new()?, Arc::<Viewer>::default());
         let source = options.source.clone();
         let worker = Arc::new(WindowWorker { source, sink: sink.clone(), viewer: Arc::clone(&viewer) });
         watchdog::watch(&worker);
@@ -112,7 +112,7 @@ impl WindowOutput {
 }
 
 /// Opens the window again whenever it had to close, until that is asked for or the user closes it.
-fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn(), press: &dyn Fn(WindowKey)) {
+fn keep_open(options: &WindowOptions, sink: &ImageSink, viewer: &Viewer, wake: &dyn Fn(), press: &dyn Fn(WindowKey)) {
     let mut last_error = String::new();
     let opening = Task::watched(format!("opening the window of {}", options.source));
     while !sink.is_closing() {

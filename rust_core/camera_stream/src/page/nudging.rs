@@ -15,7 +15,7 @@ use rcs_render::Orientation;
 use rcs_web::Refusal;
 use serde_json::{json, Value};
 
-use crate::camera::output::CameraOutput;
+use crate::camera::output::CameraPublisher;
 use crate::nudge::{nudge, projector, Step};
 use crate::runtime::shared::NodeState;
 
@@ -49,7 +49,7 @@ impl Nudging {
 
     /// Asks for the values while a page is open.
     pub(super) fn poll_while_open(self: &Arc<Self>) {
-        if !self.shared.board.pages().is_any_open() || self.is_polling.swap(true, Ordering::AcqRel) {
+        if !self.shared.page.pages().is_any_open() || self.is_polling.swap(true, Ordering::AcqRel) {
             return;
         }
         let own = Arc::clone(self);
@@ -62,7 +62,7 @@ impl Nudging {
 
     fn poll(self: &Arc<Self>) {
         let _is_polling = ClearWhenDropped(&self.is_polling);
-        while self.shared.board.pages().is_any_open() {
+        while self.shared.page.pages().is_any_open() {
             for (camera, topic, _) in self.targets() {
                 self.refresh(camera, &topic);
             }
@@ -72,7 +72,7 @@ impl Nudging {
 
     /// Each camera's name, CameraInfo topic and orientation.
     fn targets(&self) -> Vec<(String, String, Orientation)> {
-        let target = |camera: &CameraOutput| {
+        let target = |camera: &CameraPublisher| {
             let view = camera.view();
             (view.name.clone(), view.settings.camera_info_topic.clone(), camera.orientation())
         };
@@ -99,7 +99,7 @@ impl Nudging {
             None => known.remove(&camera),
         };
         drop(known);
-        self.shared.board.pages().state_changed();
+        self.shared.page.pages().state_changed();
     }
 
     /// Carries out `nudge`, `save` or `revert`. Waits for the projector's node.

@@ -87,7 +87,7 @@ impl Operator for PageOperator {
             }
             "test_picture" => {
                 self.check_answer(body)?;
-                let test = self.shared.control.next_test_picture(caller);
+                let test = self.shared.control.next_test_image(caller);
                 Ok(test.map_or_else(|| "the scene is shown".to_owned(), |name| format!("test picture: {name}")))
             }
             unknown => Err(Refusal::Unknown(unknown.to_owned())),

@@ -29,7 +29,7 @@ pub(crate) fn start(options: &WebOptions, config: &Path, shared: &Arc<NodeState>
     let access = Access::new(token, names.iter().chain(&options.hosts).cloned());
     let name = config.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let operator = Arc::new(PageOperator::new(shared, name));
-    let pages = shared.board.pages();
+    let pages = shared.page.pages();
     let server = Server::start(options.address, access.clone(), operator, pages.clone(), Limits::default());
     let server = server.with_context(|| {
         format!("{option}: cannot listen at {}; choose another port, or end the program that has it", options.address)

@@ -5,7 +5,7 @@ use serde_json::{json, Map, Value};
 
 use super::nudging::Nudging;
 use super::parameters;
-use crate::camera::output::CameraOutput;
+use crate::camera::output::CameraPublisher;
 use crate::runtime::shared::NodeState;
 use crate::scene::status_tree::path_text;
 
@@ -13,7 +13,7 @@ use crate::scene::status_tree::path_text;
 pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Value {
     // Before the state is read, so that a change meanwhile makes an answer void.
     let (clock_ms, number, control) = (rcs_web::clock_ms(), shared.control.number(), shared.control.state());
-    let statuses = shared.board.statuses();
+    let statuses = shared.page.statuses();
     let mut displays = statuses.displays.clone();
     let (mut cameras, mut servers) = (Vec::new(), Vec::new());
     for camera in shared.cameras().iter() {
@@ -40,7 +40,7 @@ pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Valu
         "time": stamp_nanos(shared.ros.now()) as f64 * 1e-9,
         "blackout": by(control.blackout),
         "paused": by(control.paused),
-        "test_picture": control.test_picture,
+        "test_picture": control.test_image,
         "cameras": cameras,
         "displays": displays,
         "reconfigure": servers,
@@ -52,7 +52,7 @@ fn by(caller: Option<String>) -> Value {
     json!({"on": caller.is_some(), "by": caller.unwrap_or_default()})
 }
 
-fn camera_json(camera: &CameraOutput, rate_hz: Option<f64>, statuses: Option<&Value>) -> Value {
+fn camera_json(camera: &CameraPublisher, rate_hz: Option<f64>, statuses: Option<&Value>) -> Value {
     let figures = camera.figures();
     let view = camera.view();
     json!({
@@ -71,7 +71,7 @@ fn camera_json(camera: &CameraOutput, rate_hz: Option<f64>, statuses: Option<&Va
 }
 
 /// Adds a camera's switches to the displays that they are for.
-fn add_switches(displays: &mut [Value], camera: &CameraOutput) {
+fn add_switches(displays: &mut [Value], camera: &CameraPublisher) {
     for (path, name, is_on) in camera.switches() {
         let path = path_text(path);
         let of_path = displays.iter_mut().filter(|display| display["path"] == path.as_str());

@@ -60,7 +60,7 @@ struct Services {
     reload: Arc<str>,
     blackout: Arc<str>,
     pause: Arc<str>,
-    test_picture: Arc<str>,
+    test_image: Arc<str>,
     is_idle: Arc<str>,
 }
 
@@ -70,7 +70,7 @@ impl Services {
             reload: ros.serve_trigger("~reload_config")?,
             blackout: ros.serve_set_bool("~blackout")?,
             pause: ros.serve_set_bool("~pause")?,
-            test_picture: ros.serve_trigger("~test_picture")?,
+            test_image: ros.serve_trigger("~test_picture")?,
             is_idle: ros.serve_trigger("~is_idle")?,
         })
     }
@@ -154,8 +154,8 @@ impl ControlThread {
     fn answer(&mut self, call: ServiceCall) {
         match call {
             ServiceCall::Trigger { service, reply, .. } if service == self.services.reload => self.reload(reply),
-            ServiceCall::Trigger { service, caller, reply } if service == self.services.test_picture => {
-                let test = self.shared.control.next_test_picture(&caller);
+            ServiceCall::Trigger { service, caller, reply } if service == self.services.test_image => {
+                let test = self.shared.control.next_test_image(&caller);
                 self.apply_control();
                 reply.send(true, test.unwrap_or("the scene"));
             }
@@ -217,7 +217,7 @@ impl ControlThread {
         if !self.shared.control.take_change() {
             return;
         }
-        self.shared.board.pages().state_changed();
+        self.shared.page.pages().state_changed();
         for camera in self.shared.cameras().iter_mut() {
             if let Err(error) = camera.apply_control() {
                 camera.record_error(&error);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Error, Result};
 use rcs_displays::SceneState;
 use rcs_render::{Depths, RenderError, Renderer, RendererChoice};
-use rcs_scene::{DisplayId, DisplayMask, Picture, Scene};
+use rcs_scene::{DisplayId, DisplayMask, Image, Scene};
 
 use crate::camera::frame::{DueFrame, FinishedFrame, FrameInFlight, SharedBuffers};
 use crate::scene::status_tree::path_text;
@@ -44,7 +44,7 @@ impl FrameRenderer {
 
     /// The number of frames that may be in flight with a gain.
     pub(super) fn frames_at_once(&self) -> usize {
-        self.renderer.pictures_at_once()
+        self.renderer.images_at_once()
     }
 
     /// `true` if it decodes points by itself.
@@ -80,7 +80,7 @@ impl FrameRenderer {
     }
 
     /// Finishes the frame that was submitted first, in this memory. `None` if it is lost.
-    pub(super) fn finish(&mut self, frame: FrameInFlight, memory: Picture) -> Result<Option<FinishedFrame>> {
+    pub(super) fn finish(&mut self, frame: FrameInFlight, memory: Image) -> Result<Option<FinishedFrame>> {
         Ok(frame.finish(self.renderer.as_mut(), memory, &mut self.buffers)?)
     }
 
@@ -163,14 +163,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_gpu_that_fails_takes_all_frames_with_it_and_a_picture_that_is_too_large_none() {
+    fn a_gpu_that_fails_takes_all_frames_with_it_and_a_image_that_is_too_large_none() {
         let lost = RenderError::Gpu { adapter: "a GPU".into(), reason: "the device was lost".into() };
         let too_large = RenderError::TooLarge { width_px: 9, height_px: 9, limit_px: 8, renderer: "gpu".into() };
         assert!(has_gpu_failed(&lost.into()) && !has_gpu_failed(&too_large.into()));
     }
 
     #[test]
-    fn a_slow_picture_names_the_display_that_costs_most() {
+    fn a_slow_image_names_the_display_that_costs_most() {
         let secs = Duration::from_secs_f64;
         let mut costs = Costs::default();
         costs.add([(1, secs(0.3)), (2, secs(0.2))]);

@@ -22,7 +22,7 @@ use super::windows::Windows;
 use crate::camera::frame::FrameInFlight;
 use crate::camera::latency::Update;
 use crate::camera::oriented_frames::OrientedFrames;
-use crate::camera::output::{self, CameraContext, CameraOutput};
+use crate::camera::output::{self, CameraContext, CameraPublisher};
 use crate::camera::plan::{self, CameraPlan};
 use crate::camera::rearrange::rearrange;
 use crate::config_names;
@@ -85,7 +85,7 @@ impl SceneThread {
         shared.control.set_cameras(plans.iter().map(CameraPlan::name));
         let windows = Windows::open(ros, &shared.control, options, &safety, &plans)?;
         let (model, depth_encoding) = (options.model, options.node.depth_encoding);
-        let page = options.web.as_ref().map(|_| shared.board.pages().images().clone());
+        let page = options.web.as_ref().map(|_| shared.page.pages().images().clone());
         let (own_ros, control) = (Arc::clone(ros), Arc::clone(&shared.control));
         let context = Arc::new(CameraContext { ros: own_ros, control, model, depth_encoding, page });
         let cameras = rearrange(&context, plans, Vec::new(), config, &scene, |camera| windows.of(camera));
@@ -129,7 +129,7 @@ impl SceneThread {
             has_news |= self.apply_changes();
             self.pause_streams();
             let now = self.now();
-            let lookup_to_publish = shared.cameras().iter().filter_map(CameraOutput::lookup_to_publish).max();
+            let lookup_to_publish = shared.cameras().iter().filter_map(CameraPublisher::lookup_to_publish).max();
             let prediction = self.options.node.prediction.prediction(now, lookup_to_publish);
             self.scene.predict(prediction);
             has_news |= prediction.is_some();
@@ -144,11 +144,11 @@ impl SceneThread {
 
     /// Pauses streams that nobody watches, and resumes them.
     fn pause_streams(&mut self) {
-        let is_watched = !self.options.node.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        let is_watched = !self.options.node.is_lazy || self.shared.cameras().iter().any(CameraPublisher::is_watched);
         self.light_topics.surfaces.update(&self.shared.ros, is_watched);
         if self.subscriptions.pause_streams(is_watched, &self.scene) {
             // It will be old when somebody watches again.
-            self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
+            self.shared.cameras().iter_mut().for_each(CameraPublisher::discard_last);
         }
     }
 
@@ -228,7 +228,7 @@ impl SceneThread {
         let (due, light_end) = {
             let cameras = self.shared.cameras();
             let due = cameras.iter().filter_map(|camera| camera.until_due(now)).min();
-            (due, cameras.iter().filter_map(CameraOutput::light_end).min())
+            (due, cameras.iter().filter_map(CameraPublisher::light_end).min())
         };
         let change = self.scene.next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
@@ -259,10 +259,10 @@ impl SceneThread {
         }
         entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(state)));
         shared.diagnostics().report(&shared.ros, &mut entries);
-        if is_published && shared.board.pages().is_any_open() {
-            let published = |camera: &CameraOutput| (camera.view().name.clone(), camera.figures().published);
+        if is_published && shared.page.pages().is_any_open() {
+            let published = |camera: &CameraPublisher| (camera.view().name.clone(), camera.figures().published);
             let published: Vec<_> = shared.cameras().iter().map(published).collect();
-            shared.board.note(&entries, published.into_iter());
+            shared.page.note(&entries, published.into_iter());
         }
     }
 
@@ -300,7 +300,7 @@ impl SceneThread {
                     time_from_stamp(*from),
                     time_from_stamp(*to)
                 );
-                self.shared.cameras().iter_mut().for_each(CameraOutput::forget_messages);
+                self.shared.cameras().iter_mut().for_each(CameraPublisher::forget_messages);
                 self.safety.reset();
             }
             _ => {}
@@ -318,7 +318,7 @@ impl SceneThread {
     /// It cannot be read, or fits no camera.
     fn take_pattern(&self, image: &Image, received: Instant) -> Result<(), String> {
         let pattern = Pattern::new(image, received)?;
-        let place = |camera: &CameraOutput| camera.frame_and_size(&self.scene);
+        let place = |camera: &CameraPublisher| camera.frame_and_size(&self.scene);
         let places: Vec<_> = self.shared.cameras().iter().filter_map(place).collect();
         match pattern.misfit(&places) {
             Some(why) => return Err(why),
@@ -353,7 +353,7 @@ impl SceneThread {
         if is_size_gone {
             self.renderer.forget_sizes();
         }
-        if !self.shared.cameras().iter().any(CameraOutput::uses_depth) {
+        if !self.shared.cameras().iter().any(CameraPublisher::uses_depth) {
             self.renderer.forget_depths();
         }
         ahead.is_some()
@@ -374,7 +374,7 @@ impl SceneThread {
         self.update_scene(self.now());
         let decoded = Instant::now();
         let scene = self.renderer.snapshot(&self.scene);
-        let watched = |camera: &CameraOutput| camera.is_watched().then(|| Arc::clone(camera.view()));
+        let watched = |camera: &CameraPublisher| camera.is_watched().then(|| Arc::clone(camera.view()));
         let views: Vec<_> = shared.cameras().iter().filter_map(watched).collect();
         views.iter().for_each(|view| self.renderer.upload(&scene, &view.visible));
         Some(decoded)
@@ -386,7 +386,7 @@ impl SceneThread {
         let state = &self.scene;
         // Where the projector's light goes, however the image is drawn.
         let model = CameraModel { projection: Projection::Exact, undistort: true };
-        let view_of = |camera: &CameraOutput| (Arc::clone(camera.view()), camera.is_watched());
+        let view_of = |camera: &CameraPublisher| (Arc::clone(camera.view()), camera.is_watched());
         let (views, watched): (Vec<_>, Vec<_>) = self.shared.cameras().iter().map(view_of).unzip();
         let needs_camera = self.safety.needs_cameras();
         let cameras: Vec<_> =
@@ -433,7 +433,7 @@ impl SceneThread {
     }
 
     fn finish_frame(&mut self, index: usize, frame: FrameInFlight) -> Result<()> {
-        let memory = self.shared.cameras().get_mut(index).map(CameraOutput::take_back_buffer);
+        let memory = self.shared.cameras().get_mut(index).map(CameraPublisher::take_back_buffer);
         let Some(finished) = self.renderer.finish(frame, memory.unwrap_or_default())? else { return Ok(()) };
         let slow = self.renderer.slow_frame(&self.scene);
         let mut cameras = self.shared.cameras();

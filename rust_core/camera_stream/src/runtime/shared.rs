@@ -11,21 +11,21 @@ use rcs_rviz_config::Config;
 use super::activity::Activity;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
-use crate::camera::output::CameraOutput;
+use crate::camera::output::CameraPublisher;
 use crate::control::Control;
-use crate::page::Board;
+use crate::page::PageStatuses;
 
-/// NodeState by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
+/// State shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
 /// displays are updated or images are drawn.
 pub(crate) struct NodeState {
     pub(crate) ros: Arc<RosNode>,
     pub(super) activity: Arc<Activity>,
     /// The contents of the operator's page.
-    pub(crate) board: Board,
+    pub(crate) page: PageStatuses,
     pub(crate) control: Arc<Control>,
     /// The control thread's beats, which show pauses of the process.
     pub(super) pulse: Pulse,
-    cameras: Mutex<Vec<CameraOutput>>,
+    cameras: Mutex<Vec<CameraPublisher>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
 }
@@ -53,13 +53,13 @@ impl NodeState {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
-        let (board, cameras, requests) = (Board::new(), Mutex::default(), Mutex::default());
+        let (page, cameras, requests) = (PageStatuses::new(), Mutex::default(), Mutex::default());
         let pulse = Pulse::start(Instant::now());
-        Self { ros, activity, control, pulse, board, cameras, diagnostics, requests }
+        Self { ros, activity, control, pulse, page, cameras, diagnostics, requests }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
-    pub(crate) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
+    pub(crate) fn cameras(&self) -> MutexGuard<'_, Vec<CameraPublisher>> {
         lock(&self.cameras)
     }
 

@@ -26,7 +26,7 @@ use rcs_camera::NoLens;
 use rcs_displays::CameraView;
 use rcs_light::{Condition, DarkCause, Evidence, LightRules, Now};
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_render::{KeepOut, LastStep};
+use rcs_render::{KeepOut, PostProcess};
 use rcs_scene::{Camera, DisplayId};
 
 use self::ages::{Assessment, Freshness, TopicSource};
@@ -216,12 +216,12 @@ impl Safety {
         CameraLight { evidence, hidden, surface, is_guarded, has_note: self.has_note }
     }
 
-    fn post(&self, camera_name: &str, camera: Option<&Camera>, spheres: &KeepOutSpheres) -> LastStep {
+    fn post(&self, camera_name: &str, camera: Option<&Camera>, spheres: &KeepOutSpheres) -> PostProcess {
         let rules = &self.rules;
         if rules.is_noop() {
-            return LastStep::default();
+            return PostProcess::default();
         }
-        LastStep {
+        PostProcess {
             masks: of_camera(&rules.mask_topics, camera_name).map_or_else(Vec::new, |topic| self.eyes.masks(topic)),
             keep_out: camera.and_then(|camera| KeepOut::new(camera, &spheres.known)),
             orientation: of_camera(&rules.orientations, camera_name).copied().unwrap_or_default(),

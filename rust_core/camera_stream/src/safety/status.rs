@@ -35,7 +35,7 @@ pub(crate) fn add_operator(entries: &mut [StatusEntry<'_>], control: &ControlSta
         let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
         control.blackout.iter().for_each(|caller| set("Blackout", format!("all cameras, by {caller}")));
         control.paused.iter().for_each(|caller| set("Pause", format!("all cameras, by {caller}")));
-        control.test_picture.iter().for_each(|test| set("Test picture", format!("{test}, in all cameras")));
+        control.test_image.iter().for_each(|test| set("Test picture", format!("{test}, in all cameras")));
     }
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn add_operator(entries: &mut [StatusEntry<'_>], control: &ControlSta
 pub(crate) fn add_substitute(entry: &mut StatusEntry<'_>, operator: &OperatorSettings) {
     let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
     operator.paused.iter().for_each(|caller| set("Pause", format!("paused by {caller}")));
-    operator.test_picture.iter().for_each(|test| set("Test picture", test.name().to_owned()));
+    operator.test_image.iter().for_each(|test| set("Test picture", test.name().to_owned()));
     operator.pattern.iter().for_each(|_| set("Pattern", "a calibration shows patterns".to_owned()));
 }
 

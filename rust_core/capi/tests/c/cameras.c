@@ -14,7 +14,7 @@ static void test_view(RcsCamera *camera)
   info.p[3] = -50;
   RcsView view;
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, false, 0.05, &view) == RCS_RESULT_OK);
-  CHECK(view.drawn_width == 640 && view.drawn_height == 480 && view.picture_width == 640 && view.picture_height == 480);
+  CHECK(view.drawn_width == 640 && view.drawn_height == 480 && view.image_width == 640 && view.image_height == 480);
   CHECK(is_near(view.optical_from_eye[0], 0.1) && is_near(view.optical_from_eye[1], 0) && view.optical_from_eye[2] == 0);
   CHECK(is_near(view.near_m, 0.05) && is_near(view.far_m, 100));
   const double far_m = 100, near_m = 0.05;
@@ -53,7 +53,7 @@ static void test_lens(RcsCamera *camera)
   CHECK(view.drawn_width == 640);
   CHECK(rcs_camera_warning(camera, text, sizeof text) > 0 && strstr(text, "Undistort allows for it"));
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);
-  CHECK(view.drawn_width > 650 && view.drawn_height > 490 && view.picture_width == 640 && view.picture_height == 480);
+  CHECK(view.drawn_width > 650 && view.drawn_height > 490 && view.image_width == 640 && view.image_height == 480);
   CHECK(rcs_camera_warning(camera, text, sizeof text) == 0);
 
   /* A lens that cannot be corrected: the picture is drawn without it. */

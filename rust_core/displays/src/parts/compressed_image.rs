@@ -49,10 +49,10 @@ fn unpack(message: &CompressedImage) -> Result<Image, String> {
     let is_color = encoding.starts_with("rgb") || encoding.starts_with("bgr");
     // Old publishers pass images of other orders than BGR to an encoder that takes them for BGR.
     let is_swapped = is_color && !rest.contains("compressed bgr");
-    let picture = read(&message.data, None)?;
-    let size_px = [picture.width(), picture.height()];
+    let image = read(&message.data, None)?;
+    let size_px = [image.width(), image.height()];
     let declared = |bits| PixelFormat::of(encoding) == Some(PixelFormat { bits, channels: 1 });
-    let (encoding, bytes) = match picture {
+    let (encoding, bytes) = match image {
         DynamicImage::ImageLuma8(grey) => (if declared(8) { encoding } else { "mono8" }, grey.into_raw()),
         DynamicImage::ImageLuma16(grey) => {
             (if declared(16) { encoding } else { "mono16" }, little_endian(&grey.into_raw()))
@@ -185,9 +185,9 @@ mod tests {
         CompressedImage { format: format.to_owned(), data, ..CompressedImage::default() }
     }
 
-    fn packed(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+    fn packed(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, format).unwrap();
+        image.write_to(&mut bytes, format).unwrap();
         bytes.into_inner()
     }
 
@@ -198,9 +198,9 @@ mod tests {
 
     #[test]
     fn colours_come_out_in_their_order_whoever_sent_them() {
-        let picture = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(2, 1, Rgb([250, 10, 20])));
+        let image = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(2, 1, Rgb([250, 10, 20])));
         for (kind, tolerance) in [(ImageFormat::Png, 0), (ImageFormat::Jpeg, 3)] {
-            let data = packed(&picture, kind);
+            let data = packed(&image, kind);
             for (format, encoding) in [
                 ("rgb8; jpeg compressed bgr8", "rgb8"),
                 ("bgr8; png compressed bgr8", "rgb8"),

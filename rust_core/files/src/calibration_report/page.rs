@@ -74,7 +74,7 @@ fn figures(report: &Report) -> String {
         ("RMS error at the points' depth", digits(1000.0 * report.rms_m, 3), "mm".to_owned()),
         ("Largest error of an inlier", digits(solution.max_px, 3), "px".to_owned()),
         ("Inliers", thousands(solution.inliers), format!("of {} ({share:.1} %)", thousands(report.points))),
-        ("Picture covered", format!("{:.0}", 100.0 * coverage.picture), "%".to_owned()),
+        ("Picture covered", format!("{:.0}", 100.0 * coverage.image), "%".to_owned()),
         ("Depths", format!("{near:.2} to {far:.2}"), "m".to_owned()),
         ("Smooth depth error, about", digits(1000.0 * report.smooth_depth_error_m, 2), "mm".to_owned()),
         ("Scans", coverage.scans.to_string(), String::new()),

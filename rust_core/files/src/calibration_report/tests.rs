@@ -99,7 +99,7 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
     let report = Report {
         solution,
         points,
-        coverage: Coverage { picture: 0.979, depth_m: [0.97, 1.88], scans: scans as usize },
+        coverage: Coverage { image: 0.979, depth_m: [0.97, 1.88], scans: scans as usize },
         smooth_depth_error_m: 0.0021,
         rms_m: rms_px * 1.4 / 1900.0,
         verdict: Verdict::Usable,

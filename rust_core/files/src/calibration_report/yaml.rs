@@ -10,7 +10,7 @@
 //! rms_mm: 0.31
 //! points: 200000
 //! inliers: 198200
-//! coverage: {picture: 0.96, depth_m: [0.62, 1.94], scans: 1}
+//! coverage: {image: 0.96, depth_m: [0.62, 1.94], scans: 1}
 //! smooth_depth_error_m: 0.0004
 //! skew_px: {value: 0.04, sigma: 0.05}                   # estimated K[0][1]; missing if the lens was known
 //! size_px: [1280, 800]
@@ -34,7 +34,7 @@ use crate::yaml_text::{exact, figure, figures, list, quoted};
 /// Text of the file.
 pub(super) fn yaml(report: &Report) -> String {
     let Report { solution, coverage, .. } = report;
-    let Coverage { picture, depth_m, scans } = coverage;
+    let Coverage { image, depth_m, scans } = coverage;
     let mut yaml = "# A projector's calibration. Pixels are the projector's.\n".to_owned();
     let mut line = |key: &str, value: &str| {
         // Writing to a String cannot fail.
@@ -50,7 +50,7 @@ pub(super) fn yaml(report: &Report) -> String {
     line("rms_mm", &figure(1000.0 * report.rms_m));
     line("points", &report.points.to_string());
     line("inliers", &solution.inliers.to_string());
-    line("coverage", &format!("{{picture: {}, depth_m: {}, scans: {scans}}}", figure(*picture), figures(depth_m)));
+    line("coverage", &format!("{{image: {}, depth_m: {}, scans: {scans}}}", figure(*image), figures(depth_m)));
     line("smooth_depth_error_m", &figure(report.smooth_depth_error_m));
     if let Some(skew) = solution.skew {
         line("skew_px", &format!("{{value: {}, sigma: {}}}", figure(skew.value_px), figure(skew.sigma_px)));

@@ -34,7 +34,7 @@ pub enum CaptureError {
         /// Reason, with key, line and column.
         source: serde_yaml_ng::Error,
     },
-    /// The camera's CameraInfo or a picture cannot be read or written.
+    /// The camera's CameraInfo or an image cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
     /// The camera's CameraInfo describes no lens.
@@ -45,7 +45,7 @@ pub enum CaptureError {
         /// Key and reason.
         problem: LensProblem,
     },
-    /// A picture is wider or higher than any camera's or projector's.
+    /// An image is wider or higher than any camera's or projector's.
     #[error("{}: pictures of {}x{} pixels; the most is {most_px}", path.display(), size_px[0], size_px[1])]
     TooLarge {
         /// The file.
@@ -55,7 +55,7 @@ pub enum CaptureError {
         /// Largest size, pixels.
         most_px: u32,
     },
-    /// All pictures together need too much memory.
+    /// All images together need too much memory.
     #[error(
         "{}: {patterns} pictures of {}x{} pixels need more than {} GiB",
         path.display(), size_px[0], size_px[1], most_bytes >> 30
@@ -63,14 +63,14 @@ pub enum CaptureError {
     TooMuch {
         /// The file.
         path: PathBuf,
-        /// Number of pictures.
+        /// Number of images.
         patterns: usize,
         /// Their width and height, pixels.
         size_px: [u32; 2],
         /// Largest size, bytes.
         most_bytes: u64,
     },
-    /// A picture is not a valid PNG.
+    /// An image is not a valid PNG.
     #[error("{}: invalid PNG: {source}", path.display())]
     Decode {
         /// The file.
@@ -78,7 +78,7 @@ pub enum CaptureError {
         /// The decoder's error.
         source: image::ImageError,
     },
-    /// A picture has another size than the CameraInfo.
+    /// An image has another size than the CameraInfo.
     #[error(
         "{}: {}x{} pixels where the CameraInfo says {}x{}",
         path.display(), size_px[0], size_px[1], camera_px[0], camera_px[1]
@@ -91,7 +91,7 @@ pub enum CaptureError {
         /// Width and height of the CameraInfo, pixels.
         camera_px: [u32; 2],
     },
-    /// A picture has an unsupported pixel format.
+    /// An image has an unsupported pixel format.
     #[error("{}: {found} where {wanted} is needed", path.display())]
     Pixels {
         /// The file.

@@ -9,9 +9,9 @@ use serde::Deserialize;
 
 use super::error::CaptureError;
 use super::file_name::FileName;
+use super::images::{read_depth, read_grey};
 use super::limits::check_amount;
 use super::pattern_entry::{Patterns, ProjectorSize};
-use super::pictures::{read_depth, read_grey};
 use super::robot::{CapturedRobot, FrameChain};
 use super::yaml_file::{read_text, read_yaml};
 use crate::projector::checked_numbers::PositiveNumber;
@@ -25,9 +25,9 @@ pub const DEPTH_SCALE_M: f64 = 0.0001;
 /// Largest robot description.
 const MOST_URDF_BYTES: u64 = 64 << 20;
 
-/// The camera's picture of a pattern.
+/// The camera's image of a pattern.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PatternPicture {
+pub struct PatternImage {
     /// Pattern.
     pub pattern: Pattern,
     /// Brightness of each pixel, row by row from the top.
@@ -39,14 +39,14 @@ pub struct PatternPicture {
 pub struct Capture {
     /// Width and height of the projector's image, pixels.
     pub projector_size_px: [u32; 2],
-    /// Lens of the camera, with the size of all pictures.
+    /// Lens of the camera, with the size of all images.
     pub camera: Lens,
     /// `false` if the camera has no CameraInfo: of [`Self::camera`] only the size is right.
     pub is_camera_calibrated: bool,
     /// Optical frame of the camera; may be empty.
     pub camera_frame_id: String,
-    /// Pictures in the order of the patterns.
-    pub pictures: Vec<PatternPicture>,
+    /// Images in the order of the patterns.
+    pub images: Vec<PatternImage>,
     /// Depth (z) of each of the camera's pixels, metres, row by row; only positive numbers are depths.
     pub depth_m: Option<Vec<f32>>,
     /// The robot that carried the camera; empty in captures of cameras without TF, and of other tools.
@@ -75,7 +75,7 @@ fn yes() -> bool {
 }
 
 impl Capture {
-    /// Width and height of the camera's pictures, pixels.
+    /// Width and height of the camera's images, pixels.
     pub fn image_size_px(&self) -> [u32; 2] {
         self.camera.size_px
     }
@@ -96,13 +96,13 @@ impl Capture {
         check_amount(&path, camera.size_px, entries.len())?;
 
         let size_px = camera.size_px;
-        let pictures = entries.into_par_iter().map(|entry| {
+        let images = entries.into_par_iter().map(|entry| {
             let grey = read_grey(&entry.file.to_read(folder)?, size_px)?;
-            Ok(PatternPicture { pattern: entry.pattern, grey })
+            Ok(PatternImage { pattern: entry.pattern, grey })
         });
-        let pictures: Vec<Result<PatternPicture, CaptureError>> = pictures.collect();
+        let images: Vec<Result<PatternImage, CaptureError>> = images.collect();
         // The error of the first file, whichever thread was faster.
-        let pictures = pictures.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let images = images.into_iter().collect::<Result<Vec<_>, _>>()?;
         let scale_m = raw.depth_scale_m.map_or(DEPTH_SCALE_M, |PositiveNumber(scale)| scale);
         let depth_m = raw.depth.map(|file| read_depth(&file.to_read(folder)?, size_px, scale_m)).transpose()?;
         let description = raw.robot_description.map(|file| read_text(&file.to_read(folder)?, MOST_URDF_BYTES));
@@ -112,7 +112,7 @@ impl Capture {
             camera,
             is_camera_calibrated: raw.camera_calibrated,
             camera_frame_id,
-            pictures,
+            images,
             depth_m,
             robot: CapturedRobot { description: description.transpose()?, frames },
             warnings,

@@ -26,7 +26,7 @@ impl ProjectorSize {
     }
 }
 
-/// A pattern and the file of its picture.
+/// A pattern and the file of its image.
 #[derive(Debug)]
 pub(super) struct PatternEntry {
     pub(super) file: FileName,

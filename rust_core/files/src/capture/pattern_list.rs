@@ -1,18 +1,18 @@
-//! `patterns.yaml`: patterns to be shown, with their pictures beside it.
+//! `patterns.yaml`: patterns to be shown, with their images beside it.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use rcs_calibration::patterns::Pattern;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use serde::Deserialize;
 
 use super::error::CaptureError;
 use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns, ProjectorSize};
 use super::yaml_file::{parse_yaml, read_yaml};
 use crate::atomic_file::write_atomically;
-use crate::picture_file;
+use crate::image_file;
 
 /// The list of patterns to be shown.
 pub const PATTERNS_FILE: &str = "patterns.yaml";
@@ -22,7 +22,7 @@ pub const PATTERNS_FILE: &str = "patterns.yaml";
 pub struct PatternList {
     /// Width and height of the projector's image, pixels.
     pub projector_size_px: [u32; 2],
-    /// Patterns with the files of their pictures.
+    /// Patterns with the files of their images.
     pub patterns: Vec<(PathBuf, Pattern)>,
     /// Unknown keys, such as misspelt ones, as phrases that name the file.
     pub warnings: Vec<String>,
@@ -34,7 +34,7 @@ struct RawList {
     patterns: Patterns,
 }
 
-/// Reads a list of patterns without opening the pictures.
+/// Reads a list of patterns without opening the images.
 ///
 /// # Errors
 /// [`CaptureError`] with the file, key and line.
@@ -42,7 +42,7 @@ pub fn read_patterns(path: &Path) -> Result<PatternList, CaptureError> {
     Ok(PatternList::from_raw(path, read_yaml(path)?))
 }
 
-/// Parses the text of a list of patterns; `path` is for errors, and its folder contains the pictures.
+/// Parses the text of a list of patterns; `path` is for errors, and its folder contains the images.
 ///
 /// # Errors
 /// As [`read_patterns`].
@@ -59,7 +59,7 @@ impl PatternList {
     }
 }
 
-/// Writes the pictures `p000.png` and so on of these patterns, and then their list, [`PATTERNS_FILE`]. The folder is
+/// Writes the images `p000.png` and so on of these patterns, and then their list, [`PATTERNS_FILE`]. The folder is
 /// created if its parent exists.
 ///
 /// # Errors
@@ -73,8 +73,8 @@ pub fn write_patterns(folder: &Path, size_px: [u32; 2], patterns: &[Pattern]) ->
     names.map(|name| folder.join(name)).try_for_each(|path| remove_link(&path))?;
     let [width_px, height_px] = size_px;
     patterns.par_iter().enumerate().try_for_each(|(index, pattern)| {
-        let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data: pattern.picture(size_px) };
-        picture_file::write(&folder.join(name(index)), &picture)
+        let image = Image { width_px, height_px, encoding: Encoding::Mono8, data: pattern.image(size_px) };
+        image_file::write(&folder.join(name(index)), &image)
     })?;
     let entries = patterns.iter().enumerate().map(|(index, pattern)| entry_line(&name(index), pattern));
     let text = projector_line(size_px) + "patterns:\n" + &entries.collect::<String>();

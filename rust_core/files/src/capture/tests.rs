@@ -7,27 +7,27 @@ use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern, Stripes};
 use rcs_calibration::{Distortion, Lens};
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 use tempfile::{tempdir, TempDir};
 
 use super::*;
-use crate::picture_file;
+use crate::image_file;
 use crate::projector::StaticFrame;
 
 const SIZE: [u32; 2] = [6, 4];
 
 fn capture() -> Capture {
     let lens = Lens::pinhole(SIZE, [525.0, 520.5], [2.5, 1.5]);
-    let pictures = gray_code([5, 3]).into_iter().enumerate().map(|(index, pattern)| {
+    let images = gray_code([5, 3]).into_iter().enumerate().map(|(index, pattern)| {
         let grey = (0..24).map(|pixel| (pixel * 7 + index * 31) as u8).collect();
-        PatternPicture { pattern, grey }
+        PatternImage { pattern, grey }
     });
     Capture {
         projector_size_px: [5, 3],
         camera: Lens { distortion: Distortion::plumb_bob([-0.2, 0.1, 0.001, 0.0, 0.0]), ..lens },
         is_camera_calibrated: true,
         camera_frame_id: "head_camera_rgb_optical_frame".to_owned(),
-        pictures: pictures.collect(),
+        images: images.collect(),
         depth_m: Some((0..24_u16).map(|value| f32::from(value) * 0.25).collect()),
         robot: robot(),
         warnings: Vec::new(),
@@ -126,13 +126,13 @@ proptest! {
             metres.collect()
         });
         let grey: Vec<u8> = (0..count).map(|index| (index as u8).wrapping_mul(29).wrapping_add(seed)).collect();
-        let pictures = patterns.into_iter().map(|pattern| PatternPicture { pattern, grey: grey.clone() });
+        let images = patterns.into_iter().map(|pattern| PatternImage { pattern, grey: grey.clone() });
         let capture = Capture {
             projector_size_px,
             camera: Lens::pinhole(size_px, [500.25, 501.0], [-3.0, 1e3]),
             is_camera_calibrated: true,
             camera_frame_id: frame,
-            pictures: pictures.collect(),
+            images: images.collect(),
             depth_m,
             robot: CapturedRobot::default(),
             warnings: Vec::new(),
@@ -174,7 +174,7 @@ fn a_capture_is_replaced_and_its_files_are_gone() {
     let before = count();
     let mut changed = capture();
     for round in 1..4 {
-        changed.pictures[0].grey[0] = round;
+        changed.images[0].grey[0] = round;
         changed.write(folder.path()).unwrap();
         assert_eq!(Capture::read(folder.path()).unwrap(), changed);
         assert_eq!(count(), before, "no file of the capture before is left");
@@ -183,20 +183,20 @@ fn a_capture_is_replaced_and_its_files_are_gone() {
 
 /// Found by fuzzing: `c7.d/grey` went, because its last point was taken for that of an ending.
 #[test]
-fn pictures_of_names_that_no_writer_gives_stay_when_a_capture_is_replaced() {
+fn images_of_names_that_no_writer_gives_stay_when_a_capture_is_replaced() {
     let names = ["c7.d/grey", "c7.png", "c001.PNG", "depth.d/c000.png", "camera_info.d/0", "camera_info_2.png"];
     let folder = written();
-    let picture = fs::read(folder.path().join("c000.png")).unwrap();
+    let image = fs::read(folder.path().join("c000.png")).unwrap();
     let path = folder.path().join(CAPTURE_FILE);
     let mut text = "projector: {width: 5, height: 3}\ncamera_info: camera_info.yaml\npatterns:\n".to_owned();
     for name in names {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, &picture).unwrap();
+        fs::write(&path, &image).unwrap();
         text += &format!("  - {{file: {name}, kind: white}}\n");
     }
     fs::write(&path, text).unwrap();
-    assert_eq!(Capture::read(folder.path()).unwrap().pictures.len(), names.len());
+    assert_eq!(Capture::read(folder.path()).unwrap().images.len(), names.len());
     capture().write(folder.path()).unwrap();
     assert_eq!(Capture::read(folder.path()).unwrap(), capture());
     let gone: Vec<_> = names.into_iter().filter(|name| !folder.path().join(name).exists()).collect();
@@ -208,7 +208,7 @@ fn pictures_of_names_that_no_writer_gives_stay_when_a_capture_is_replaced() {
 fn an_interrupted_writer_leaves_the_capture_of_before() {
     let folder = written();
     let mut changed = capture();
-    changed.pictures[0].grey[0] = 77;
+    changed.images[0].grey[0] = 77;
     // The last file cannot be written where a folder is in the way of the unfinished one.
     let in_the_way = folder.path().join(format!(".{CAPTURE_FILE}.{}.part", std::process::id()));
     fs::create_dir(&in_the_way).unwrap();
@@ -223,13 +223,13 @@ fn an_interrupted_writer_leaves_the_capture_of_before() {
 fn colours_become_luma_and_opacity_does_not_count() {
     let folder = written();
     let pixels: Vec<u8> = [[255, 0, 0], [0, 255, 0], [0, 0, 255]].concat().repeat(8);
-    let picture = Picture { width_px: 6, height_px: 4, encoding: Encoding::Rgb8, data: pixels };
-    picture_file::write(&folder.path().join("c000.png"), &picture).unwrap();
+    let image = Image { width_px: 6, height_px: 4, encoding: Encoding::Rgb8, data: pixels };
+    image_file::write(&folder.path().join("c000.png"), &image).unwrap();
     let rgba = image::RgbaImage::from_pixel(6, 4, image::Rgba([10, 20, 30, 0]));
     rgba.save(folder.path().join("c001.png")).unwrap();
     let read = Capture::read(folder.path()).unwrap();
-    assert_eq!(read.pictures[0].grey[..3], [76, 150, 29]);
-    assert_eq!(read.pictures[1].grey[0], 18);
+    assert_eq!(read.images[0].grey[..3], [76, 150, 29]);
+    assert_eq!(read.images[1].grey[0], 18);
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn a_list_without_indentation_and_depth_is_read() {
     let text = text.lines().filter(|line| !line.starts_with("depth")).map(|line| line.trim_start().to_owned() + "\r\n");
     fs::write(&path, text.collect::<String>()).unwrap();
     let read = Capture::read(folder.path()).unwrap();
-    assert_eq!((read.pictures, read.depth_m), (capture().pictures, None));
+    assert_eq!((read.images, read.depth_m), (capture().images, None));
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn a_byte_order_mark_before_the_list_changes_nothing() {
     let folder = written();
     let path = folder.path().join(CAPTURE_FILE);
     fs::write(&path, format!("\u{feff}{}", fs::read_to_string(&path).unwrap())).unwrap();
-    assert_eq!(Capture::read(folder.path()).unwrap().pictures, capture().pictures);
+    assert_eq!(Capture::read(folder.path()).unwrap().images, capture().images);
 }
 
 #[test]
@@ -321,7 +321,7 @@ fn what_is_wrong_in_the_list_is_said_with_its_line() {
 }
 
 #[test]
-fn what_is_wrong_with_a_picture_is_said_with_its_file() {
+fn what_is_wrong_with_a_image_is_said_with_its_file() {
     let with = |name: &str, make: &dyn Fn(&Path)| {
         let folder = written();
         let path = folder.path().join(name);
@@ -367,14 +367,14 @@ fn what_could_not_be_read_again_is_not_written() {
     type Change = fn(&mut Capture);
     let cases: [(Change, &str); 6] = [
         (|capture| capture.projector_size_px[1] = 0, "a projector of 5x0 pixels"),
-        (|capture| capture.pictures.clear(), "0 patterns"),
-        (|capture| capture.pictures[2].grey.truncate(5), "picture 2 has 5 pixels, but the camera 6x4"),
+        (|capture| capture.images.clear(), "0 patterns"),
+        (|capture| capture.images[2].grey.truncate(5), "picture 2 has 5 pixels, but the camera 6x4"),
         (|capture| capture.depth_m = Some(vec![1.0]), "the depth has 1 pixels"),
         (|capture| capture.camera.focal_px.x = f64::NAN, "the camera's K"),
         (
             |capture| {
                 let stripes = Stripes { axis: Axis::X, bits: 3, bit: 3, step: 1, offset: 0, inverted: false };
-                capture.pictures[1].pattern = Pattern::GrayCode(stripes);
+                capture.images[1].pattern = Pattern::GrayCode(stripes);
             },
             "pattern 1 is invalid",
         ),
@@ -392,7 +392,7 @@ fn what_could_not_be_read_again_is_not_written() {
 }
 
 #[test]
-fn patterns_are_written_as_pictures_with_a_list() {
+fn patterns_are_written_as_images_with_a_list() {
     let folder = tempdir().unwrap();
     for patterns in [gray_code([37, 23]), shifted_gray_code([37, 23], 4)] {
         write_patterns(folder.path(), [37, 23], &patterns).unwrap();
@@ -401,7 +401,7 @@ fn patterns_are_written_as_pictures_with_a_list() {
         assert_eq!(list.patterns.len(), patterns.len());
         for ((path, read), pattern) in list.patterns.iter().zip(&patterns) {
             assert_eq!(read, pattern);
-            assert_eq!(image::open(path).unwrap().into_luma8().into_raw(), pattern.picture([37, 23]));
+            assert_eq!(image::open(path).unwrap().into_luma8().into_raw(), pattern.image([37, 23]));
         }
     }
 }
@@ -467,5 +467,5 @@ fn a_capture_and_patterns_are_not_written_where_links_lead() {
         assert_eq!(fs::read_to_string(elsewhere.path().join(name)).unwrap(), "of somebody else", "{name}");
         assert!(fs::symlink_metadata(folder.path().join(name)).unwrap().is_file(), "{name}");
     }
-    assert_eq!(Capture::read(folder.path()).unwrap().pictures, capture().pictures);
+    assert_eq!(Capture::read(folder.path()).unwrap().images, capture().images);
 }

@@ -1,12 +1,12 @@
-//! Writing a capture folder: pictures first, and last `capture.yaml`, which names them, so that an interrupted writer
-//! leaves no `capture.yaml` or a valid one. New pictures of a folder with a capture get other names than the old ones,
+//! Writing a capture folder: images first, and last `capture.yaml`, which names them, so that an interrupted writer
+//! leaves no `capture.yaml` or a valid one. New images of a folder with a capture get other names than the old ones,
 //! which are removed afterwards.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::{Encoding, Image};
 
 use super::error::CaptureError;
 use super::file_name::FileName;
@@ -15,7 +15,7 @@ use super::limits::check_amount;
 use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns};
 use super::pattern_list::{make_folder, remove_link, write_text};
 use super::yaml_file::read_yaml;
-use crate::picture_file;
+use crate::image_file;
 use crate::projector::ProjectorFile;
 
 impl Capture {
@@ -31,22 +31,22 @@ impl Capture {
         let names = FileNames::new(&old_files);
         let [width_px, height_px] = self.camera.size_px;
         let camera_info = names.camera_info();
-        let pictures = (0..self.pictures.len()).map(|index| names.picture(index));
+        let images = (0..self.images.len()).map(|index| names.image(index));
         let depth = self.depth_m.is_some().then(|| names.depth());
         let urdf = self.robot.description.is_some().then(|| names.robot_description());
-        let files = pictures.chain([camera_info.clone()]).chain(depth).chain(urdf);
+        let files = images.chain([camera_info.clone()]).chain(depth).chain(urdf);
         let files: Vec<PathBuf> = files.map(|name| folder.join(name)).collect();
         files.iter().try_for_each(|file| remove_link(file))?;
 
-        self.pictures.par_iter().enumerate().try_for_each(|(index, picture)| {
-            let data = picture.grey.clone();
-            let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data };
-            picture_file::write(&folder.join(names.picture(index)), &picture)
+        self.images.par_iter().enumerate().try_for_each(|(index, image)| {
+            let data = image.grey.clone();
+            let image = Image { width_px, height_px, encoding: Encoding::Mono8, data };
+            image_file::write(&folder.join(names.image(index)), &image)
         })?;
         ProjectorFile::from_lens(&self.camera, &self.camera_frame_id).write(&folder.join(&camera_info))?;
-        let entries = self.pictures.iter().enumerate();
+        let entries = self.images.iter().enumerate();
         let mut text = projector_line(self.projector_size_px) + "patterns:\n";
-        text.extend(entries.map(|(index, picture)| entry_line(&names.picture(index), &picture.pattern)));
+        text.extend(entries.map(|(index, image)| entry_line(&names.image(index), &image.pattern)));
         text += &format!("camera_info: {camera_info}\n");
         if !self.is_camera_calibrated {
             text += "camera_calibrated: false\n";
@@ -54,8 +54,8 @@ impl Capture {
         if let Some(depth_m) = &self.depth_m {
             let depth = names.depth();
             let data = depth_m.iter().flat_map(|depth| depth_value(*depth).to_le_bytes()).collect();
-            let picture = Picture { width_px, height_px, encoding: Encoding::Mono16, data };
-            picture_file::write(&folder.join(&depth), &picture)?;
+            let image = Image { width_px, height_px, encoding: Encoding::Mono16, data };
+            image_file::write(&folder.join(&depth), &image)?;
             text += &format!("depth: {depth}\ndepth_scale_m: {DEPTH_SCALE_M}\n");
         }
         text += &self.robot.frame_lines();
@@ -83,17 +83,16 @@ impl Capture {
     /// Checks that the capture can be read again.
     fn check(&self, folder: &Path) -> Result<(), CaptureError> {
         let unwritable = |reason| CaptureError::Unwritable { path: folder.to_owned(), reason };
-        check_writable(self.projector_size_px, self.pictures.iter().map(|picture| &picture.pattern))
-            .map_err(unwritable)?;
+        check_writable(self.projector_size_px, self.images.iter().map(|image| &image.pattern)).map_err(unwritable)?;
         self.robot.check().map_err(unwritable)?;
-        check_amount(folder, self.camera.size_px, self.pictures.len())?;
+        check_amount(folder, self.camera.size_px, self.images.len())?;
         ProjectorFile::from_lens(&self.camera, &self.camera_frame_id)
             .camera_lens()
             .map_err(|problem| unwritable(format!("the camera's {problem}")))?;
         let [width, height] = self.camera.size_px.map(|size| size as usize);
         let wrong = |count: usize| count != width * height;
-        if let Some(index) = self.pictures.iter().position(|picture| wrong(picture.grey.len())) {
-            let count = self.pictures[index].grey.len();
+        if let Some(index) = self.images.iter().position(|image| wrong(image.grey.len())) {
+            let count = self.images[index].grey.len();
             return Err(unwritable(format!("picture {index} has {count} pixels, but the camera {width}x{height}")));
         }
         match &self.depth_m {
@@ -122,8 +121,8 @@ fn files_of_capture(folder: &Path) -> Vec<FileName> {
     else {
         return Vec::new();
     };
-    let pictures = entries.into_iter().map(|entry| entry.file);
-    pictures.chain([camera_info]).chain(depth).chain(robot_description).collect()
+    let images = entries.into_iter().map(|entry| entry.file);
+    images.chain([camera_info]).chain(depth).chain(robot_description).collect()
 }
 
 /// Names of a capture's files.
@@ -142,7 +141,7 @@ impl FileNames {
         free.unwrap_or(Self { suffix: String::new() })
     }
 
-    fn picture(&self, index: usize) -> String {
+    fn image(&self, index: usize) -> String {
         format!("c{index:03}{}.png", self.suffix)
     }
 

@@ -49,7 +49,7 @@ impl ProjectorFile {
         lens_of(&self.camera_info)
     }
 
-    /// The lens of a scanning camera, which must not be mirrored: mirrored pictures of a scan mean a mirror in the
+    /// The lens of a scanning camera, which must not be mirrored: mirrored images of a scan mean a mirror in the
     /// light's path.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Results of a verification, as YAML for programs and as a [`picture`] for people.
+//! Results of a verification, as YAML for programs and as an [`image`] for people.
 //!
 //! ```yaml
 //! projector: "projector.yaml"
@@ -13,9 +13,9 @@
 //!
 //! `expected_px` and `landed_px` are pixels of the camera, all other pixels are the projector's.
 
-mod picture;
+mod image;
 
-pub use picture::picture;
+pub use image::image;
 
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -15,7 +15,7 @@ pub(in crate::cpu) struct WorkerCosts {
 }
 
 impl WorkerCosts {
-    /// Begins with a picture of so many jobs.
+    /// Begins with an image of so many jobs.
     pub(in crate::cpu) fn reset(&mut self, jobs: usize) {
         self.by_job.clear();
         self.by_job.resize(jobs, Duration::ZERO);
@@ -45,7 +45,7 @@ impl WorkerCosts {
     }
 }
 
-/// The share of each display in the time of a picture that the workers draw together.
+/// The share of each display in the time of an image that the workers draw together.
 pub(in crate::cpu) fn by_display<'w>(
     displays: &[DisplayId],
     workers: impl ExactSizeIterator<Item = &'w WorkerCosts>,

@@ -289,7 +289,7 @@ impl<S: Simd, T: Lanes<S>, const PAINT: u8> FaceColor<S, T, PAINT> {
 #[inline]
 fn cell_color(sheet: &CellSheet, [u, v]: [f32; 2]) -> [u8; 4] {
     let index = |place: f32, count: u32| {
-        // Within the picture places are hardly outside of 0 to 1, so that this fits.
+        // Within the image places are hardly outside of 0 to 1, so that this fits.
         let cell = (place * count as f32).floor() as i64;
         cell.rem_euclid(i64::from(count.max(1))) as u32
     };

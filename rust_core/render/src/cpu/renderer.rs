@@ -1,4 +1,4 @@
-//! The renderer: from a view to a picture, in two steps on all threads.
+//! The renderer: from a view to an image, in two steps on all threads.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
+use rcs_scene::{DepthImage, DisplayId, Encoding, Image, MAX_SIDE_PX};
 
 use super::costs::{self, WorkerCosts};
 use super::plan::{Caches, DrawContext, Outcome, Plan, PlanMemory, Scratch};
@@ -27,11 +27,11 @@ const JOB: Duration = Duration::from_micros(100);
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     workers: Vec<Worker>,
-    /// Number of workers that draw the picture; the others sleep.
+    /// Number of workers that draw the image; the others sleep.
     pub(super) active: usize,
-    /// All of them draw each picture.
+    /// All of them draw each image.
     uses_all: bool,
-    /// By job; some more may be left of other pictures.
+    /// By job; some more may be left of other images.
     outcomes: Vec<Outcome>,
     caches: Caches,
     /// The instruction set to use; `None`: the best that there is.
@@ -39,17 +39,17 @@ pub struct CpuRenderer {
     culling: Culling,
     runs: Vec<Run>,
     memory: PlanMemory,
-    pictures: Pictures,
-    /// The displays of the last picture's jobs.
+    images: Images,
+    /// The displays of the last image's jobs.
     job_displays: Vec<DisplayId>,
-    /// The next picture's first job panics.
+    /// The next image's first job panics.
     #[cfg(test)]
     pub(super) panics_next: bool,
 }
 
-/// Pictures of a renderer.
+/// Images of a renderer.
 #[derive(Debug, Default)]
-struct Pictures {
+struct Images {
     /// Drawn and not yet returned, the oldest first.
     finished: VecDeque<Drawn>,
     /// Memory for the next one.
@@ -58,10 +58,10 @@ struct Pictures {
     before_lens: Drawn,
 }
 
-/// When faces that others hide are looked for. The picture does not depend on it.
+/// When faces that others hide are looked for. The image does not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Culling {
-    /// In pictures in which many large faces lie over each other.
+    /// In images in which many large faces lie over each other.
     #[default]
     Heavy,
     /// Everywhere.
@@ -87,7 +87,7 @@ struct Worker {
 }
 
 impl CpuRenderer {
-    /// A renderer that uses as many cores as pay for a picture.
+    /// A renderer that uses as many cores as pay for an image.
     pub fn new() -> Self {
         Self::with_up_to(rayon::current_num_threads())
     }
@@ -97,7 +97,7 @@ impl CpuRenderer {
         Self { uses_all: false, ..Self::with_threads(threads) }
     }
 
-    /// A renderer that uses this many threads (at least one). The picture does not depend on it.
+    /// A renderer that uses this many threads (at least one). The image does not depend on it.
     pub fn with_threads(threads: usize) -> Self {
         let workers = (0..threads.max(1)).map(|_| Worker::default()).collect();
         Self { workers, uses_all: true, ..Self::default() }
@@ -128,43 +128,43 @@ impl Renderer for CpuRenderer {
         costs::by_display(&self.job_displays, self.workers[..self.active].iter().map(|worker| &worker.costs))
     }
 
-    /// Draws at once: all cores are busy with one picture.
+    /// Draws at once: all cores are busy with one image.
     fn submit_with_depths(&mut self, view: &View<'_>, request: &DepthRequest<'_>) -> Result<(), RenderError> {
-        let mut drawn = std::mem::take(&mut self.pictures.unused);
+        let mut drawn = std::mem::take(&mut self.images.unused);
         let result = self.draw(view, request, &mut drawn);
         match result {
-            Ok(()) => self.pictures.finished.push_back(drawn),
-            Err(_) => self.pictures.unused = drawn,
+            Ok(()) => self.images.finished.push_back(drawn),
+            Err(_) => self.images.unused = drawn,
         }
         result
     }
 
-    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
-        let Some(mut drawn) = self.pictures.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
-        drawn.swap(picture, depths);
-        self.pictures.unused = drawn;
+    fn finish_with_depths(&mut self, image: &mut Image, depths: &mut Depths) -> Result<Finished, RenderError> {
+        let Some(mut drawn) = self.images.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
+        drawn.swap(image, depths);
+        self.images.unused = drawn;
         Ok(Finished::Drawn)
     }
 
-    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
-        self.pictures.finished.clear();
-        let mut drawn = Drawn { picture: std::mem::take(picture), ..Drawn::default() };
+    fn render(&mut self, view: &View<'_>, image: &mut Image) -> Result<(), RenderError> {
+        self.images.finished.clear();
+        let mut drawn = Drawn { image: std::mem::take(image), ..Drawn::default() };
         let result = self.draw(view, &DepthRequest::default(), &mut drawn);
-        *picture = drawn.picture;
+        *image = drawn.image;
         result
     }
 }
 
 impl CpuRenderer {
-    /// Draws a picture with the depths that are wanted. A panic is an error: what the renderer kept for the next
-    /// pictures is dropped, and those go on.
+    /// Draws an image with the depths that are wanted. A panic is an error: what the renderer kept for the next
+    /// images is dropped, and those go on.
     fn draw(&mut self, view: &View<'_>, request: &DepthRequest<'_>, drawn: &mut Drawn) -> Result<(), RenderError> {
         let result = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, request, drawn)));
         result.unwrap_or_else(|panic| {
             let (simd_level, culling, uses_all) = (self.simd_level, self.culling, self.uses_all);
-            let finished = std::mem::take(&mut self.pictures.finished);
+            let finished = std::mem::take(&mut self.images.finished);
             *self = Self { simd_level, culling, uses_all, ..Self::with_threads(self.workers.len()) };
-            self.pictures.finished = finished;
+            self.images.finished = finished;
             Err(RenderError::Panicked { renderer: self.describe(), reason: panic_text(panic.as_ref()).to_owned() })
         })
     }
@@ -176,12 +176,12 @@ impl CpuRenderer {
         drawn: &mut Drawn,
     ) -> Result<(), RenderError> {
         if let Some(map) = view.camera.lens() {
-            let mut straight = std::mem::take(&mut self.pictures.before_lens);
+            let mut straight = std::mem::take(&mut self.images.before_lens);
             let result = self.draw_straight(&View { encoding: Encoding::Rgba8, ..*view }, request, &mut straight);
             if result.is_ok() {
                 drawn.see_through(map, &straight, view.background, view.encoding);
             }
-            self.pictures.before_lens = straight;
+            self.images.before_lens = straight;
             result?;
         } else {
             self.draw_straight(view, request, drawn)?;
@@ -202,9 +202,9 @@ impl CpuRenderer {
             let renderer = self.describe();
             return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
         }
-        drawn.picture.reset(width_px, height_px, view.encoding);
+        drawn.image.reset(width_px, height_px, view.encoding);
         drawn.depths.reset(request.wanted(), [width_px, height_px]);
-        if drawn.picture.data.is_empty() {
+        if drawn.image.data.is_empty() {
             return Ok(());
         }
         if self.workers.is_empty() {
@@ -225,7 +225,7 @@ impl CpuRenderer {
         Ok(())
     }
 
-    /// The number of workers that draw a picture of this number of jobs soonest, if it takes as long as they usually do
+    /// The number of workers that draw an image of this number of jobs soonest, if it takes as long as they usually do
     /// or as the last one: `work / workers + WAKE_UP · workers` is least at the root of their quotient.
     pub(super) fn paying_workers(&self, jobs: usize) -> usize {
         let last: Duration = self.workers.iter().map(|worker| worker.costs.sum()).sum();
@@ -287,14 +287,14 @@ impl CpuRenderer {
 
     /// The second step: all bands.
     fn draw_bands(&mut self, context: &DrawContext<'_>, view: &View<'_>, drawn: &mut Drawn) {
-        let Drawn { picture, depths: Depths { opaque, objects } } = drawn;
+        let Drawn { image, depths: Depths { opaque, objects } } = drawn;
         let [r, g, b] = view.background;
         let background = pack([r, g, b, 255]);
-        let (step, width, rows) = (picture.step(), picture.width_px as usize, context.screen.band_rows());
+        let (step, width, rows) = (image.step(), image.width_px as usize, context.screen.band_rows());
         let (outcomes, runs, has_objects) = (self.outcomes.as_slice(), &self.runs, !objects.depths_m.is_empty());
         let to_metres = ToMetres::new(view.camera);
         let depths = depth_bands(opaque, width * rows).zip(depth_bands(objects, width * rows));
-        let bands = picture.data.chunks_mut(step * rows).zip(depths).enumerate();
+        let bands = image.data.chunks_mut(step * rows).zip(depths).enumerate();
         in_parallel(&mut self.workers[..self.active], bands, |worker, (index, (rows, (opaque, objects)))| {
             let Worker { band, scratch, costs } = worker;
             let mut band = band.begin(context.screen, index, background, has_objects);
@@ -312,7 +312,7 @@ impl CpuRenderer {
 }
 
 /// The depths band by band, of this number of pixels each; without end.
-fn depth_bands(depth: &mut DepthPicture, pixels: usize) -> impl Iterator<Item = &mut [f32]> {
+fn depth_bands(depth: &mut DepthImage, pixels: usize) -> impl Iterator<Item = &mut [f32]> {
     depth.depths_m.chunks_mut(pixels.max(1)).chain(std::iter::repeat_with(<&mut [f32]>::default))
 }
 

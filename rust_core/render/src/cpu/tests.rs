@@ -1,16 +1,16 @@
-//! A renderer that has panicked, and how many threads draw a picture.
+//! A renderer that has panicked, and how many threads draw an image.
 
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Point3};
 use rcs_scene::{
-    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, RenderGroup, Scene, Vertex,
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, Material, Mesh, RenderGroup, Scene, Vertex,
 };
 
 use super::CpuRenderer;
 use crate::{Finished, RenderError, Renderer, View};
 
-/// A triangle over the picture's middle.
+/// A triangle over the image's middle.
 fn triangle() -> Scene {
     let vertices = [[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 2.0]].map(|at| Vertex::new(at, [0.0, 0.0, -1.0]));
     let mesh = Arc::new(Mesh { vertices: vertices.to_vec(), indices: vec![0, 2, 1, 0, 1, 2] });
@@ -27,13 +27,13 @@ fn camera() -> Camera {
 }
 
 #[test]
-fn a_small_picture_wakes_no_threads() {
+fn a_small_image_wakes_no_threads() {
     let (scene, visible, camera) = (triangle(), DisplayMask::all(), camera());
     let view = View { scene: &scene, camera: &camera, visible: &visible, background: [9; 3], encoding: Encoding::Rgb8 };
     let draw = |mut renderer: CpuRenderer| {
-        let mut picture = Picture::default();
-        renderer.render(&view, &mut picture).unwrap();
-        (renderer, picture)
+        let mut image = Image::default();
+        renderer.render(&view, &mut image).unwrap();
+        (renderer, image)
     };
     let (all, of_all) = draw(CpuRenderer::with_threads(4));
     let (few, of_few) = draw(CpuRenderer::with_up_to(4));
@@ -44,13 +44,13 @@ fn a_small_picture_wakes_no_threads() {
 }
 
 #[test]
-fn a_panic_is_an_error_and_the_next_picture_is_drawn() {
+fn a_panic_is_an_error_and_the_next_image_is_drawn() {
     for threads in [1, 2] {
         let (scene, visible, camera) = (triangle(), DisplayMask::all(), camera());
         let view =
             View { scene: &scene, camera: &camera, visible: &visible, background: [9; 3], encoding: Encoding::Rgb8 };
         let mut renderer = CpuRenderer::with_threads(threads);
-        let (mut before, mut after) = (Picture::default(), Picture::default());
+        let (mut before, mut after) = (Image::default(), Image::default());
         renderer.render(&view, &mut before).unwrap();
         assert_ne!(before.data, [9].repeat(32 * 24 * 3));
 

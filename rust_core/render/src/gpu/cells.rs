@@ -52,7 +52,7 @@ fn fixed_state(blended: bool, depth_write: bool) -> FixedState {
 struct Uploaded {
     /// Keeps the address from being used again.
     cells: Weak<Cells>,
-    /// The cells were dropped when the last picture began.
+    /// The cells were dropped when the last image began.
     was_dead: bool,
     /// The tiles in the texture.
     tiles: Vec<Weak<Vec<u8>>>,

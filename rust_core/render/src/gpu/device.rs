@@ -1,7 +1,7 @@
 //! An opened adapter: which one is chosen, and how its errors are reported.
 //!
 //! wgpu panics where it finds an error that nobody catches. Here the first error is recorded, and [`Device::check`]
-//! returns it once a picture's work is done. The device is dropped then.
+//! returns it once an image's work is done. The device is dropped then.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -14,7 +14,7 @@ use super::hardware::may_have_gpu;
 use super::stats::GpuStats;
 use crate::RenderError;
 
-/// How long a picture may take: drivers reset a GPU that hangs after some seconds.
+/// How long an image may take: drivers reset a GPU that hangs after some seconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A GPU that can be drawn on.
@@ -29,7 +29,7 @@ pub(super) struct Device {
     /// The first error.
     fault: Arc<OnceLock<String>>,
     stats: Mutex<GpuStats>,
-    /// How long a picture is waited for.
+    /// How long an image is waited for.
     pub(super) patience: Duration,
     /// True if it was waited for in vain. To drop it may then take for ever.
     pub(super) is_hung: AtomicBool,
@@ -75,7 +75,7 @@ impl Device {
         let info = adapter.get_info();
         let name = format!("{}, {}", info.name, info.backend);
         let mut limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
-        // A mesh, or a picture that is read back, is one buffer.
+        // A mesh, or an image that is read back, is one buffer.
         limits.max_buffer_size = adapter.limits().max_buffer_size;
         let descriptor = wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };
         #[expect(clippy::disallowed_methods, reason = "the driver's start; a second signal ends the program")]
@@ -177,7 +177,7 @@ impl Device {
         })
     }
 
-    /// Writes a picture's values to a buffer. Returns true if that was replaced, because they did not fit.
+    /// Writes an image's values to a buffer. Returns true if that was replaced, because they did not fit.
     pub(super) fn rewrite(&self, buffer: &mut wgpu::Buffer, values: &[u8]) -> bool {
         let is_too_small = values.len() as u64 > buffer.size();
         if is_too_small {

@@ -1,10 +1,10 @@
-//! The draws of a picture, recorded once for each of its passes.
+//! The draws of an image, recorded once for each of its passes.
 
 use super::geometry::Instances;
 use super::pipeline::{ByPass, Pass};
 use super::triangles::TrianglesDraw;
 
-/// Instances of a few vertices each, such as points or the glyphs of a text, in one picture.
+/// Instances of a few vertices each, such as points or the glyphs of a text, in one image.
 pub(super) struct InstancedDraw {
     pub(super) pipelines: ByPass<wgpu::RenderPipeline>,
     /// The offset of its constants among the uniforms.
@@ -15,7 +15,7 @@ pub(super) struct InstancedDraw {
     pub(super) instances: Vec<Instances>,
 }
 
-/// One drawable in one picture.
+/// One drawable in one image.
 pub(super) enum Draw {
     Instanced(InstancedDraw),
     Triangles(TrianglesDraw),

@@ -1,10 +1,10 @@
-//! The GPU renderer: the same picture as the CPU's, drawn with wgpu.
+//! The GPU renderer: the same image as the CPU's, drawn with wgpu.
 //!
 //! ```text
 //! hardware   whether there may be a GPU at all
 //! device     an adapter (Vulkan before GL, hardware before software) and its errors
 //! points     ┐ one file for each kind of primitive, with a shader of the same name: an immutable set of pipelines,
-//! lines      │ made when the device is opened, and the draw data of one drawable in one picture
+//! lines      │ made when the device is opened, and the draw data of one drawable in one image
 //! triangles  │
 //! text       │
 //! cells      ┘
@@ -12,21 +12,21 @@
 //! pipeline   what all pipelines have in common, and the fixed state and output in which they differ
 //! geometry   what the buffers of geometries have in common
 //! texture    images with their mipmaps
-//! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
-//! target     the picture and its depths on the GPU; one for each picture in flight
+//! uniforms   the constants of all drawables of an image, in one buffer with dynamic offsets
+//! target     the image and its depths on the GPU; one for each image in flight
 //! readback   its way back
 //! stats      how often and how long things were done
 //! ```
 //!
-//! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture
-//! and copy it to memory; from then on it is in flight, and the CPU is free, for example for the next picture's first
+//! An image goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the image
+//! and copy it to memory; from then on it is in flight, and the CPU is free, for example for the next image's first
 //! half. The second half waits for that one submission and encodes what came back. Nothing is set up during the first
-//! picture: pipelines are built with the device, and buffers and textures are used again. Depths that are wanted are
+//! image: pipelines are built with the device, and buffers and textures are used again. Depths that are wanted are
 //! passes of their own in the same commands, whose pipelines are built when they are first asked for.
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is closed with an error, and the
-//! next picture opens it anew.
+//! next image opens it anew.
 
 mod cells;
 mod device;
@@ -53,7 +53,7 @@ use std::time::Instant;
 
 use nalgebra::Matrix4;
 use rcs_scene::{
-    Camera, DisplayId, DisplayMask, DrawOrder, Encoding, Flip, Geometry, Material, Ordered, Picture, PixelMap, Scene,
+    Camera, DisplayId, DisplayMask, DrawOrder, Encoding, Flip, Geometry, Image, Material, Ordered, PixelMap, Scene,
 };
 
 use self::cells::CellPipelines;
@@ -91,7 +91,7 @@ struct Gpu {
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<Submitted>,
-    /// A picture with its depths before a lens bends it.
+    /// An image with its depths before a lens bends it.
     before_lens: Drawn,
 }
 
@@ -105,7 +105,7 @@ struct Pipelines {
     cells: CellPipelines,
 }
 
-/// A picture that was submitted and not yet returned.
+/// An image that was submitted and not yet returned.
 #[derive(Debug)]
 struct Submitted {
     target: Target,
@@ -117,17 +117,17 @@ struct Submitted {
     to_metres: ToMetres,
 }
 
-/// The lens of a picture.
+/// The lens of an image.
 #[derive(Debug)]
 struct LensView {
     map: Arc<PixelMap>,
     background: [u8; 3],
 }
 
-/// One picture is drawn while others are prepared and encoded; as many as a node usually has cameras.
-const PICTURES_AT_ONCE: usize = 4;
+/// One image is drawn while others are prepared and encoded; as many as a node usually has cameras.
+const IMAGES_AT_ONCE: usize = 4;
 
-/// The drawable at hand, and what all drawables of a picture have in common.
+/// The drawable at hand, and what all drawables of an image have in common.
 struct DrawContext<'a> {
     device: &'a Device,
     uniforms: &'a mut Uniforms,
@@ -184,8 +184,8 @@ impl Renderer for GpuRenderer {
         format!("gpu ({})", self.name)
     }
 
-    fn pictures_at_once(&self) -> usize {
-        PICTURES_AT_ONCE
+    fn images_at_once(&self) -> usize {
+        IMAGES_AT_ONCE
     }
 
     fn takes_packed_points(&self) -> bool {
@@ -217,9 +217,9 @@ impl Renderer for GpuRenderer {
         self.on(gpu, |gpu| gpu.submit(view, request))
     }
 
-    fn finish_with_depths(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+    fn finish_with_depths(&mut self, image: &mut Image, depths: &mut Depths) -> Result<Finished, RenderError> {
         let Some(gpu) = self.gpu.take() else { return Ok(Finished::NoneInFlight) };
-        self.on(gpu, |gpu| gpu.finish(picture, depths))
+        self.on(gpu, |gpu| gpu.finish(image, depths))
     }
 
     fn forget_sizes(&mut self) {
@@ -234,7 +234,7 @@ impl Gpu {
     fn open(hardware_only: bool) -> Result<Self, RenderError> {
         let device = Device::open(hardware_only)?;
         let uniforms = Uniforms::new(&device);
-        // Compiling shaders is most of the time until the first picture, so that all cores do.
+        // Compiling shaders is most of the time until the first image, so that all cores do.
         let layout = uniforms.layout();
         let flat = || (CellPipelines::new(&device, layout), TextPipelines::new(&device, layout));
         let ((points, lines), (triangles, (cells, texts))) = rayon::join(
@@ -284,7 +284,7 @@ impl Gpu {
         let (flip, to_metres) = (view.camera.flip(), ToMetres::new(view.camera));
         self.in_flight.push_back(Submitted { target, arrivals, encoding: view.encoding, lens, flip, to_metres });
         self.device.count(|stats| {
-            stats.pictures += 1;
+            stats.images += 1;
             stats.draws += draws.len() as u64;
             stats.prepare += prepared.duration_since(start);
             stats.submit += prepared.elapsed();
@@ -292,9 +292,9 @@ impl Gpu {
         Ok(())
     }
 
-    fn finish(&mut self, picture: &mut Picture, depths: &mut Depths) -> Result<Finished, RenderError> {
+    fn finish(&mut self, image: &mut Image, depths: &mut Depths) -> Result<Finished, RenderError> {
         let Some(mut submitted) = self.in_flight.pop_front() else { return Ok(Finished::NoneInFlight) };
-        let mut drawn = Drawn::in_memory_of(picture, depths);
+        let mut drawn = Drawn::in_memory_of(image, depths);
         if let Some(LensView { map, background }) = submitted.lens.take() {
             submitted.read(&self.device, Encoding::Rgba8, &mut self.before_lens)?;
             drawn.see_through(&map, &self.before_lens, background, submitted.encoding);
@@ -302,7 +302,7 @@ impl Gpu {
             submitted.read(&self.device, submitted.encoding, &mut drawn)?;
         }
         drawn.flip(submitted.flip);
-        drawn.swap(picture, depths);
+        drawn.swap(image, depths);
         self.targets.give_back(submitted.target);
         Ok(Finished::Drawn)
     }
@@ -370,11 +370,11 @@ impl Pipelines {
 }
 
 impl Submitted {
-    /// Waits for the picture and its depths, and writes them as they were drawn.
+    /// Waits for the image and its depths, and writes them as they were drawn.
     fn read(&mut self, device: &Device, encoding: Encoding, drawn: &mut Drawn) -> Result<(), RenderError> {
         let (size_px, to_metres) = (self.target.size_px(), self.to_metres);
-        let Drawn { picture, depths } = drawn;
-        picture.reset(size_px[0], size_px[1], encoding);
+        let Drawn { image, depths } = drawn;
+        image.reset(size_px[0], size_px[1], encoding);
         depths.reset(self.target.wanted_depths(), size_px);
         let write_metres = |pixels: &[[u8; 4]], row: &mut [f32]| {
             for (metres, steps) in row.iter_mut().zip(pixels) {
@@ -385,9 +385,9 @@ impl Submitted {
             let depth = match layer.pass {
                 Pass::Opaque => &mut depths.opaque,
                 Pass::Objects => &mut depths.objects,
-                Pass::Picture => {
+                Pass::Image => {
                     let write_row = |pixels: &[[u8; 4]], row: &mut [u8]| encoding.write_row(pixels, row);
-                    layer.readback.read(device, arrival, &mut picture.data, write_row)?;
+                    layer.readback.read(device, arrival, &mut image.data, write_row)?;
                     continue;
                 }
             };
@@ -397,7 +397,7 @@ impl Submitted {
     }
 }
 
-/// Adds a draw to a picture's, or its instances to those of the last one.
+/// Adds a draw to an image's, or its instances to those of the last one.
 fn add(draws: &mut Vec<Draw>, draw: Option<Draw>) {
     let is_joined = match (draws.last_mut(), &draw) {
         (Some(Draw::Triangles(last)), Some(Draw::Triangles(next))) => last.join(next),
@@ -447,7 +447,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_gpu_that_does_not_answer_is_an_error_and_the_next_picture_is_drawn() {
+    fn a_gpu_that_does_not_answer_is_an_error_and_the_next_image_is_drawn() {
         let camera = |side: u32| {
             let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
             Camera::new(Intrinsics::from_p(side, side, &p).unwrap(), &Isometry3::identity(), 0.01)
@@ -457,25 +457,25 @@ mod tests {
         let view =
             View { scene: &scene, camera: &large, visible: &visible, background: [3, 2, 1], encoding: Encoding::Rgb8 };
         let mut renderer = GpuRenderer::new(false).unwrap();
-        let mut picture = Picture::default();
+        let mut image = Image::default();
         renderer.gpu.as_mut().unwrap().device.patience = std::time::Duration::ZERO;
         // One that is drawn at once is no proof.
         let mut draw = || {
             renderer.submit(&view).unwrap();
-            renderer.finish(&mut picture).err()
+            renderer.finish(&mut image).err()
         };
         let error = (0..20).find_map(|_| draw()).unwrap();
         assert!(
             matches!(&error, RenderError::Gpu { reason, .. } if reason == "it has not answered for 0 s"),
             "{error}"
         );
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
-        renderer.render(&View { camera: &small, ..view }, &mut picture).unwrap();
-        assert_eq!(picture.data, [3, 2, 1].repeat(64));
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::NoneInFlight, "reported once");
+        renderer.render(&View { camera: &small, ..view }, &mut image).unwrap();
+        assert_eq!(image.data, [3, 2, 1].repeat(64));
     }
 
     #[test]
-    fn a_lost_device_is_reported_once_and_the_next_picture_is_drawn() {
+    fn a_lost_device_is_reported_once_and_the_next_image_is_drawn() {
         let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let camera = Camera::new(Intrinsics::from_p(8, 6, &p).unwrap(), &Isometry3::identity(), 0.01);
         let (scene, visible) = (Scene::default(), DisplayMask::all());
@@ -484,32 +484,32 @@ mod tests {
         let is_lost = |result: &Result<_, RenderError>| matches!(result, Err(RenderError::Gpu { .. }));
         let mut renderer = GpuRenderer::new(false).unwrap();
         let lose = |renderer: &GpuRenderer| renderer.gpu.as_ref().unwrap().device.wgpu.destroy();
-        let mut picture = Picture::default();
+        let mut image = Image::default();
 
         renderer.submit(&view).unwrap();
         renderer.submit(&view).unwrap();
         lose(&renderer);
-        // What was submitted before may still come back; then it is the next picture that cannot be begun.
+        // What was submitted before may still come back; then it is the next image that cannot be begun.
         let mut finished = 0;
         let error = loop {
-            match renderer.finish(&mut picture) {
+            match renderer.finish(&mut image) {
                 Ok(Finished::Drawn) => finished += 1,
                 Ok(Finished::NoneInFlight) => break renderer.submit(&view),
                 Err(error) => break Err(error),
             }
         };
         assert!(is_lost(&error), "{error:?} after {finished}");
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::NoneInFlight, "reported once");
 
-        renderer.render(&view, &mut picture).unwrap();
-        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+        renderer.render(&view, &mut image).unwrap();
+        assert_eq!(image.data, [3, 2, 1].repeat(48));
 
         renderer.submit(&view).unwrap();
         lose(&renderer);
         assert!(is_lost(&renderer.submit(&view)));
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::NoneInFlight, "reported once");
         renderer.submit(&view).unwrap();
-        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
-        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+        assert_eq!(renderer.finish(&mut image).unwrap(), Finished::Drawn);
+        assert_eq!(image.data, [3, 2, 1].repeat(48));
     }
 }

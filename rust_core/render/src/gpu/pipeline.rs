@@ -43,10 +43,10 @@ pub(super) struct FixedState {
     pub(super) bias: DepthBias,
 }
 
-/// Target of a pass over the drawables of a picture; the passes follow one another.
+/// Target of a pass over the drawables of an image; the passes follow one another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
-    Picture,
+    Image,
     /// The depths of opaque surfaces.
     Opaque,
     /// The depths of listed displays.

@@ -8,7 +8,7 @@
 //! first seen.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
-//! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
+//! the cloud's y axis, they are not parallel to the image plane. GL 3.3 has no storage buffers, from
 //! which a vertex could fetch its point.
 
 use std::borrow::Cow;

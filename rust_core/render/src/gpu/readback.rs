@@ -1,6 +1,6 @@
-//! Reading a picture back: from the GPU's texture through mapped memory into a message's bytes.
+//! Reading an image back: from the GPU's texture through mapped memory into a message's bytes.
 //!
-//! The copy on the GPU is part of the picture's commands. Its memory is mapped when these are submitted and is ready
+//! The copy on the GPU is part of the image's commands. Its memory is mapped when these are submitted and is ready
 //! with their end, so that this one submission is all that has to be waited for. The rows there are 256-byte-aligned
 //! RGBA; all cores encode them, each byte read once.
 
@@ -17,7 +17,7 @@ const PIXEL_BYTES: u32 = 4;
 /// The fewest bytes for a core: a smaller share is copied before another core has woken up.
 const MIN_SHARE_BYTES: usize = 128 << 10;
 
-/// The memory for one picture.
+/// The memory for one image.
 #[derive(Debug)]
 pub(super) struct Readback {
     width_px: u32,
@@ -25,7 +25,7 @@ pub(super) struct Readback {
     buffer: wgpu::Buffer,
 }
 
-/// A picture that is being read back.
+/// An image that is being read back.
 #[derive(Debug)]
 pub(super) struct Arrival {
     submission: wgpu::SubmissionIndex,
@@ -40,13 +40,13 @@ impl Readback {
         Self { width_px, step, buffer }
     }
 
-    /// Records the copy out of the picture's texture.
-    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, picture: &wgpu::Texture) {
+    /// Records the copy out of the image's texture.
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, image: &wgpu::Texture) {
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.step), rows_per_image: None };
         encoder.copy_texture_to_buffer(
-            picture.as_image_copy(),
+            image.as_image_copy(),
             wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout },
-            picture.size(),
+            image.size(),
         );
     }
 
@@ -54,13 +54,13 @@ impl Readback {
     pub(super) fn map(&self, submission: wgpu::SubmissionIndex) -> Arrival {
         let (sender, mapped) = sync_channel(1);
         self.buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver is gone when the picture was dropped in flight.
+            // The receiver is gone when the image was dropped in flight.
             let _ = sender.send(result);
         });
         Arrival { submission, mapped }
     }
 
-    /// Waits for a picture and writes it row by row to `rows`, which has its rows without padding.
+    /// Waits for an image and writes it row by row to `rows`, which has its rows without padding.
     pub(super) fn read<T: Send>(
         &self,
         device: &Device,

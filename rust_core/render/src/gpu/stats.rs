@@ -5,8 +5,8 @@ use std::time::Duration;
 /// Since the device was opened: a lost device loses its figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GpuStats {
-    /// Pictures that were begun on the GPU.
-    pub pictures: u64,
+    /// Images that were begun on the GPU.
+    pub images: u64,
     /// Uploads of buffers, and of levels or tiles of images.
     pub uploads: u64,
     /// Bytes uploaded.
@@ -15,14 +15,14 @@ pub struct GpuStats {
     pub draws: u64,
     /// Pipelines that were built.
     pub pipelines: u64,
-    /// Targets that were made: a picture's textures with the buffers for reading it back.
+    /// Targets that were made: an image's textures with the buffers for reading it back.
     pub targets: u64,
     /// Time spent on listing draws and uploading new geometry.
     pub prepare: Duration,
     /// Time spent on recording and submitting.
     pub submit: Duration,
-    /// Time spent waiting for the GPU, which draws and copies the picture back.
+    /// Time spent waiting for the GPU, which draws and copies the image back.
     pub wait: Duration,
-    /// Time spent on encoding pictures out of the GPU's memory.
+    /// Time spent on encoding images out of the GPU's memory.
     pub copy: Duration,
 }

@@ -1,23 +1,23 @@
-//! The picture on the GPU.
+//! The image on the GPU.
 //!
-//! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every picture in
-//! flight has a target of its own; a finished picture's target is reused for the next of its size. Depths that are
-//! wanted are drawn on textures like the picture's: WebGL 2 does not read depth buffers back.
+//! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every image in
+//! flight has a target of its own; a finished image's target is reused for the next of its size. Depths that are
+//! wanted are drawn on textures like the image's: WebGL 2 does not read depth buffers back.
 
 use super::device::Device;
 use super::pipeline::{Pass, COLOR_FORMAT, DEPTH_FORMAT};
 use super::readback::Readback;
 
-/// A target that was not used for so many pictures is dropped.
-const KEPT_FOR_PICTURES: u64 = 64;
+/// A target that was not used for so many images is dropped.
+const KEPT_FOR_IMAGES: u64 = 64;
 
-/// The textures that one picture is drawn on, and the buffers that it is read back through.
+/// The textures that one image is drawn on, and the buffers that it is read back through.
 #[derive(Debug)]
 pub(super) struct Target {
     size_px: [u32; 2],
     wanted_depths: [bool; 2],
     depth_view: wgpu::TextureView,
-    /// The picture, then the depths that are wanted.
+    /// The image, then the depths that are wanted.
     layers: Vec<Layer>,
 }
 
@@ -33,16 +33,16 @@ pub(super) struct Layer {
 /// The targets that are not in use.
 #[derive(Debug, Default)]
 pub(super) struct Targets {
-    /// With the number of the picture that last used it.
+    /// With the number of the image that last used it.
     free: Vec<(Target, u64)>,
-    pictures: u64,
+    images: u64,
 }
 
 impl Targets {
-    /// A target for the next picture, of this width and height, with the opaque surfaces' depths or those of objects.
+    /// A target for the next image, of this width and height, with the opaque surfaces' depths or those of objects.
     pub(super) fn take(&mut self, device: &Device, size_px: [u32; 2], wanted_depths: [bool; 2]) -> Target {
-        self.pictures += 1;
-        let oldest = self.pictures.saturating_sub(KEPT_FOR_PICTURES);
+        self.images += 1;
+        let oldest = self.images.saturating_sub(KEPT_FOR_IMAGES);
         self.free.retain(|(_, used)| *used >= oldest);
         let is_alike = |target: &Target| target.size_px == size_px && target.wanted_depths == wanted_depths;
         match self.free.iter().position(|(target, _)| is_alike(target)) {
@@ -56,9 +56,9 @@ impl Targets {
         self.free.clear();
     }
 
-    /// Takes a target back whose picture is finished.
+    /// Takes a target back whose image is finished.
     pub(super) fn give_back(&mut self, target: Target) {
-        self.free.push((target, self.pictures));
+        self.free.push((target, self.images));
     }
 }
 
@@ -90,7 +90,7 @@ impl Target {
             size_px,
             wanted_depths,
             depth_view: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-            layers: std::iter::once(Pass::Picture).chain(depths).map(layer).collect(),
+            layers: std::iter::once(Pass::Image).chain(depths).map(layer).collect(),
         }
     }
 
@@ -104,7 +104,7 @@ impl Target {
         self.wanted_depths
     }
 
-    /// The picture, then the depths that are wanted.
+    /// The image, then the depths that are wanted.
     pub(super) fn layers(&self) -> &[Layer] {
         &self.layers
     }
@@ -117,7 +117,7 @@ impl Target {
         background: [u8; 3],
     ) -> wgpu::RenderPass<'e> {
         // White is the depth of the far plane.
-        let background = if layer.pass == Pass::Picture { background } else { [255; 3] };
+        let background = if layer.pass == Pass::Image { background } else { [255; 3] };
         let [r, g, b] = background.map(|c| f64::from(c) / 255.0);
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),

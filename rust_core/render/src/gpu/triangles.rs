@@ -2,7 +2,7 @@
 //!
 //! A mesh is indexed vertices on the GPU, made once. Wide lines are turned to the eye on the CPU and uploaded again
 //! when the eye has moved. Each fixed state that materials ask for (blending, depth, culling, bias) is a pipeline of
-//! its own. The rest (where a mesh stands, its colours) makes an instance of it, and all instances of a picture are in
+//! its own. The rest (where a mesh stands, its colours) makes an instance of it, and all instances of an image are in
 //! one buffer: neighbours that share mesh, state and texture are drawn in one call. Surfaces without a texture have a
 //! white one.
 
@@ -31,7 +31,7 @@ pub(super) struct TrianglePipelines {
     meshes: Derived<Mesh, Option<Triangles>>,
     ribbons: Derived<Ribbons, TurnedRibbons>,
     images: Derived<Texture, wgpu::BindGroup>,
-    /// Instances of this picture.
+    /// Instances of this image.
     instances: Vec<Instance>,
     instance_buffer: wgpu::Buffer,
     /// The light's offset among the uniforms.
@@ -137,13 +137,13 @@ impl TrianglePipelines {
         self.images.forget_dead();
     }
 
-    /// Begins a picture.
+    /// Begins an image.
     pub(super) fn begin(&mut self, context: &mut DrawContext<'_>, to_light: Option<[f32; 3]>) {
         self.instances.clear();
         self.light = context.uniforms.push(&Light { to_light: to_light.unwrap_or_default(), padding: 0.0 });
     }
 
-    /// Uploads the picture's instances.
+    /// Uploads the image's instances.
     pub(super) fn upload_instances(&mut self, device: &Device) -> &wgpu::Buffer {
         device.rewrite(&mut self.instance_buffer, bytemuck::cast_slice(&self.instances));
         &self.instance_buffer

@@ -1,4 +1,4 @@
-//! The constants of a picture's drawables: one buffer of equal slots, bound with a dynamic offset.
+//! The constants of an image's drawables: one buffer of equal slots, bound with a dynamic offset.
 //!
 //! Every kind of primitive has a struct of its own in its slot, so that one bind group layout serves all pipelines.
 
@@ -9,7 +9,7 @@ use super::device::Device;
 /// Bytes of a slot; the alignment that WebGL 2 asks for.
 const SLOT_BYTES: usize = 256;
 
-/// The buffer, and its content in this picture. The CPU draws pictures of too many drawables, so that it stays small.
+/// The buffer, and its content in this image. The CPU draws images of too many drawables, so that it stays small.
 #[derive(Debug)]
 pub(super) struct Uniforms {
     layout: wgpu::BindGroupLayout,
@@ -44,7 +44,7 @@ impl Uniforms {
         &self.layout
     }
 
-    /// Begins a picture.
+    /// Begins an image.
     pub(super) fn clear(&mut self) {
         self.content.clear();
     }

@@ -1,13 +1,13 @@
 //! The share of the light that a projector has where several light one surface.
 //!
-//! Weights add up to one in linear light. A level v of the picture is light v^γ, so that a weight w scales the level by
-//! w^(1/γ). Projectors leak light where the picture is black, and where several overlap, more of it; so the others are
+//! Weights add up to one in linear light. A level v of the image is light v^γ, so that a weight w scales the level by
+//! w^(1/γ). Projectors leak light where the image is black, and where several overlap, more of it; so the others are
 //! lifted where fewer overlap: light becomes lift + (1 − lift) · w · v^γ.
 
 use super::factors::{scale_row, ONE};
 use rcs_scene::Encoding;
 
-/// The most that black is lifted, in linear light: more is a mistake, such as a transparent picture.
+/// The most that black is lifted, in linear light: more is a mistake, such as a transparent image.
 const MOST_LIFT: f32 = 0.25;
 
 /// Light and lift are fractions of this.
@@ -87,12 +87,12 @@ impl Blend {
         Ok(Self { size_px, factors, lifted, light_of_level, level_of_light })
     }
 
-    /// Width and height of the pictures that it is for.
+    /// Width and height of the images that it is for.
     pub fn size_px(&self) -> [u32; 2] {
         self.size_px
     }
 
-    /// Alters a row of a picture. One of another size becomes black: its weights are not known. `scratch` has a place
+    /// Alters a row of an image. One of another size becomes black: its weights are not known. `scratch` has a place
     /// for each pixel.
     pub(super) fn apply(
         &self,

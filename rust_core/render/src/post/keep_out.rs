@@ -1,8 +1,8 @@
-//! No light on things in space: spheres, a person's head say, whose silhouettes in the picture stay dark.
+//! No light on things in space: spheres, a person's head say, whose silhouettes in the image stay dark.
 //!
 //! A sphere hides a cone of the directions from the lens. A pixel is dark if its direction is in the cone, or as near
 //! to it as [`MARGIN_PX`] pixels, so that no part of a pixel that touches the silhouette is lit. Behind a lens with
-//! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]). Where the picture is flipped
+//! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]). Where the image is flipped
 //! when it is finished, a row's factors are those of the row that it was before, from the other end.
 
 use std::sync::Arc;
@@ -63,7 +63,7 @@ impl Directions {
     }
 
     /// The most that the angle of a direction changes by so many pixels.
-    fn reach(&self, step: [f64; 2]) -> f64 {
+    fn extent(&self, step: [f64; 2]) -> f64 {
         let [right, down] = self.by_px;
         step[0].abs() * right[0].hypot(right[1]) + step[1].abs() * down[0].hypot(down[1])
     }
@@ -135,7 +135,7 @@ impl KeepOut {
         (!cones.is_empty()).then_some(Self { cones, directions, height_px: height_px as usize, lens, flip })
     }
 
-    /// Sets the factors of what must stay dark in a row of the picture to zero.
+    /// Sets the factors of what must stay dark in a row of the image to zero.
     pub(super) fn write(&self, row: usize, factors: &mut [u16]) {
         let row = self.flip.row(self.height_px, row);
         if self.flip.is_left_right {
@@ -172,9 +172,9 @@ impl KeepOut {
 
     /// Writes pixels of a row, given the place of the first one and the distance to the next.
     fn write_run(&self, place: [f64; 2], step: [f64; 2], factors: &mut [u16]) {
-        let reach = factors.len() as f64 * self.directions.reach(step);
+        let extent = factors.len() as f64 * self.directions.extent(step);
         let [x, y] = self.directions.of(place);
-        for cone in self.cones.iter().filter(|cone| !cone.is_far_from(x, y, reach)) {
+        for cone in self.cones.iter().filter(|cone| !cone.is_far_from(x, y, extent)) {
             for (index, factor) in factors.iter_mut().enumerate() {
                 let at = index as f64;
                 let [x, y] = self.directions.of([place[0] + at * step[0], place[1] + at * step[1]]);

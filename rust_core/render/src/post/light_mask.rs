@@ -1,8 +1,8 @@
-//! Light masks: an image over the projector's picture, dark where there must be none.
+//! Light masks: an image over the projector's image, dark where there must be none.
 
 use super::factors::ONE;
 
-/// A grey image that is laid over the whole picture: 0 no light, 255 all of it, in between that share.
+/// A grey image that is laid over the whole image: 0 no light, 255 all of it, in between that share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightMask {
     size_px: [u32; 2],
@@ -13,7 +13,7 @@ pub struct LightMask {
 impl LightMask {
     /// The mask of `width × height` levels, row by row. None where there are more or fewer, or none at all.
     ///
-    /// A mask of another size than the picture is stretched over it; a pixel of the picture that lies on several of the
+    /// A mask of another size than the image is stretched over it; a pixel of the image that lies on several of the
     /// mask's takes the darkest.
     pub fn new(size_px: [u32; 2], levels: Vec<u8>) -> Option<Self> {
         let count = size_px[0] as usize * size_px[1] as usize;
@@ -30,17 +30,17 @@ impl LightMask {
         &self.levels
     }
 
-    /// Lowers the factors of a row of the picture.
-    pub(super) fn write(&self, picture_px: [u32; 2], row: usize, factors: &mut [u16]) {
+    /// Lowers the factors of a row of the image.
+    pub(super) fn write(&self, image_px: [u32; 2], row: usize, factors: &mut [u16]) {
         let width = self.size_px[0] as usize;
-        let rows = covered(row, picture_px[1] as usize, self.size_px[1] as usize);
+        let rows = covered(row, image_px[1] as usize, self.size_px[1] as usize);
         for row in rows {
             let Some(levels) = self.levels.get(row * width..(row + 1) * width) else { continue };
-            if self.size_px[0] == picture_px[0] {
+            if self.size_px[0] == image_px[0] {
                 lower(factors, levels);
             } else {
                 for (column, factor) in factors.iter_mut().enumerate() {
-                    let columns = covered(column, picture_px[0] as usize, width);
+                    let columns = covered(column, image_px[0] as usize, width);
                     let darkest = levels.get(columns).and_then(|levels| levels.iter().min().copied());
                     *factor = (*factor).min(factor_of(darkest.unwrap_or(0)));
                 }
@@ -49,10 +49,10 @@ impl LightMask {
     }
 }
 
-/// The pixels of a side of the mask that a pixel of the picture's side lies on.
-fn covered(at: usize, picture: usize, mask: usize) -> std::ops::Range<usize> {
-    let picture = picture.max(1);
-    at * mask / picture..((at + 1) * mask).div_ceil(picture).min(mask)
+/// The pixels of a side of the mask that a pixel of the image's side lies on.
+fn covered(at: usize, image: usize, mask: usize) -> std::ops::Range<usize> {
+    let image = image.max(1);
+    at * mask / image..((at + 1) * mask).div_ceil(image).min(mask)
 }
 
 fn lower(factors: &mut [u16], levels: &[u8]) {

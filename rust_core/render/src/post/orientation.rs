@@ -1,15 +1,15 @@
-//! How a picture is turned for the way in which its projector is mounted.
+//! How an image is turned for the way in which its projector is mounted.
 
 use std::fmt;
 use std::str::FromStr;
 
 use rayon::prelude::*;
-use rcs_scene::{resize_block, Picture};
+use rcs_scene::{resize_block, Image};
 
 /// Rows that a thread writes at once where rows become columns: as many cells as are read together.
 const ROWS: usize = 32;
 
-/// The picture is first mirrored, left to right, if it is, and then turned clockwise by quarters.
+/// The image is first mirrored, left to right, if it is, and then turned clockwise by quarters.
 ///
 /// ```
 /// use rcs_render::Orientation;
@@ -57,12 +57,12 @@ impl fmt::Display for Orientation {
 }
 
 impl Orientation {
-    /// By how many degrees the picture is turned, clockwise: 0, 90, 180 or 270.
+    /// By how many degrees the image is turned, clockwise: 0, 90, 180 or 270.
     pub fn degrees(self) -> u32 {
         u32::from(self.quarters) * 90
     }
 
-    /// The size of a picture of this size when it is turned.
+    /// The size of an image of this size when it is turned.
     pub fn size_px(self, [width, height]: [u32; 2]) -> [u32; 2] {
         if self.quarters.is_multiple_of(2) {
             [width, height]
@@ -71,15 +71,15 @@ impl Orientation {
         }
     }
 
-    /// Writes the turned picture to another one.
-    pub fn turn(self, from: &Picture, to: &mut Picture) {
+    /// Writes the turned image to another one.
+    pub fn turn(self, from: &Image, to: &mut Image) {
         let [width, height] = self.size_px([from.width_px, from.height_px]);
         to.reset(width, height, from.encoding);
         let size_px = [from.width_px, from.height_px];
         self.turn_cells(size_px, from.encoding.bytes_per_pixel(), &from.data, &mut to.data);
     }
 
-    /// As [`Self::turn`], for a picture of this size with 1 to 4 bytes for each pixel, row by row.
+    /// As [`Self::turn`], for an image of this size with 1 to 4 bytes for each pixel, row by row.
     pub fn turn_cells(self, size_px: [u32; 2], cell_bytes: usize, from: &[u8], to: &mut Vec<u8>) {
         resize_block(to, from.len(), 0);
         match cell_bytes {
@@ -112,7 +112,7 @@ impl Orientation {
             });
             return;
         }
-        // A row is a column of the source, from its bottom up if the picture is turned right.
+        // A row is a column of the source, from its bottom up if the image is turned right.
         let is_up = self.quarters == 1;
         let is_from_right = (self.quarters == 3) != self.is_mirrored;
         target.par_chunks_mut(height * ROWS).enumerate().for_each(|(strip, to)| {

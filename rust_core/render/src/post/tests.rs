@@ -1,4 +1,4 @@
-//! Tests of masks, keep-out frames, shares and orientations of finished pictures.
+//! Tests of masks, keep-out frames, shares and orientations of finished images.
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -6,21 +6,21 @@ use rcs_scene::{Camera, Encoding, Flip, Intrinsics, PixelMap};
 
 use super::*;
 
-/// A picture of these colours.
-fn picture(encoding: Encoding, [width, height]: [u32; 2], color: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
-    let mut picture = Picture::default();
-    picture.reset(width, height, encoding);
-    let step = picture.step();
-    for (y, row) in (0..height).zip(picture.data.chunks_mut(step)) {
+/// An image of these colours.
+fn image(encoding: Encoding, [width, height]: [u32; 2], color: impl Fn(u32, u32) -> [u8; 3]) -> Image {
+    let mut image = Image::default();
+    image.reset(width, height, encoding);
+    let step = image.step();
+    for (y, row) in (0..height).zip(image.data.chunks_mut(step)) {
         let pixels: Vec<[u8; 4]> = (0..width).map(|x| color(x, y)).map(|[r, g, b]| [r, g, b, 255]).collect();
         encoding.write_row(&pixels, row);
     }
-    picture
+    image
 }
 
-fn applied(step: &LastStep, picture: &Picture) -> Picture {
-    let mut altered = picture.clone();
-    step.apply(&mut altered, &mut Picture::default());
+fn applied(step: &PostProcess, image: &Image) -> Image {
+    let mut altered = image.clone();
+    step.apply(&mut altered, &mut Image::default());
     altered
 }
 
@@ -29,17 +29,17 @@ fn colors(x: u32, y: u32) -> [u8; 3] {
 }
 
 #[test]
-fn without_anything_to_do_a_picture_keeps_its_bytes() {
-    let nothing = LastStep::default();
+fn without_anything_to_do_a_image_keeps_its_bytes() {
+    let nothing = PostProcess::default();
     assert!(nothing.is_nothing());
     for encoding in Encoding::ALL {
-        let before = picture(encoding, [33, 7], colors);
+        let before = image(encoding, [33, 7], colors);
         assert_eq!(applied(&nothing, &before), before);
     }
-    assert!(!LastStep { orientation: "180".parse().unwrap(), ..nothing }.is_nothing());
+    assert!(!PostProcess { orientation: "180".parse().unwrap(), ..nothing }.is_nothing());
 }
 
-/// Where a pixel of the picture goes, said in other words than the code's: mirrored first, then turned clockwise.
+/// Where a pixel of the image goes, said in other words than the code's: mirrored first, then turned clockwise.
 fn goes_to(text: &str, [width, height]: [u32; 2], [u, v]: [u32; 2]) -> [u32; 2] {
     let u = if text.starts_with("mirrored") { width - 1 - u } else { u };
     match text.trim_start_matches("mirrored").trim_start_matches('-') {
@@ -55,10 +55,10 @@ fn every_orientation_puts_every_pixel_in_its_place_in_every_encoding() {
     for text in ["0", "90", "180", "270", "mirrored", "mirrored-90", "mirrored-180", "mirrored-270"] {
         let orientation: Orientation = text.parse().unwrap();
         assert_eq!(orientation.to_string(), text);
-        let step = LastStep { orientation, ..LastStep::default() };
+        let step = PostProcess { orientation, ..PostProcess::default() };
         for encoding in Encoding::ALL {
             for size in [[1, 1], [5, 1], [1, 9], [67, 34], [32, 64], [33, 95]] {
-                let before = picture(encoding, size, colors);
+                let before = image(encoding, size, colors);
                 let after = applied(&step, &before);
                 assert_eq!([after.width_px, after.height_px], orientation.size_px(size));
                 let cell = encoding.bytes_per_pixel();
@@ -84,17 +84,17 @@ fn every_orientation_puts_every_pixel_in_its_place_in_every_encoding() {
 fn a_mask_takes_its_share_of_the_light_in_every_encoding_and_leaves_alpha() {
     let levels: Vec<u8> = (0..40 * 3).map(|i| [255, 0, 51, 128][i % 4]).collect();
     let mask = LightMask::new([40, 3], levels.clone()).unwrap();
-    let step = LastStep { masks: vec![Arc::new(mask)], ..LastStep::default() };
+    let step = PostProcess { masks: vec![Arc::new(mask)], ..PostProcess::default() };
     for encoding in Encoding::ALL {
-        let after = applied(&step, &picture(encoding, [40, 3], |_, _| [200, 100, 50]));
-        let expected = picture(encoding, [40, 3], |x, y| {
+        let after = applied(&step, &image(encoding, [40, 3], |_, _| [200, 100, 50]));
+        let expected = image(encoding, [40, 3], |x, y| {
             let share = f64::from(levels[(y * 40 + x) as usize]) / 255.0;
             [200.0, 100.0, 50.0].map(|level| (level * share).round() as u8)
         });
         // Of 16 bits, the upper eight.
-        let levels = |picture: &Picture| match encoding {
-            Encoding::Mono16 => picture.data.iter().skip(1).step_by(2).copied().collect(),
-            _ => picture.data.clone(),
+        let levels = |image: &Image| match encoding {
+            Encoding::Mono16 => image.data.iter().skip(1).step_by(2).copied().collect(),
+            _ => image.data.clone(),
         };
         for (after, expected) in levels(&after).iter().zip(&levels(&expected)) {
             assert!(after.abs_diff(*expected) <= 1, "{encoding:?}: {after} {expected}");
@@ -116,8 +116,8 @@ proptest! {
     ) {
         let dark = |i: u64| (i * 7919 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 61 == 0;
         let levels = (0..u64::from(mask_width * mask_height)).map(|i| if dark(i) { 0 } else { 255 }).collect();
-        let step = LastStep { masks: LightMask::new([mask_width, mask_height], levels).map(Arc::new).into_iter().collect(), ..LastStep::default() };
-        let after = applied(&step, &picture(Encoding::Mono8, [width, height], |_, _| [9; 3]));
+        let step = PostProcess { masks: LightMask::new([mask_width, mask_height], levels).map(Arc::new).into_iter().collect(), ..PostProcess::default() };
+        let after = applied(&step, &image(Encoding::Mono8, [width, height], |_, _| [9; 3]));
         for (at, level) in (0..).zip(&after.data) {
             let (x, y) = (at % width, at / width);
             // The pixels overlap where both begin before the other ends.
@@ -203,8 +203,8 @@ proptest! {
         // The view frame's y points up and its z backwards.
         let center = camera.fixed_from_view().transform_point(&Point3::new(x, -y, -z));
         let keep_out = KeepOut::new(&camera, &[Sphere { center, radius_m }]);
-        let step = LastStep { keep_out, ..LastStep::default() };
-        let after = applied(&step, &picture(Encoding::Mono8, SIZE, |_, _| [9; 3]));
+        let step = PostProcess { keep_out, ..PostProcess::default() };
+        let after = applied(&step, &image(Encoding::Mono8, SIZE, |_, _| [9; 3]));
         let from_lens = (x * x + y * y + z * z).sqrt();
         for (at, level) in (0..).zip(&after.data) {
             let pixel = [at % SIZE[0], at / SIZE[0]].map(f64::from);
@@ -228,9 +228,11 @@ fn all_is_dark_where_the_lens_is_in_the_sphere_or_its_place_is_no_number() {
     let camera = Kind::default().camera();
     let eye = camera.eye();
     for center in [eye, eye + Vector3::new(0.1, 0.1, 0.1), Point3::new(f64::NAN, 0.0, 0.0)] {
-        let step =
-            LastStep { keep_out: KeepOut::new(&camera, &[Sphere { center, radius_m: 0.2 }]), ..LastStep::default() };
-        let after = applied(&step, &picture(Encoding::Rgb8, SIZE, |_, _| [9; 3]));
+        let step = PostProcess {
+            keep_out: KeepOut::new(&camera, &[Sphere { center, radius_m: 0.2 }]),
+            ..PostProcess::default()
+        };
+        let after = applied(&step, &image(Encoding::Rgb8, SIZE, |_, _| [9; 3]));
         assert!(after.data.iter().all(|level| *level == 0), "{center}");
     }
     assert_eq!(KeepOut::new(&camera, &[]), None);
@@ -240,11 +242,11 @@ fn all_is_dark_where_the_lens_is_in_the_sphere_or_its_place_is_no_number() {
 fn weights_scale_light_and_not_levels() {
     let weights = [65535, 32768, 0, 65535];
     let blend = Blend::new([4, 1], &weights, &[], 2.2).unwrap();
-    let step = LastStep { blend: Some(Arc::new(blend)), ..LastStep::default() };
-    let after = applied(&step, &picture(Encoding::Mono8, [4, 1], |_, _| [200; 3]));
+    let step = PostProcess { blend: Some(Arc::new(blend)), ..PostProcess::default() };
+    let after = applied(&step, &image(Encoding::Mono8, [4, 1], |_, _| [200; 3]));
     // Half the light of 200 is the level 200 · 0.5^(1 / 2.2).
     assert_eq!(after.data, [200, 146, 0, 200]);
-    let other_size = applied(&step, &picture(Encoding::Mono8, [5, 1], |_, _| [200; 3]));
+    let other_size = applied(&step, &image(Encoding::Mono8, [5, 1], |_, _| [200; 3]));
     assert_eq!(other_size.data, [0; 5], "weights of another picture are no weights");
 }
 
@@ -253,17 +255,13 @@ fn black_is_lifted_in_linear_light_and_white_stays_white() {
     let lift = 0.01_f64;
     let lifts = [0, (lift * 65535.0).round() as u16];
     let blend = Blend::new([2, 2], &[65535; 4], &[lifts[0], lifts[1], lifts[0], lifts[1]], 2.2).unwrap();
-    let step = LastStep { blend: Some(Arc::new(blend)), ..LastStep::default() };
+    let step = PostProcess { blend: Some(Arc::new(blend)), ..PostProcess::default() };
     for encoding in Encoding::ALL {
         for level in [0, 50, 255_u8] {
-            let after = applied(&step, &picture(encoding, [2, 2], |_, _| [level; 3]));
+            let after = applied(&step, &image(encoding, [2, 2], |_, _| [level; 3]));
             let light = lift + (1.0 - lift) * (f64::from(level) / 255.0).powf(2.2);
             let lifted = (255.0 * light.powf(1.0 / 2.2)).round() as u8;
-            assert_eq!(
-                after,
-                picture(encoding, [2, 2], |x, _| [if x == 0 { level } else { lifted }; 3]),
-                "{encoding:?}"
-            );
+            assert_eq!(after, image(encoding, [2, 2], |x, _| [if x == 0 { level } else { lifted }; 3]), "{encoding:?}");
         }
     }
 }
@@ -280,17 +278,17 @@ fn weights_that_cannot_be_are_refused() {
 }
 
 #[test]
-fn what_forbids_light_comes_after_what_adds_some_and_both_before_the_picture_is_turned() {
+fn what_forbids_light_comes_after_what_adds_some_and_both_before_the_image_is_turned() {
     let blend = Blend::new([2, 1], &[65535; 2], &[655; 2], 2.2).unwrap();
     let mask = LightMask::new([2, 1], vec![0, 255]).unwrap();
     let (blend, mask) = (Some(Arc::new(blend)), Some(Arc::new(mask)));
-    let step = LastStep {
+    let step = PostProcess {
         blend,
         masks: mask.into_iter().collect(),
         orientation: "mirrored".parse().unwrap(),
-        ..LastStep::default()
+        ..PostProcess::default()
     };
-    let after = applied(&step, &picture(Encoding::Mono8, [2, 1], |_, _| [0; 3]));
+    let after = applied(&step, &image(Encoding::Mono8, [2, 1], |_, _| [0; 3]));
     assert!(after.data[0] > 20 && after.data[1] == 0, "{:?}", after.data);
 }
 
@@ -298,8 +296,8 @@ fn what_forbids_light_comes_after_what_adds_some_and_both_before_the_picture_is_
 fn of_two_masks_the_darker_one_counts() {
     let mask = |levels: &[u8]| LightMask::new([4, 1], levels.to_vec()).map(Arc::new);
     let (painted_mask, mask) = (mask(&[0, 255, 255, 51]), mask(&[255, 0, 255, 102]));
-    let step = LastStep { painted_mask, masks: mask.into_iter().collect(), ..LastStep::default() };
+    let step = PostProcess { painted_mask, masks: mask.into_iter().collect(), ..PostProcess::default() };
     assert!(!step.is_nothing());
-    let after = applied(&step, &picture(Encoding::Mono8, [4, 1], |_, _| [200; 3]));
+    let after = applied(&step, &image(Encoding::Mono8, [4, 1], |_, _| [200; 3]));
     assert_eq!(after.data, [0, 0, 200, 40]);
 }

@@ -1,4 +1,4 @@
-//! Shared by the renderers' tests: scenes of a few lines, pixels, and how close two pictures are.
+//! Shared by the renderers' tests: scenes of a few lines, pixels, and how close two images are.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rcs_render::{RenderError, Renderer, View};
 use rcs_scene::{
-    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Mesh, Picture, PointBuffer,
+    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, Mesh, PointBuffer,
     PointColors, PointStyle, Points, RenderGroup, Scene, Vertex,
 };
 
@@ -51,36 +51,36 @@ pub(crate) fn square_mesh() -> Mesh {
     }
 }
 
-/// A picture in RGBA on a background.
+/// An image in RGBA on a background.
 pub(crate) fn draw_on(
     renderer: &mut dyn Renderer,
     scene: &Scene,
     camera: &Camera,
     background: [u8; 3],
-) -> Result<Picture, RenderError> {
-    let mut picture = Picture::default();
+) -> Result<Image, RenderError> {
+    let mut image = Image::default();
     let visible = DisplayMask::all();
     let view = View { scene, camera, visible: &visible, background, encoding: Encoding::Rgba8 };
-    renderer.render(&view, &mut picture)?;
-    Ok(picture)
+    renderer.render(&view, &mut image)?;
+    Ok(image)
 }
 
-/// A picture in RGBA on black.
-pub(crate) fn draw(renderer: &mut dyn Renderer, scene: &Scene, camera: &Camera) -> Picture {
+/// An image in RGBA on black.
+pub(crate) fn draw(renderer: &mut dyn Renderer, scene: &Scene, camera: &Camera) -> Image {
     draw_on(renderer, scene, camera, [0; 3]).unwrap()
 }
 
-/// Red, green and blue of a pixel of an RGBA picture.
-pub(crate) fn pixel(picture: &Picture, x: u32, y: u32) -> [u8; 3] {
-    let i = (y * picture.width_px + x) as usize * 4;
-    picture.data[i..i + 3].try_into().unwrap()
+/// Red, green and blue of a pixel of an RGBA image.
+pub(crate) fn pixel(image: &Image, x: u32, y: u32) -> [u8; 3] {
+    let i = (y * image.width_px + x) as usize * 4;
+    image.data[i..i + 3].try_into().unwrap()
 }
 
 /// The pixels that are not black, by column and row.
-pub(crate) fn lit_pixels(picture: &Picture) -> Vec<(u32, u32)> {
-    (0..picture.height_px)
-        .flat_map(|y| (0..picture.width_px).map(move |x| (x, y)))
-        .filter(|&(x, y)| pixel(picture, x, y) != [0; 3])
+pub(crate) fn lit_pixels(image: &Image) -> Vec<(u32, u32)> {
+    (0..image.height_px)
+        .flat_map(|y| (0..image.width_px).map(move |x| (x, y)))
+        .filter(|&(x, y)| pixel(image, x, y) != [0; 3])
         .collect()
 }
 
@@ -89,18 +89,12 @@ pub(crate) fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0)
 }
 
-/// How far two RGBA pictures of one size agree where either differs from the background: the number of those pixels,
+/// How far two RGBA images of one size agree where either differs from the background: the number of those pixels,
 /// and which of them have channels that differ by more than `levels`, a match being allowed `reach` pixels away, in
 /// both directions.
-pub(crate) fn differing(
-    a: &Picture,
-    b: &Picture,
-    background: [u8; 3],
-    levels: u8,
-    reach: i64,
-) -> (u32, Vec<(u32, u32)>) {
+pub(crate) fn differing(a: &Image, b: &Image, background: [u8; 3], levels: u8, reach: i64) -> (u32, Vec<(u32, u32)>) {
     assert_eq!((a.width_px, a.height_px), (b.width_px, b.height_px));
-    let matches = |from: &Picture, to: &Picture, x: u32, y: u32| {
+    let matches = |from: &Image, to: &Image, x: u32, y: u32| {
         let color = pixel(from, x, y);
         (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))).any(|(dx, dy)| {
             let near_x = (i64::from(x) + dx).clamp(0, i64::from(to.width_px) - 1) as u32;
@@ -111,7 +105,7 @@ pub(crate) fn differing(
     let (mut content, mut differing) = (0_u32, Vec::new());
     for y in 0..a.height_px {
         for x in 0..a.width_px {
-            if [a, b].iter().all(|picture| difference(pixel(picture, x, y), background) <= 2) {
+            if [a, b].iter().all(|image| difference(pixel(image, x, y), background) <= 2) {
                 continue;
             }
             content += 1;

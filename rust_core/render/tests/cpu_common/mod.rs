@@ -1,4 +1,4 @@
-//! Scenes, a camera and pictures for the tests of the CPU renderer.
+//! Scenes, a camera and images for the tests of the CPU renderer.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its part of this module")]
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3};
 use rcs_render::{CpuRenderer, Renderer, View};
 use rcs_scene::{
-    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, PointBuffer, PointColors,
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, Material, Mesh, PointBuffer, PointColors,
     PointStyle, Points, RenderGroup, Scene, Vertex,
 };
 
@@ -35,7 +35,7 @@ pub fn cloud(style: PointStyle, positions: &[[f32; 3]], color: [u8; 4]) -> Geome
     Geometry::Points(Points { buffer: Arc::new(buffer), style, alpha: 1.0, blended: false, auto_size: false })
 }
 
-/// A square in front of the camera and turned to it; its texture's upper left corner is the picture's.
+/// A square in front of the camera and turned to it; its texture's upper left corner is the image's.
 pub fn quad(half_m: f32, distance_m: f32, material: Material, color: [u8; 4]) -> Geometry {
     let corner = |x: f32, y: f32| Vertex {
         position: [x * half_m, y * half_m, distance_m],
@@ -49,24 +49,24 @@ pub fn quad(half_m: f32, distance_m: f32, material: Material, color: [u8; 4]) ->
 }
 
 /// A scene drawn on black.
-pub fn render(scene: &Scene, camera: &Camera, visible: &DisplayMask, encoding: Encoding, threads: usize) -> Picture {
-    let mut picture = Picture::default();
+pub fn render(scene: &Scene, camera: &Camera, visible: &DisplayMask, encoding: Encoding, threads: usize) -> Image {
+    let mut image = Image::default();
     let view = View { scene, camera, visible, background: [0, 0, 0], encoding };
-    CpuRenderer::with_threads(threads).render(&view, &mut picture).unwrap();
-    picture
+    CpuRenderer::with_threads(threads).render(&view, &mut image).unwrap();
+    image
 }
 
-/// A picture's pixels.
+/// An image's pixels.
 pub struct Grid {
     width: usize,
     rgb: Vec<[u8; 3]>,
 }
 
 impl Grid {
-    /// The pixels of an `rgb8` picture.
-    pub fn of(picture: &Picture) -> Self {
-        let rgb = picture.data.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
-        Self { width: picture.width_px as usize, rgb }
+    /// The pixels of an `rgb8` image.
+    pub fn of(image: &Image) -> Self {
+        let rgb = image.data.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+        Self { width: image.width_px as usize, rgb }
     }
 
     /// One pixel.

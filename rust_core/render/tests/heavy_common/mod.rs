@@ -1,6 +1,6 @@
-//! Scenes that are heavy to draw: much that is large on the picture, behind the lens, or both.
+//! Scenes that are heavy to draw: much that is large on the image, behind the lens, or both.
 //!
-//! The pictures have 640×480 pixels and a focal length of a depth camera's cloud seen from a projector beside it.
+//! The images have 640×480 pixels and a focal length of a depth camera's cloud seen from a projector beside it.
 #![allow(dead_code, unreachable_pub, reason = "each user of this module uses its part")]
 
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub const STYLES: [(&str, PointStyle); 5] = [
     ("Tiles", PointStyle::Tiles { size_m: [SIDE_M; 2], normal: [0.0, 0.0, -1.0], up: [0.0, -1.0, 0.0] }),
 ];
 
-/// A row of the table: a scene, the camera that sees it and the time that a picture may take.
+/// A row of the table: a scene, the camera that sees it and the time that an image may take.
 pub struct Row {
     /// What it is.
     pub name: String,
@@ -37,7 +37,7 @@ pub struct Row {
     pub drawable: Box<dyn Fn() -> Drawable>,
     /// The camera.
     pub camera: Camera,
-    /// The longest time of a picture.
+    /// The longest time of an image.
     pub limit_ms: f64,
 }
 
@@ -75,7 +75,7 @@ pub fn camera(focal_px: f64, turn: [f64; 3]) -> Camera {
     camera_of(SIZE_PX, focal_px, turn)
 }
 
-/// A camera of this picture size and focal length at the origin, turned by a rotation vector.
+/// A camera of this image size and focal length at the origin, turned by a rotation vector.
 #[expect(clippy::expect_used, reason = "the intrinsics are valid")]
 pub fn camera_of([width, height]: [u32; 2], focal_px: f64, turn: [f64; 3]) -> Camera {
     let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
@@ -108,7 +108,7 @@ pub fn cloud(positions: Vec<[f32; 3]>, style: PointStyle, alpha: f32) -> Drawabl
     drawable(Geometry::Points(Points { buffer, style, alpha, blended: alpha < 1.0, auto_size: false }))
 }
 
-/// Points 6 cm before a lens of this focal length, spread over its picture in the camera's rows.
+/// Points 6 cm before a lens of this focal length, spread over its image in the camera's rows.
 pub fn spread(count: usize, focal_px: f32, distance_m: f32) -> Vec<[f32; 3]> {
     let columns = ((count as f32 * 4.0 / 3.0).sqrt().round() as usize).max(1);
     let rows = count.div_ceil(columns);
@@ -119,7 +119,7 @@ pub fn spread(count: usize, focal_px: f32, distance_m: f32) -> Vec<[f32; 3]> {
     (0..count).map(point).collect()
 }
 
-/// Points between two distances, spread over a picture and, where the distance is negative, over its mirror image
+/// Points between two distances, spread over an image and, where the distance is negative, over its mirror image
 /// behind the lens.
 pub fn between(count: usize, focal_px: f32, [near_m, far_m]: [f32; 2]) -> Vec<[f32; 3]> {
     let mut numbers = Numbers::new(7);
@@ -177,7 +177,7 @@ pub fn ribbons(positions: &[[f32; 3]], in_chain: usize, blending: Blending) -> D
     drawable(Geometry::Ribbons(Arc::new(Ribbons { chains, width_m: 0.01, blending })))
 }
 
-/// Triangles that each fill the picture, at the distances that a function gives.
+/// Triangles that each fill the image, at the distances that a function gives.
 pub fn filling(count: usize, blending: Blending, distance_m: impl Fn(usize) -> f32) -> Drawable {
     let mut mesh = Mesh::default();
     for i in 0..count {
@@ -220,7 +220,7 @@ pub fn balls(places: &[[f32; 3]], radius_m: f32, alpha: u8) -> Drawable {
     drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
 }
 
-/// A detailed mesh of about so many triangles that fills the middle of the picture: a wavy sheet, whose triangles share
+/// A detailed mesh of about so many triangles that fills the middle of the image: a wavy sheet, whose triangles share
 /// their vertices as in COLLADA files or, as in STL files, do not.
 pub fn detailed(count: usize, shares: bool) -> Drawable {
     let side = ((count as f32 / 2.0).sqrt() as usize).max(1);

@@ -19,7 +19,7 @@ mod subscription;
 pub(crate) use header::Header;
 pub(crate) use listener::Listener;
 pub use publication::Change;
-pub(crate) use publication::{Description, Frame, Observer, Publication};
+pub(crate) use publication::{Description, EncodedMessage, Observer, Publication};
 pub(crate) use service::Service;
 pub(crate) use service_client::call as call_service;
 pub(crate) use subscription::{Handler, Link, Source, Subscription, Wanted};

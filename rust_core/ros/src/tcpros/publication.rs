@@ -75,14 +75,14 @@ impl Description {
 
 /// An encoded message, shared by all subscribers.
 #[derive(Clone)]
-pub(crate) struct Frame {
+pub(crate) struct EncodedMessage {
     /// Length and beginning of the message.
     head: Arc<[u8]>,
     /// Rest of the message, such as shared pixels.
     body: SharedBytes,
 }
 
-impl Frame {
+impl EncodedMessage {
     /// A message in two parts, of which the second is shared and not copied.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ pub(crate) type Observer = Arc<dyn Fn(Change, &str) + Send + Sync>;
 pub(crate) struct Publication {
     description: Description,
     subscribers: Mutex<Vec<Arc<Subscriber>>>,
-    latched: Mutex<Option<Frame>>,
+    latched: Mutex<Option<EncodedMessage>>,
     is_closed: AtomicBool,
     /// Observers with their ids.
     observers: Mutex<Vec<(u64, Observer)>>,
@@ -140,7 +140,7 @@ pub(crate) struct Subscriber {
     /// Numbers of written bytes and messages.
     pub(crate) sent_bytes: AtomicU64,
     pub(crate) sent_messages: AtomicU64,
-    queue: Mutex<VecDeque<Frame>>,
+    queue: Mutex<VecDeque<EncodedMessage>>,
     /// Readable when a message is queued or the connection is to end.
     wake: OwnedFd,
     stream: TcpStream,
@@ -157,13 +157,13 @@ impl Subscriber {
         lock(&self.queue).is_empty()
     }
 
-    fn push(&self, frame: Frame, queue_size: usize) {
+    fn push(&self, message: EncodedMessage, queue_size: usize) {
         {
             let mut queue = lock(&self.queue);
             while queue.len() >= queue_size {
                 queue.pop_front();
             }
-            queue.push_back(frame);
+            queue.push_back(message);
         }
         self.wake();
     }
@@ -218,20 +218,20 @@ impl Publication {
     }
 
     /// Sends a message to all subscribers. Never waits.
-    pub(crate) fn send(&self, frame: &Frame) {
+    pub(crate) fn send(&self, message: &EncodedMessage) {
         if self.description.is_latching {
             // Locked, or a subscriber that joins now would get it twice or not at all.
             let mut latched = lock(&self.latched);
-            *latched = Some(frame.clone());
-            self.push_to_all(frame);
+            *latched = Some(message.clone());
+            self.push_to_all(message);
         } else {
-            self.push_to_all(frame);
+            self.push_to_all(message);
         }
     }
 
-    fn push_to_all(&self, frame: &Frame) {
+    fn push_to_all(&self, message: &EncodedMessage) {
         for subscriber in &*lock(&self.subscribers) {
-            subscriber.push(frame.clone(), self.description.queue_size);
+            subscriber.push(message.clone(), self.description.queue_size);
         }
     }
 
@@ -261,8 +261,8 @@ impl Publication {
         });
         {
             let latched = lock(&self.latched);
-            if let Some(frame) = &*latched {
-                lock(&subscriber.queue).push_back(frame.clone());
+            if let Some(message) = &*latched {
+                lock(&subscriber.queue).push_back(message.clone());
             }
             lock(&self.subscribers).push(Arc::clone(&subscriber));
         }
@@ -320,16 +320,16 @@ fn drain(mut stream: &TcpStream) -> io::Result<()> {
 fn write_messages(subscriber: &Subscriber, is_closed: &AtomicBool) -> io::Result<()> {
     let mut stream = &subscriber.stream;
     while !is_closed.load(Ordering::Acquire) {
-        let frame = lock(&subscriber.queue).pop_front();
-        let Some(frame) = frame else {
+        let message = lock(&subscriber.queue).pop_front();
+        let Some(message) = message else {
             if wait(subscriber, false)?.is_readable {
                 drain(stream)?;
             }
             continue;
         };
         let mut written = 0;
-        while written < frame.len() {
-            match stream.write_vectored(&frame.rest(written)) {
+        while written < message.len() {
+            match stream.write_vectored(&message.rest(written)) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(len) => {
                     written += len;
@@ -417,7 +417,7 @@ mod tests {
 
         /// Sends a message of `len` equal bytes.
         fn send(&self, value: u8, len: usize) {
-            self.publication.send(&Frame::new(&[value], Arc::new(vec![value; len - 1])).unwrap());
+            self.publication.send(&EncodedMessage::new(&[value], Arc::new(vec![value; len - 1])).unwrap());
         }
     }
 

@@ -301,7 +301,7 @@ fn an_unknown_view_is_reported_and_is_the_default() {
 }
 
 #[test]
-fn an_unknown_key_of_a_view_changes_no_picture() {
+fn an_unknown_key_of_a_view_changes_no_image() {
     let text =
         "Visualization Manager:\n  Views:\n    Old: 1\n    Current:\n      Class: rviz/Orbit\n      Yaw: left\n      \
                 Sparkle: 1\n";

@@ -1,4 +1,4 @@
-//! Configs of older and newer versions of rviz: what 1.14 ignores is a note, what changes the picture is not.
+//! Configs of older and newer versions of rviz: what 1.14 ignores is a note, what changes the image is not.
 
 use rcs_rviz_config::{parse, setting_problems, DisplaySettings, OdometrySettings};
 

@@ -64,7 +64,7 @@ impl Sequence {
 
     fn marker(&self, index: usize, arrow: &Arrow, [r, g, b, a]: [f32; 4], frame_id: &str) -> Marker {
         Marker {
-            // Stamp zero with frame_locked: placed by the newest transform at each picture, as the robot drives.
+            // Stamp zero with frame_locked: placed by the newest transform at each image, as the robot drives.
             header: Header { frame_id: frame_id.to_owned(), ..Header::default() },
             ns: self.style.namespace.clone(),
             id: id(index),

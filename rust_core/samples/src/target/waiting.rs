@@ -59,7 +59,7 @@ fn centroid(cloud: &PointCloud2) -> Result<Point3<f64>, String> {
     }
 }
 
-/// PendingTargets targets, the oldest first.
+/// Targets that wait for their transform, the oldest first.
 #[derive(Debug, Default)]
 pub(super) struct PendingTargets(VecDeque<ReceivedTarget>);
 

@@ -1,6 +1,6 @@
 //! The light of one pixel, by the projector's CameraInfo.
 //!
-//! A projector without distortion shows what P projects. With distortion, its picture is bent for the lens
+//! A projector without distortion shows what P projects. With distortion, its image is bent for the lens
 //! (`camera_stream --undistort`), so that its pixels light what K and D say, and R turns that into P's frame.
 
 use std::str::FromStr;
@@ -12,10 +12,10 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_robot::Beam;
 use rcs_scene::Intrinsics;
 
-/// A pixel of the picture; an integer is a pixel's centre.
+/// A pixel of the image; an integer is a pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum AimPixel {
-    /// The middle of the picture.
+    /// The middle of the image.
     Center,
     /// u to the right and v down.
     At([f64; 2]),
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_a_picture_with_lens_shift_is_above_the_axis() {
+    fn the_middle_of_a_image_with_lens_shift_is_above_the_axis() {
         let light = beam(&info(), AimPixel::Center).unwrap();
         let expected = Vector3::new(0.0, (399.5 - 750.0) / 1900.0, 1.0).normalize();
         assert!((light.direction.into_inner() - expected).norm() < 1e-12 && light.origin == Point3::origin());

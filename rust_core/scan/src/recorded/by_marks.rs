@@ -7,10 +7,10 @@ use rcs_calibration::patterns::Pattern;
 use super::sequence::{PatternSequence, PatternSequenceError};
 use super::timeline::{Timeline, TimelineSegment};
 
-/// Limit of the difference of segments of the same picture, as a share of the median difference of neighbours.
+/// Limit of the difference of segments of the same image, as a share of the median difference of neighbours.
 const ALIKE: f64 = 0.3;
 
-/// Finds patterns with a checkerboard before, between and after them; `None` if no picture recurs so often.
+/// Finds patterns with a checkerboard before, between and after them; `None` if no image recurs so often.
 ///
 /// # Errors
 /// [`PatternSequenceError::BetweenMarks`].
@@ -27,7 +27,7 @@ pub(crate) fn find(
     let last = marks.iter().rposition(|is_mark| *is_mark)?;
     let mut shown: Vec<Range<usize>> = Vec::new();
     for between in (first..last).collect::<Vec<_>>().split(|index| marks[*index]) {
-        // The brief ones show the change from one picture to the other.
+        // The brief ones show the change from one image to the other.
         let longest = between.iter().map(|index| &segments[*index].frames).max_by_key(|frames| frames.len());
         shown.extend(longest.cloned());
     }
@@ -43,7 +43,7 @@ pub(crate) fn find(
     Some(Ok(PatternSequence { shown: patterns.iter().copied().zip(shown).collect(), repeated, delay: None }))
 }
 
-/// Flags the segments of the picture that recurs most often.
+/// Flags the segments of the image that recurs most often.
 fn marks(timeline: &Timeline, segments: &[TimelineSegment]) -> Vec<bool> {
     let between = |pair: &[TimelineSegment]| timeline.difference(&pair[0].levels, &pair[1].levels);
     let mut differences: Vec<f64> = segments.windows(2).map(between).collect();

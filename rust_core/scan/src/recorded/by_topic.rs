@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use rcs_calibration::patterns::Pattern;
 
-use super::footage::ShownPicture;
+use super::footage::ShownImage;
 use super::sequence::{PatternSequence, PatternSequenceError};
 use super::timeline::Timeline;
 
@@ -21,7 +21,7 @@ const MIN_FRAMES: usize = 2;
 /// [`PatternSequenceError::NotShown`] and [`PatternSequenceError::NotSettled`].
 pub(crate) fn find(
     timeline: &Timeline,
-    shown: &[ShownPicture],
+    shown: &[ShownImage],
     patterns: &[Pattern],
 ) -> Result<PatternSequence, PatternSequenceError> {
     let last_of =
@@ -54,13 +54,13 @@ pub(crate) fn find(
     Ok(PatternSequence { shown: found, repeated, delay: delays.get(delays.len() / 2).copied() })
 }
 
-/// The frames that show a picture.
-fn frames_of(timeline: &Timeline, shown: &[ShownPicture], index: usize) -> Result<Range<usize>, PatternSequenceError> {
+/// The frames that show an image.
+fn frames_of(timeline: &Timeline, shown: &[ShownImage], index: usize) -> Result<Range<usize>, PatternSequenceError> {
     let at = shown[index].at;
     let until = shown.get(index + 1).map_or(Duration::MAX, |next| next.at);
     let (first, end) = (timeline.frame_at(at), timeline.frame_at(until));
     let start = (first..end).rev().find(|frame| timeline.is_cut(*frame)).unwrap_or(first);
-    // A busy recorder may get the next picture before the camera's last frames of this one.
+    // A busy recorder may get the next image before the camera's last frames of this one.
     let late = (end..timeline.len()).take_while(|frame| !timeline.is_cut(*frame));
     let end = end + late.take(MIN_FRAMES.saturating_sub(end.saturating_sub(start))).count();
     if end.saturating_sub(start) < MIN_FRAMES {

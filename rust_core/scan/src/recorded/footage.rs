@@ -12,7 +12,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind, Time};
 use rcs_transforms::TransformTree;
 
-use crate::camera_messages::{depth_of, lens_of_topic, picture_of};
+use crate::camera_messages::{depth_of, grey_image, lens_of_topic};
 use crate::devices::{CameraTopics, DepthFrame, DepthTopic, ScanCameraError};
 use crate::failure::ScanFailure;
 
@@ -22,11 +22,11 @@ pub(crate) type VisitFrame<'a> = dyn FnMut(usize, Duration, [u32; 2], Vec<u8>) -
 /// A visitor of depth images.
 pub(crate) type VisitDepth<'a> = dyn FnMut(DepthFrame) -> Result<(), ScanFailure> + 'a;
 
-/// A picture that was shown with the projector.
-pub(crate) struct ShownPicture {
+/// An image that was shown with the projector.
+pub(crate) struct ShownImage {
     /// Time of publication.
     pub(crate) at: Duration,
-    /// Its pattern; `None` for other pictures.
+    /// Its pattern; `None` for other images.
     pub(crate) pattern: Option<Pattern>,
 }
 
@@ -166,8 +166,8 @@ impl BagFootage {
         let mut number = 0;
         self.messages(&self.image, self.start, &mut |time, decode| {
             if wanted(number) {
-                let picture = picture_of(&self.image, &decode()?);
-                let (size_px, grey) = picture.map_err(|reason| unusable(&self.image, reason))?;
+                let image = grey_image(&self.image, &decode()?);
+                let (size_px, grey) = image.map_err(|reason| unusable(&self.image, reason))?;
                 visit(number, time, size_px, grey)?;
             }
             number += 1;
@@ -219,20 +219,20 @@ impl BagFootage {
         Ok(tree)
     }
 
-    /// The pictures that were shown, if they were recorded. `recognise` returns the pattern of a picture of the
+    /// The images that were shown, if they were recorded. `recognise` returns the pattern of an image of the
     /// projector's size.
     ///
     /// # Errors
-    /// An unreadable picture.
+    /// An unreadable image.
     pub(crate) fn shown(
         &self,
         recognise: &dyn Fn(&[u8]) -> Option<Pattern>,
-    ) -> Result<Option<Vec<ShownPicture>>, ScanFailure> {
+    ) -> Result<Option<Vec<ShownImage>>, ScanFailure> {
         let Some(topic) = &self.shown else { return Ok(None) };
         let mut all = Vec::new();
         self.messages(topic, self.start, &mut |at, decode| {
-            let (_, grey) = picture_of(topic, &decode()?).map_err(|reason| unusable(topic, reason))?;
-            all.push(ShownPicture { at, pattern: recognise(&grey) });
+            let (_, grey) = grey_image(topic, &decode()?).map_err(|reason| unusable(topic, reason))?;
+            all.push(ShownImage { at, pattern: recognise(&grey) });
             Ok(ControlFlow::Continue(()))
         })?;
         Ok(Some(all))

@@ -8,8 +8,8 @@ mod by_marks;
 mod by_order;
 mod by_topic;
 mod footage;
+mod images;
 mod pairs;
-mod pictures;
 pub(crate) mod sequence;
 mod timeline;
 
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use rcs_calibration::patterns::Pattern;
-use rcs_files::capture::PatternPicture;
+use rcs_files::capture::PatternImage;
 
 use crate::compare::ImageChange;
 use crate::depth_average::DepthAverage;
@@ -27,7 +27,7 @@ use crate::light::{average, Illumination};
 use crate::robot::captured_robot;
 use crate::session::ScanEvent;
 pub use footage::BagFootage;
-pub use pictures::{in_order, of_pictures};
+pub use images::{in_order, of_images};
 use sequence::PatternSequence;
 pub use sequence::PatternSequenceError;
 use timeline::Timeline;
@@ -61,23 +61,23 @@ pub fn scan(
     let sequence = find(footage, &timeline, options)?;
     observe(ScanEvent::Note(&describe(&sequence, &timeline)));
     let means = SegmentMeans::read(footage, &sequence, options.frames)?;
-    let pictures: Vec<PatternPicture> = (sequence.shown.iter())
-        .map(|(pattern, frames)| PatternPicture { pattern: *pattern, grey: means.of(frames) })
+    let images: Vec<PatternImage> = (sequence.shown.iter())
+        .map(|(pattern, frames)| PatternImage { pattern: *pattern, grey: means.of(frames) })
         .collect();
-    let light = check(footage, &timeline, &sequence, &means, &pictures)?;
+    let light = check(footage, &timeline, &sequence, &means, &images)?;
     let mut warn = |warning: &str| observe(ScanEvent::Warning(warning));
     light.warn(&mut warn);
     let lens = footage.lens;
-    check_orientation(&pictures, &light, lens.size_px, options.projector_px, &mut warn)?;
+    check_orientation(&images, &light, lens.size_px, options.projector_px, &mut warn)?;
     let depth = footage.has_depth().then(|| average_depth(footage, &timeline, &sequence)).transpose()?;
     if let Some(depth) = &depth {
-        check_keystone(&pictures, depth, &lens, options.projector_px, &mut warn)?;
+        check_keystone(&images, depth, &lens, options.projector_px, &mut warn)?;
     }
     let images = ScanImages {
         projector_px: options.projector_px,
         lens,
         frame_id: footage.frame_id.clone(),
-        pictures,
+        images,
         light: &light,
         depth: depth.as_ref(),
         is_complete: true,
@@ -97,8 +97,8 @@ pub fn scan(
 fn find(footage: &BagFootage, timeline: &Timeline, options: &RecordedOptions) -> Result<PatternSequence, ScanFailure> {
     let patterns = &options.patterns;
     let known: Vec<(Vec<u8>, Pattern)> =
-        patterns.iter().map(|pattern| (pattern.picture(options.projector_px), *pattern)).collect();
-    let recognise = |picture: &[u8]| known.iter().find(|(known, _)| known == picture).map(|(_, pattern)| *pattern);
+        patterns.iter().map(|pattern| (pattern.image(options.projector_px), *pattern)).collect();
+    let recognise = |image: &[u8]| known.iter().find(|(known, _)| known == image).map(|(_, pattern)| *pattern);
     if let Some(shown) = footage.shown(&recognise)? {
         return Ok(by_topic::find(timeline, &shown, patterns)?);
     }
@@ -126,7 +126,7 @@ fn extent(sequence: &PatternSequence) -> Range<usize> {
     start..used().map(|frames| frames.end).max().unwrap_or_default()
 }
 
-/// The frames of each pattern, and those of a repeated picture.
+/// The frames of each pattern, and those of a repeated image.
 fn segments(sequence: &PatternSequence) -> impl Iterator<Item = &Range<usize>> {
     sequence.shown.iter().map(|(_, frames)| frames).chain(sequence.repeated.iter().flatten())
 }
@@ -161,15 +161,15 @@ impl SegmentMeans {
     }
 }
 
-/// Checks light and motion, and the exposure by a repeated picture.
+/// Checks light and motion, and the exposure by a repeated image.
 fn check(
     footage: &BagFootage,
     timeline: &Timeline,
     sequence: &PatternSequence,
     means: &SegmentMeans,
-    pictures: &[PatternPicture],
+    images: &[PatternImage],
 ) -> Result<Illumination, ScanFailure> {
-    let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
+    let patterns: Vec<Pattern> = images.iter().map(|image| image.pattern).collect();
     let find = |wanted| sequence.shown.iter().find(|(pattern, _)| *pattern == wanted).map(|(_, frames)| frames);
     let (Some(white), Some(black)) = (find(Pattern::White), find(Pattern::Black)) else {
         let missing = if find(Pattern::White).is_none() { "the white picture" } else { "the black picture" };
@@ -186,8 +186,8 @@ fn check(
     if let Some([early, late]) = &sequence.repeated {
         ImageChange::between(&means.of(early), &means.of(late), &light.lit, noise).check()?;
     }
-    let at_lit = |picture: &PatternPicture| light.lit.iter().map(|pixel| picture.grey[*pixel]).collect();
-    let lit: Vec<Vec<u8>> = pictures.iter().map(at_lit).collect();
+    let at_lit = |image: &PatternImage| light.lit.iter().map(|pixel| image.grey[*pixel]).collect();
+    let lit: Vec<Vec<u8>> = images.iter().map(at_lit).collect();
     let lit: Vec<&[u8]> = lit.iter().map(Vec::as_slice).collect();
     pairs::check(&patterns, &lit)?;
     Ok(light)

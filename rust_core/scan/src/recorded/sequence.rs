@@ -3,7 +3,7 @@
 //! They are found in one of three ways, the surest first:
 //! - [`super::by_topic`]: the bag also has the topic on which the patterns were published.
 //! - [`super::by_marks`]: a checkerboard was shown between the patterns, as by `show --pause`. It differs from any
-//!   stripes in half of its fields, whatever part of the picture the camera sees, and however blurred the stripes are.
+//!   stripes in half of its fields, whatever part of the image the camera sees, and however blurred the stripes are.
 //!   So the patterns lie between what recurs, and their number tells whether all were seen.
 //! - [`super::by_order`]: the patterns follow one another, and one ends where the image changes.
 
@@ -17,7 +17,7 @@ use rcs_calibration::patterns::Pattern;
 pub(crate) struct PatternSequence {
     /// Each pattern with the frames that show it.
     pub(crate) shown: Vec<(Pattern, Range<usize>)>,
-    /// Early and late frames of the same picture, if there are any.
+    /// Early and late frames of the same image, if there are any.
     pub(crate) repeated: Option<[Range<usize>; 2]>,
     /// The median delay from showing to seeing, if it is known.
     pub(crate) delay: Option<Duration>,
@@ -35,12 +35,12 @@ pub enum PatternSequenceError {
          too briefly? Record the scan by itself, with each pattern for a second"
     )]
     Restless {
-        /// Segments of frames of the same picture.
+        /// Segments of frames of the same image.
         count: usize,
         /// Number of patterns.
         patterns: usize,
     },
-    /// Another number of pictures between the checkerboards than of patterns.
+    /// Another number of images between the checkerboards than of patterns.
     #[error(
         "{seen} pictures are seen between the checkerboards from {:.1} s to {:.1} s of the recording, but there are \
          {patterns} patterns: was all of the show recorded once (--start skips what comes before), with this --size \
@@ -48,7 +48,7 @@ pub enum PatternSequenceError {
         from.as_secs_f64(), to.as_secs_f64()
     )]
     BetweenMarks {
-        /// Number of pictures.
+        /// Number of images.
         seen: usize,
         /// Number of patterns.
         patterns: usize,
@@ -57,7 +57,7 @@ pub enum PatternSequenceError {
         /// Time of the last checkerboard.
         to: Duration,
     },
-    /// No pictures in a row are the patterns.
+    /// No images in a row are the patterns.
     #[error(
         "the camera sees {seen} different pictures in a row, and no {patterns} of them are the patterns in their \
          order: show them with projector_calibrate show --patterns DIR --seconds 1 --pause 0.5, and give the same \
@@ -86,7 +86,7 @@ pub enum PatternSequenceError {
         missing: usize,
         /// Number of patterns.
         patterns: usize,
-        /// Number of pictures on the topic.
+        /// Number of images on the topic.
         shown: usize,
     },
     /// A pattern was replaced before it was seen; the time at which it was shown.

@@ -17,7 +17,7 @@ const MAX_FRAMES: usize = 54_000;
 const CHANGING_LEVELS: u8 = 12;
 /// The least share of such pixels.
 const MIN_CHANGING: f64 = 0.005;
-/// Differences of frames of the same picture: a quarter is below noise, and none above this multiple of that and this
+/// Differences of frames of the same image: a quarter is below noise, and none above this multiple of that and this
 /// number of levels, even in white, which is noisier.
 const QUIET_SHARE: f64 = 0.25;
 const MIN_NOISY: f64 = 0.4;
@@ -35,11 +35,11 @@ pub(crate) struct Timeline {
     at: Vec<usize>,
     /// Difference of each frame from the one before; 0 for the first.
     differences: Vec<f64>,
-    /// Largest difference of frames of the same picture, levels.
+    /// Largest difference of frames of the same image, levels.
     pub(crate) limit: f64,
 }
 
-/// Consecutive frames of the same picture.
+/// Consecutive frames of the same image.
 #[derive(Debug, Clone)]
 pub(crate) struct TimelineSegment {
     /// The frames' numbers.
@@ -100,7 +100,7 @@ impl Timeline {
         self.times.partition_point(|at| *at < time)
     }
 
-    /// `true` if a frame shows another picture than the one before.
+    /// `true` if a frame shows another image than the one before.
     pub(crate) fn is_cut(&self, frame: usize) -> bool {
         self.differences[frame] > self.limit
     }

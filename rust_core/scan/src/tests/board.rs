@@ -23,13 +23,13 @@ impl ProjectorScreen for AnyScreen {
         "screen".to_owned()
     }
 
-    fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
-        assert!(picture.iter().all(|level| *level == 255), "only white is shown");
+    fn show(&mut self, image: Vec<u8>) -> anyhow::Result<()> {
+        assert!(image.iter().all(|level| *level == 255), "only white is shown");
         Ok(())
     }
 }
 
-/// A camera that sees pictures for some time each.
+/// A camera that sees images for some time each.
 struct Film {
     lens: Lens,
     start: Instant,

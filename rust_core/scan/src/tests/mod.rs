@@ -25,7 +25,7 @@ struct Outcome {
     result: Result<ScanResult, ScanFailure>,
     delay: Option<Delay>,
     warnings: Vec<String>,
-    /// Number of pictures that were shown, black and white at the beginning among them.
+    /// Number of images that were shown, black and white at the beginning among them.
     shown: usize,
     took: Duration,
     world: std::rc::Rc<std::cell::RefCell<World>>,
@@ -36,7 +36,7 @@ impl Outcome {
         Self::until(faults, usize::MAX)
     }
 
-    /// Interrupts the scan after this number of pictures.
+    /// Interrupts the scan after this number of images.
     fn until(faults: Faults, most_shown: usize) -> Self {
         let projector_px = faults.assumed_px;
         let world = World::new(faults);
@@ -86,7 +86,7 @@ fn is_refused(failure: &ScanFailure) -> bool {
 }
 
 #[test]
-fn a_scan_is_decoded_however_late_its_pictures_are_seen() {
+fn a_scan_is_decoded_however_late_its_images_are_seen() {
     for lag_frames in [1, 15, 40] {
         let lag = lag_frames * PERIOD;
         let outcome = Outcome::of(Faults { lag, ..Faults::default() });
@@ -99,8 +99,8 @@ fn a_scan_is_decoded_however_late_its_pictures_are_seen() {
         assert!(decoded > 0.8 && right > 0.99, "{lag:?}: {decoded} {right}");
         let depth_m = scanned.capture.depth_m.as_ref().unwrap();
         assert!(depth_m.iter().filter(|depth| **depth > 0.5).count() * 2 > depth_m.len());
-        let pictures = scanned.capture.pictures.len() as u32;
-        assert!(outcome.took < Duration::from_secs(8) + pictures * (2 * lag + 6 * PERIOD), "{:?}", outcome.took);
+        let images = scanned.capture.images.len() as u32;
+        assert!(outcome.took < Duration::from_secs(8) + images * (2 * lag + 6 * PERIOD), "{:?}", outcome.took);
     }
 }
 
@@ -122,7 +122,7 @@ fn what_was_scanned_is_written_and_read_again() {
     let folder = tempfile::tempdir().unwrap();
     capture.write(folder.path()).unwrap();
     let read = Capture::read(folder.path()).unwrap();
-    assert_eq!((&read.pictures, read.camera, read.warnings.len()), (&capture.pictures, capture.camera, 0));
+    assert_eq!((&read.images, read.camera, read.warnings.len()), (&capture.images, capture.camera, 0));
     assert_eq!((read.projector_size_px, read.camera_frame_id.as_str()), (PROJECTOR_PX, "camera_optical"));
 }
 
@@ -130,22 +130,22 @@ fn what_was_scanned_is_written_and_read_again() {
 fn a_projector_that_hangs_upside_down_is_fine() {
     let [right, bottom] = PROJECTOR_PX.map(|side| f64::from(side) - 1.0);
     let turned = Matrix3::new(-1.0, 0.0, right, 0.0, -1.0, bottom, 0.0, 0.0, 1.0);
-    let conditions = Conditions { picture_from_panel: turned, ..Faults::default().conditions };
+    let conditions = Conditions { image_from_panel: turned, ..Faults::default().conditions };
     let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
     assert!(outcome.result.unwrap().is_complete && outcome.warnings.is_empty());
 }
 
 #[test]
-fn a_mirrored_picture_is_refused_early() {
-    let picture_from_panel = Conditions::mirrored(PROJECTOR_PX[0]);
-    let conditions = Conditions { picture_from_panel, ..Faults::default().conditions };
+fn a_mirrored_image_is_refused_early() {
+    let image_from_panel = Conditions::mirrored(PROJECTOR_PX[0]);
+    let conditions = Conditions { image_from_panel, ..Faults::default().conditions };
     let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
     assert!(outcome.shown < 30, "{}", outcome.shown);
     let failure = outcome.failure();
     assert!(matches!(failure, ScanFailure::Mirrored) && is_refused(&failure));
 }
 
-/// The picture is corrected for a wall that is turned by some degrees both ways.
+/// The image is corrected for a wall that is turned by some degrees both ways.
 fn keystone(degrees: f64) -> Matrix3<f64> {
     let lens = Matrix3::new(340.0, 0.0, 159.5, 0.0, 340.0, 99.5, 0.0, 0.0, 1.0);
     let turn = Rotation3::from_euler_angles(degrees.to_radians(), degrees.to_radians(), 0.0);
@@ -155,8 +155,8 @@ fn keystone(degrees: f64) -> Matrix3<f64> {
 #[test]
 fn a_keystone_correction_is_refused_early() {
     for degrees in [-6.0, 10.0] {
-        let picture_from_panel = keystone(degrees);
-        let conditions = Conditions { picture_from_panel, ..Faults::default().conditions };
+        let image_from_panel = keystone(degrees);
+        let conditions = Conditions { image_from_panel, ..Faults::default().conditions };
         let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
         assert!(outcome.shown < 34, "{degrees}: {}", outcome.shown);
         let failure = outcome.failure();
@@ -227,14 +227,14 @@ fn a_silent_camera_is_named() {
 }
 
 #[test]
-fn pictures_of_another_size_than_the_camera_info_says_cannot_be_used() {
+fn images_of_another_size_than_the_camera_info_says_cannot_be_used() {
     let failure = Outcome::of(Faults { frame_px: Some([120, 160]), ..Faults::default() }).failure();
     assert!(failure.to_string().contains("120x160") && !is_refused(&failure));
 }
 
 #[test]
-fn a_picture_that_is_cut_off_is_warned_of() {
-    // A picture for a larger projector, of which the panel shows the upper left part.
+fn a_image_that_is_cut_off_is_warned_of() {
+    // An image for a larger projector, of which the panel shows the upper left part.
     let outcome = Outcome::of(Faults { assumed_px: [500, 200], ..Faults::default() });
     assert!(outcome.result.is_ok());
     assert!(outcome.warnings.iter().any(|warning| warning.contains("columns")), "{:?}", outcome.warnings);
@@ -250,13 +250,13 @@ fn a_scan_without_depth_has_none() {
 fn an_interrupted_scan_is_kept_if_it_saw_enough() {
     let outcome = Outcome::until(Faults::default(), 33);
     let scanned = outcome.result.as_ref().unwrap();
-    let pictures = scanned.capture.pictures.len();
-    assert!(!scanned.is_complete && (20..33).contains(&pictures) && pictures.is_multiple_of(2), "{pictures}");
+    let images = scanned.capture.images.len();
+    assert!(!scanned.is_complete && (20..33).contains(&images) && images.is_multiple_of(2), "{images}");
     let (_, right) = outcome.shares();
     assert!(right > 0.8, "{right}");
     let folder = tempfile::tempdir().unwrap();
     scanned.capture.write(folder.path()).unwrap();
-    assert_eq!(Capture::read(folder.path()).unwrap().pictures.len(), pictures);
+    assert_eq!(Capture::read(folder.path()).unwrap().images.len(), images);
     for most_shown in [0, 3, 7, 9] {
         let failure = Outcome::until(Faults::default(), most_shown).failure();
         assert!(matches!(failure, ScanFailure::Interrupted), "{most_shown}: {failure:?}");

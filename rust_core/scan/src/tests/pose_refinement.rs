@@ -12,7 +12,7 @@ use crate::failure::ScanFailure;
 use crate::pose_refinement::Refinement;
 use crate::session::{ScanEvent, ScanOptions, ScanSession};
 
-/// Refines the pose of a bumped projector. Returns the pictures that were shown and the largest error, too, pixels.
+/// Refines the pose of a bumped projector. Returns the images that were shown and the largest error, too, pixels.
 fn refine(faults: Faults, bump: Isometry3<f64>) -> (Result<Refinement, ScanFailure>, usize, f64) {
     let world = World::new(faults);
     let (mut screen, mut camera) = (SimulatedScreen(world.clone()), SimulatedCamera(world.clone()));

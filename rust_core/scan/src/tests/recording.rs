@@ -22,7 +22,7 @@ use crate::finish::ScanResult;
 use crate::recorded::{scan, BagFootage, PatternSequenceError, RecordedOptions};
 use crate::session::ScanEvent;
 
-/// A picture and the time that it is shown for.
+/// An image and the time that it is shown for.
 type Slide = (Showing, Duration);
 
 const SECOND: Duration = Duration::from_secs(1);
@@ -32,7 +32,7 @@ const PAUSE: Duration = Duration::from_millis(300);
 /// Before the show and after it, nothing is shown.
 const IDLE: Slide = (Showing::Pattern(Pattern::Black), SECOND);
 
-/// The bag of a camera, with the pictures that were shown.
+/// The bag of a camera, with the images that were shown.
 struct Recording {
     folder: TempDir,
     lens: Lens,
@@ -59,8 +59,8 @@ impl Recording {
         let mut until = began;
         for (showing, duration) in slides {
             let shown = match showing {
-                Showing::Pattern(pattern) => pattern.picture(PROJECTOR_PX),
-                Showing::Mark | Showing::Picture(_) => vec![1; (PROJECTOR_PX[0] * PROJECTOR_PX[1]) as usize],
+                Showing::Pattern(pattern) => pattern.image(PROJECTOR_PX),
+                Showing::Mark | Showing::Image(_) => vec![1; (PROJECTOR_PX[0] * PROJECTOR_PX[1]) as usize],
             };
             bag.write("/shown", true, time(camera.now()), &image(PROJECTOR_PX, "mono8", shown)).unwrap();
             world.borrow_mut().show(*showing);
@@ -112,10 +112,7 @@ impl Recording {
         assert!(decoded > 0.8 && right > 0.99, "{decoded} {right}");
         let depth_m = scanned.capture.depth_m.unwrap();
         assert!(depth_m.iter().filter(|depth| **depth > 0.5).count() * 2 > depth_m.len());
-        assert_eq!(
-            (scanned.capture.pictures.len(), scanned.capture.camera),
-            (gray_code(PROJECTOR_PX).len(), self.lens)
-        );
+        assert_eq!((scanned.capture.images.len(), scanned.capture.camera), (gray_code(PROJECTOR_PX).len(), self.lens));
     }
 
     fn failure(&self) -> ScanFailure {
@@ -261,9 +258,9 @@ fn a_recorded_camera_that_adapts_its_exposure_is_refused() {
 }
 
 #[test]
-fn a_mirrored_picture_is_refused_from_a_recording() {
-    let picture_from_panel = Conditions::mirrored(PROJECTOR_PX[0]);
-    let conditions = Conditions { picture_from_panel, ..Faults::default().conditions };
+fn a_mirrored_image_is_refused_from_a_recording() {
+    let image_from_panel = Conditions::mirrored(PROJECTOR_PX[0]);
+    let conditions = Conditions { image_from_panel, ..Faults::default().conditions };
     let failure = Recording::of(Faults { conditions, ..Faults::default() }, &with_marks()).without_topic().failure();
     assert!(matches!(failure, ScanFailure::Mirrored) && is_refused(&failure));
 }

@@ -11,7 +11,7 @@ use crate::failure::ScanFailure;
 use crate::session::{ScanEvent, ScanOptions, ScanSession};
 use crate::verification::Verification;
 
-/// Verifies a pose that is `off`, and returns the number of pictures that were shown.
+/// Verifies a pose that is `off`, and returns the number of images that were shown.
 fn verify(faults: Faults, off: Isometry3<f64>) -> (Result<Verification, ScanFailure>, usize) {
     let world = World::new(faults);
     let (mut screen, mut camera) = (SimulatedScreen(world.clone()), SimulatedCamera(world.clone()));

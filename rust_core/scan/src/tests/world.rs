@@ -13,20 +13,20 @@ use rcs_scan_simulator::{Conditions, DepthCamera, Motion, Random, Rig, Room, Sca
 use crate::devices::{CameraFrame, DepthFrame, ProjectorScreen, ScanCamera, ScanCameraError};
 use crate::scan::patterns;
 
-/// The projector's picture.
+/// The projector's image.
 pub(crate) const PROJECTOR_PX: [u32; 2] = [320, 200];
 /// Time from frame to frame.
 pub(crate) const PERIOD: Duration = Duration::from_millis(33);
 
-/// A picture of the projector.
+/// An image of the projector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Showing {
     /// A pattern.
     Pattern(Pattern),
     /// A checkerboard.
     Mark,
-    /// Another picture of the projector's size, by its number.
-    Picture(usize),
+    /// Another image of the projector's size, by its number.
+    Image(usize),
 }
 
 /// The side of the checkerboard's fields, pixels of the projector.
@@ -35,9 +35,9 @@ const FIELD_PX: f64 = 20.0;
 /// Faults of the simulated projector and camera.
 #[derive(Debug, Clone)]
 pub(crate) struct Faults {
-    /// From showing a picture to the first frame that it is all of.
+    /// From showing an image to the first frame that it is all of.
     pub(crate) lag: Duration,
-    /// The camera takes its gain from the picture, with this time constant.
+    /// The camera takes its gain from the image, with this time constant.
     pub(crate) adapts_within: Option<Duration>,
     /// Growth of brightness in a second, as a share.
     pub(crate) drift: f64,
@@ -47,13 +47,13 @@ pub(crate) struct Faults {
     pub(crate) is_dark: bool,
     /// The camera sends no frames after this time.
     pub(crate) silent_after: Option<Duration>,
-    /// The size of the picture that the session takes the projector to have.
+    /// The size of the image that the session takes the projector to have.
     pub(crate) assumed_px: [u32; 2],
     /// Seed of the room and of the places of camera and projector.
     pub(crate) seed: u64,
     /// Light, lenses and sensor; motion and drift are those of the fields above.
     pub(crate) conditions: Conditions,
-    /// The camera sends pictures of this size.
+    /// The camera sends images of this size.
     pub(crate) frame_px: Option<[u32; 2]>,
     /// Frames from one depth image to the next; `None` without depth.
     pub(crate) depth_every: Option<u32>,
@@ -82,9 +82,9 @@ pub(crate) struct World {
     view: View,
     faults: Faults,
     known: Vec<(Pattern, Vec<u8>)>,
-    /// Pictures that are no patterns.
+    /// Images that are no patterns.
     others: Vec<Vec<u8>>,
-    /// The shown pictures and their times.
+    /// The shown images and their times.
     shown: Vec<(Instant, Showing)>,
     /// The images of each of them, before and after the camera has moved.
     seen: HashMap<(Showing, bool), Vec<u8>>,
@@ -102,7 +102,7 @@ impl World {
         rig.projector = Lens::pinhole(PROJECTOR_PX, [340.0, 340.0], [159.5, 120.0]);
         let view = View::new(&Room::cluttered(faults.seed), &rig);
         let known = patterns(faults.assumed_px, 1).into_iter();
-        let known = known.map(|pattern| (pattern, pattern.picture(faults.assumed_px))).collect();
+        let known = known.map(|pattern| (pattern, pattern.image(faults.assumed_px))).collect();
         let depth = (0..4).map(|seed| DepthCamera::kinect(seed).capture(&view)).collect();
         let now = Instant::now();
         Rc::new(RefCell::new(Self {
@@ -120,7 +120,7 @@ impl World {
         }))
     }
 
-    /// Number of pictures that were shown.
+    /// Number of images that were shown.
     pub(crate) fn shown(&self) -> usize {
         self.shown.len()
     }
@@ -140,7 +140,7 @@ impl World {
         self.view.truth(pixel as u32 % 160, pixel as u32 / 160).map(|truth| [truth.x, truth.y])
     }
 
-    /// The image of the picture that was shown at a time.
+    /// The image of the image that was shown at a time.
     fn sees(&mut self, at: Instant) -> Vec<u8> {
         let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, showing)| *showing);
         let showing = shown.filter(|_| !self.faults.is_dark).unwrap_or(Showing::Pattern(Pattern::Black));
@@ -152,11 +152,11 @@ impl World {
         if let Some(seen) = self.seen.get(&(showing, has_moved)) {
             return seen.clone();
         }
-        let motion = has_moved.then(|| Motion { from_picture: 0, shift_px: Vector2::new(2.0, 1.0) });
+        let motion = has_moved.then(|| Motion { from_image: 0, shift_px: Vector2::new(2.0, 1.0) });
         let scan = || Scan::new(&self.view, Conditions { motion, ..self.still() });
         let seen = match showing {
             Showing::Pattern(pattern) => scan().capture(&pattern, 0),
-            Showing::Picture(number) => {
+            Showing::Image(number) => {
                 let scan = scan();
                 scan.expose(&scan.light_of(&self.others[number]), 0)
             }
@@ -221,12 +221,12 @@ impl ProjectorScreen for SimulatedScreen {
         "the simulated projector".to_owned()
     }
 
-    fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
+    fn show(&mut self, image: Vec<u8>) -> anyhow::Result<()> {
         let world = &mut *self.0.borrow_mut();
-        let pattern = world.known.iter().find(|(_, known)| *known == picture).map(|(pattern, _)| *pattern);
-        let showing = pattern.map_or(Showing::Picture(world.others.len()), Showing::Pattern);
+        let pattern = world.known.iter().find(|(_, known)| *known == image).map(|(pattern, _)| *pattern);
+        let showing = pattern.map_or(Showing::Image(world.others.len()), Showing::Pattern);
         if pattern.is_none() {
-            world.others.push(picture);
+            world.others.push(image);
         }
         world.show(showing);
         Ok(())

@@ -18,7 +18,7 @@ use crate::error::WindowError;
 use crate::monitor::MonitorChoice;
 use crate::open::run_with;
 use crate::run::UserEvent;
-use crate::sink::PictureSink;
+use crate::sink::ImageSink;
 use crate::switch_pipe::END;
 use crate::system_window::{poll_until, WindowOptions};
 
@@ -67,7 +67,7 @@ impl Arguments {
 
 /// A black window on a thread of its own. Closes it when dropped.
 struct BlackThread {
-    sink: PictureSink,
+    sink: ImageSink,
     shown: Arc<Shown>,
     /// Name of the monitor, once the window is open.
     monitor: Arc<OnceLock<String>>,
@@ -76,7 +76,7 @@ struct BlackThread {
 
 impl BlackThread {
     fn open(arguments: &Arguments, is_in_front: bool, is_orphaned: &Arc<AtomicBool>) -> io::Result<Self> {
-        let (sink, shown, monitor) = (PictureSink::new()?, Arc::<Shown>::default(), Arc::<OnceLock<String>>::default());
+        let (sink, shown, monitor) = (ImageSink::new()?, Arc::<Shown>::default(), Arc::<OnceLock<String>>::default());
         let (is_orphaned, of_window) = (Arc::clone(is_orphaned), Arc::clone(&shown));
         let options = WindowOptions {
             source: format!("{} (black)", arguments.source),

@@ -13,7 +13,7 @@ use rustix::io::Errno;
 
 use super::{WindowRole, ALIVE, CHILD_ARGUMENT, OPEN};
 use crate::monitor::MonitorChoice;
-use crate::sink::PictureSink;
+use crate::sink::ImageSink;
 use crate::switch_pipe::SwitchPipe;
 use crate::system_window::WindowOptions;
 
@@ -54,7 +54,7 @@ enum SwitchState {
 struct RunningChild {
     child: Child,
     pipe: Arc<SwitchPipe>,
-    sink: PictureSink,
+    sink: ImageSink,
     period: Duration,
     next_beat: Instant,
     lost_at: Option<Instant>,
@@ -64,7 +64,7 @@ struct RunningChild {
 impl DeadManSwitch {
     /// Starts the child for a window that is to be opened on top of its black one, and waits until that is on the
     /// screen. Does nothing for roles other than [`WindowRole::Guarded`].
-    pub(crate) fn start(options: &WindowOptions, sink: &PictureSink) -> Self {
+    pub(crate) fn start(options: &WindowOptions, sink: &ImageSink) -> Self {
         let state = match options.role {
             WindowRole::Guarded if !sink.is_closing() => {
                 RunningChild::start(options, sink).map_or_else(SwitchState::Failed, SwitchState::Running)
@@ -94,7 +94,7 @@ impl DeadManSwitch {
 
     /// Starts the child anew if the window's monitor is back after it was missing. Returns `true` if the window then
     /// has to come to the front of the child's.
-    pub(crate) fn restart_if_back(&mut self, is_there: bool, options: &WindowOptions, sink: &PictureSink) -> bool {
+    pub(crate) fn restart_if_back(&mut self, is_there: bool, options: &WindowOptions, sink: &ImageSink) -> bool {
         let was_gone = std::mem::replace(&mut self.is_monitor_gone, !is_there);
         if matches!(self.state, SwitchState::Off) || !is_there || !was_gone {
             return false;
@@ -115,7 +115,7 @@ fn consequence() -> &'static str {
 impl RunningChild {
     /// Starts the child and waits for its window.
     #[expect(clippy::disallowed_methods, reason = "this program again, without a shell")]
-    fn start(options: &WindowOptions, sink: &PictureSink) -> Result<Self, String> {
+    fn start(options: &WindowOptions, sink: &ImageSink) -> Result<Self, String> {
         // A grant of zero is one without an end.
         let limit = options.light_limit.filter(|limit| !limit.is_zero()).map_or(DEFAULT_LIMIT, |l| l.max(MIN_LIMIT));
         let monitor = match &options.monitor {
@@ -197,7 +197,7 @@ fn kill(child: &mut Child) {
 }
 
 /// Waits until the child says that its window is open.
-fn wait_for_line(mut lines: ChildStdout, sink: &PictureSink) -> Result<(), String> {
+fn wait_for_line(mut lines: ChildStdout, sink: &ImageSink) -> Result<(), String> {
     let failed = |error: io::Error| format!("cannot read from the black window: {error}");
     fcntl_setfl(&lines, OFlags::NONBLOCK).map_err(|error| failed(error.into()))?;
     let started = Instant::now();
@@ -237,7 +237,7 @@ mod tests {
 
     fn answer(script: &str) -> Result<(), String> {
         let mut child = child_of(script);
-        let answer = wait_for_line(child.stdout.take().unwrap(), &PictureSink::new().unwrap());
+        let answer = wait_for_line(child.stdout.take().unwrap(), &ImageSink::new().unwrap());
         kill(&mut child);
         answer
     }
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn a_closing_window_does_not_wait_for_its_child() {
         let mut child = child_of("sleep 100");
-        let sink = PictureSink::new().unwrap();
+        let sink = ImageSink::new().unwrap();
         sink.close();
         assert!(wait_for_line(child.stdout.take().unwrap(), &sink).is_err());
         kill(&mut child);

@@ -1,6 +1,6 @@
 //! The window on a Wayland compositor, over a connection in Rust.
 //!
-//! The compositor makes the surface full screen on the chosen output. The picture has the pixels of the output's mode;
+//! The compositor makes the surface full screen on the chosen output. The image has the pixels of the output's mode;
 //! with the viewport protocol they fill the surface one to one, independent of the desktop's scale factor.
 
 mod keymap;

@@ -58,7 +58,7 @@ pub(super) struct CompositorState {
     pub(super) configured: Option<(i32, i32)>,
     /// The size in the next configuration.
     pending_size: (i32, i32),
-    /// Pictures that the compositor has released.
+    /// Images that the compositor has released.
     pub(super) released: Vec<SharedSlot>,
     described: Option<ZxdgOutputManagerV1>,
     keyboard: Option<WlKeyboard>,

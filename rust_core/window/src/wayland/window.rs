@@ -43,7 +43,7 @@ struct Globals {
     shell: XdgWmBase,
     viewports: Option<WpViewporter>,
     idle: Option<ZwpIdleInhibitManagerV1>,
-    /// Reports when pictures are on the screen.
+    /// Reports when images are on the screen.
     presentation: Option<WpPresentation>,
 }
 
@@ -57,7 +57,7 @@ struct ActiveSurface {
     buffers: Option<SurfaceBuffers>,
 }
 
-/// Two pictures in shared memory; dropping it destroys the compositor's objects for them.
+/// Two images in shared memory; dropping it destroys the compositor's objects for them.
 struct SurfaceBuffers {
     pixels: SharedPixels,
     slots: [WlBuffer; 2],
@@ -151,7 +151,7 @@ impl Globals {
 }
 
 impl ActiveSurface {
-    /// Memory for pictures of this size.
+    /// Memory for images of this size.
     fn buffers(
         &mut self,
         size_px: (u32, u32),

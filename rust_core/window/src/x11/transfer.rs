@@ -32,7 +32,7 @@ pub(super) struct Transfer {
 struct SharedSegment {
     segment: Seg,
     pixels: SharedPixels,
-    /// The listeners of the pictures that the server reads, with their slots.
+    /// The listeners of the images that the server reads, with their slots.
     listeners: Vec<(usize, Arc<dyn OnScreen>)>,
 }
 
@@ -58,7 +58,7 @@ impl Transfer {
         Ok(Self { window, context, format, converted: Vec::new(), can_share: takes_descriptors(session), shared: None })
     }
 
-    /// `true` if a picture can be sent now; otherwise an event follows when the server has read one.
+    /// `true` if an image can be sent now; otherwise an event follows when the server has read one.
     pub(super) fn is_ready(&self) -> bool {
         self.shared.as_ref().is_none_or(|shared| shared.pixels.free_slot().is_some())
     }
@@ -99,7 +99,7 @@ impl Transfer {
         Ok(())
     }
 
-    /// Records that the server has read a picture.
+    /// Records that the server has read an image.
     pub(super) fn complete(&mut self, event: &CompletionEvent) {
         let Some(shared) = self.shared.as_mut().filter(|shared| shared.segment == event.shmseg) else { return };
         let slot = u64::from(event.offset).checked_div(shared.pixels.slot_bytes()).unwrap_or(0);
@@ -108,7 +108,7 @@ impl Transfer {
         shared.listeners.extract_if(.., |(of, _)| *of == slot).for_each(|(_, listener)| listener.shown());
     }
 
-    /// Shares memory for pictures of this size with the server, or disables sharing.
+    /// Shares memory for images of this size with the server, or disables sharing.
     fn share(&mut self, session: &X11Session, size_px: (u32, u32)) {
         if let Some(old) = self.shared.take() {
             // On failure it is freed with the connection.
@@ -151,7 +151,7 @@ impl Transfer {
 }
 
 impl SharedSegment {
-    /// Memory for pictures of this size; `None` if the server rejects it.
+    /// Memory for images of this size; `None` if the server rejects it.
     fn with(session: &X11Session, size_px: (u32, u32)) -> Option<Self> {
         let pixels = SharedPixels::new(size_px).ok()?;
         let segment = session.connection.generate_id().ok()?;
@@ -160,7 +160,7 @@ impl SharedSegment {
         Some(Self { segment, pixels, listeners: Vec::new() })
     }
 
-    /// Sends a picture, and takes its listener; `false` if the memory cannot be written.
+    /// Sends an image, and takes its listener; `false` if the memory cannot be written.
     fn send(
         &mut self,
         session: &X11Session,

@@ -1,4 +1,4 @@
-//! The window on real display servers: the screen shows the picture, pixel by pixel, over the whole monitor.
+//! The window on real display servers: the screen shows the image, pixel by pixel, over the whole monitor.
 //!
 //! Each test starts its own server on a free display (and openbox where a window manager is asked for), runs the
 //! example `window_pattern` there, reads the screen's pixels and presses keys through the XTEST extension. The servers

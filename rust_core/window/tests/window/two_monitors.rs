@@ -190,9 +190,9 @@ fn another_programs_window_is_kept_over_the_monitor() {
 fn save(screen: &Screen, name: &str) {
     let Some(folder) = std::env::var_os("RCS_SCREENSHOTS") else { return };
     let pixels = screen.pixels_at((0, 0), (1600, 600));
-    let picture = image::RgbImage::from_fn(1600, 600, |u, v| {
+    let image = image::RgbImage::from_fn(1600, 600, |u, v| {
         let [_, r, g, b] = pixels[(v * 1600 + u) as usize].to_be_bytes();
         image::Rgb([r, g, b])
     });
-    picture.save(std::path::Path::new(&folder).join(name)).unwrap();
+    image.save(std::path::Path::new(&folder).join(name)).unwrap();
 }

@@ -60,7 +60,7 @@ impl Weston {
 }
 
 #[test]
-fn the_output_that_is_asked_for_shows_the_picture_pixel_by_pixel() {
+fn the_output_that_is_asked_for_shows_the_image_pixel_by_pixel() {
     let weston = Weston::start();
     for (name, output) in [("screen1", 1), ("screen0", 0)] {
         let mut window = weston.show(&["600x400", "--monitor", name]);
@@ -68,8 +68,8 @@ fn the_output_that_is_asked_for_shows_the_picture_pixel_by_pixel() {
         let place = (i16::try_from(output as u32 * OUTPUT.0).unwrap(), 0);
         let all = expected(OUTPUT.0, OUTPUT.1);
         let rows = all.chunks(WIDTH_PX as usize).take(OUTPUT.1 as usize);
-        let picture: Vec<u32> = rows.flat_map(|row| &row[..OUTPUT.0 as usize]).copied().collect();
-        assert!(weston.screen.pixels_at(place, OUTPUT) == picture, "each pixel is the picture's");
+        let image: Vec<u32> = rows.flat_map(|row| &row[..OUTPUT.0 as usize]).copied().collect();
+        assert!(weston.screen.pixels_at(place, OUTPUT) == image, "each pixel is the picture's");
         let is_black = || weston.screen.corners((output as u32 * OUTPUT.0, 0), OUTPUT) == [0; 4];
         wait_for("black by a key", || {
             if !window.log_text().contains("key Character('b')") {

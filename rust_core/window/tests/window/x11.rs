@@ -13,29 +13,29 @@ fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
     let folder = tempfile::tempdir().unwrap();
     let screenshot = folder.path().join("shown.png");
     let mut window = screen.show(&["1280x800", "--screenshot", screenshot.to_str().unwrap()]);
-    let picture = expected(1280, 800);
-    screen.wait_for_pixels(&mut window, &picture);
+    let image = expected(1280, 800);
+    screen.wait_for_pixels(&mut window, &image);
 
     let saved = wait_for("the screenshot", || image::open(&screenshot).ok()).into_rgb8();
     assert_eq!(saved.dimensions(), (WIDTH_PX, HEIGHT_PX));
     let saved: Vec<u32> = saved.pixels().map(|p| u32::from_be_bytes([0, p[0], p[1], p[2]])).collect();
-    assert!(saved == picture, "the screenshot is the picture");
+    assert!(saved == image, "the screenshot is the picture");
 
     assert!(screen.quit(&mut window, key).success());
 }
 
 #[test]
-fn under_a_window_manager_the_screen_is_the_picture_and_escape_quits() {
+fn under_a_window_manager_the_screen_is_the_image_and_escape_quits() {
     covers_the_screen_and_quits(true, ESCAPE);
 }
 
 #[test]
-fn without_a_window_manager_the_screen_is_the_picture_and_q_quits() {
+fn without_a_window_manager_the_screen_is_the_image_and_q_quits() {
     covers_the_screen_and_quits(false, LETTER_Q);
 }
 
 #[test]
-fn a_screen_of_ten_bits_a_channel_shows_the_pictures_colours_with_and_without_shared_memory() {
+fn a_screen_of_ten_bits_a_channel_shows_the_images_colours_with_and_without_shared_memory() {
     for extension in [&[][..], &["-extension", "MIT-SHM"]] {
         let arguments = [&["-screen", "0", "1280x800x30"], extension].concat();
         let screen = Screen::start_with(false, &arguments);
@@ -73,7 +73,7 @@ fn keys_and_the_monitor_are_reported_to_the_program() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once() {
+fn a_image_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once() {
     for (size, width, height) in [("640x480", 640, 480), ("1300x810", 1300, 810)] {
         let screen = Screen::start(true);
         let mut window = screen.show(&[size]);

@@ -2,7 +2,7 @@
 //! `projector_calibrate` on.
 //!
 //! Writes capture folders as a scan leaves them, the projector's true file, and one as a tape measure yields it; and
-//! draws onto the camera's picture where the light of a projector's file lands. Or is that robot live, on ROS topics.
+//! draws onto the camera's image where the light of a projector's file lands. Or is that robot live, on ROS topics.
 
 mod robot;
 
@@ -15,11 +15,11 @@ use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
 use rcs_files::canvas::Canvas;
-use rcs_files::capture::{Capture, CapturedRobot, PatternPicture};
-use rcs_files::picture_file;
+use rcs_files::capture::{Capture, CapturedRobot, PatternImage};
+use rcs_files::image_file;
 use rcs_files::projector::ProjectorFile;
 use rcs_scan_simulator::{Conditions, DepthCamera, Random, Rig, Room, Scan, View};
-use rcs_scene::Picture;
+use rcs_scene::Image;
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
@@ -104,8 +104,8 @@ fn main() -> Result<()> {
             let Some(frame) = file.frames.first() else { bail!("{}: no frames", projector.display()) };
             let translation = Translation3::from(Vector3::from(frame.translation_m));
             let pose = Isometry3::from_parts(translation, frame.rotation).inverse();
-            let picture = light(&View::new(&room, &rig), &lens, &pose, arguments.seed);
-            Ok(picture_file::write(output, &picture)?)
+            let image = light(&View::new(&room, &rig), &lens, &pose, arguments.seed);
+            Ok(image_file::write(output, &image)?)
         }
     }
 }
@@ -124,13 +124,13 @@ fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
     let view = View::new(room, rig);
     let patterns = gray_code(PROJECTOR_PX);
     let greys = Scan::new(&view, Conditions::random(seed)).capture_all(&patterns);
-    let pictures = patterns.iter().zip(greys).map(|(pattern, grey)| PatternPicture { pattern: *pattern, grey });
+    let images = patterns.iter().zip(greys).map(|(pattern, grey)| PatternImage { pattern: *pattern, grey });
     Capture {
         projector_size_px: PROJECTOR_PX,
         camera: rig.camera,
         is_camera_calibrated: true,
         camera_frame_id: CAMERA_FRAME.to_owned(),
-        pictures: pictures.collect(),
+        images: images.collect(),
         depth_m: Some(DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view)),
         robot: CapturedRobot::default(),
         warnings: Vec::new(),
@@ -162,8 +162,8 @@ fn write_projector(path: &Path, lens: &Lens, projector_from_camera: &Isometry3<f
     Ok(ProjectorFile::calibrated(lens, CAMERA_FRAME, &projector_from_camera.inverse()).write(path)?)
 }
 
-/// The camera's picture with crosses on things and dots where light that is meant for them lands.
-fn light(view: &View, lens: &Lens, projector_from_camera: &Isometry3<f64>, seed: u64) -> Picture {
+/// The camera's image with crosses on things and dots where light that is meant for them lands.
+fn light(view: &View, lens: &Lens, projector_from_camera: &Isometry3<f64>, seed: u64) -> Image {
     let rig = view.rig();
     let grey = Scan::new(view, Conditions::random(seed)).capture(&Pattern::White, 0);
     let [width, height] = view.size_px();
@@ -183,5 +183,5 @@ fn light(view: &View, lens: &Lens, projector_from_camera: &Isometry3<f64>, seed:
             }
         }
     }
-    canvas.into_picture()
+    canvas.into_image()
 }

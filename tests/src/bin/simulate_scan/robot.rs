@@ -19,7 +19,7 @@ use crate::CAMERA_FRAME;
 
 /// What the projector shows.
 const SHOWN: &str = "/projector/patterns";
-/// Time from picture to picture.
+/// Time from image to image.
 const PERIOD: Duration = Duration::from_millis(100);
 /// Depth images that differ in their noise.
 const DEPTHS: u64 = 8;
@@ -73,7 +73,7 @@ pub(crate) fn run(views: &[View], seed: u64) -> Result<()> {
             for event in node.events().wait(due.saturating_duration_since(Instant::now())) {
                 match event {
                     NodeEvent::Message { topic, message: AnyMessage::Image(image), .. } if topic == *shown.topic() => {
-                        levels = picture(&image, size_px)?.to_vec();
+                        levels = pixels_of(&image, size_px)?.to_vec();
                         light = seen[index].scan.light_of(&levels);
                     }
                     _ => {}
@@ -97,8 +97,8 @@ pub(crate) fn run(views: &[View], seed: u64) -> Result<()> {
     Ok(())
 }
 
-/// The levels of a picture for the projector.
-fn picture(image: &Image, size_px: [u32; 2]) -> Result<&[u8]> {
+/// The levels of an image for the projector.
+fn pixels_of(image: &Image, size_px: [u32; 2]) -> Result<&[u8]> {
     let is_fitting = [image.width, image.height] == size_px && image.encoding == "mono8" && image.step == size_px[0];
     anyhow::ensure!(is_fitting, "{SHOWN}: the projector needs {}x{} pixels in mono8", size_px[0], size_px[1]);
     Ok(image.data())
@@ -122,7 +122,7 @@ impl HeadCamera {
         })
     }
 
-    /// Sends a picture, a depth image in metres, and the lens.
+    /// Sends an image, a depth image in metres, and the lens.
     fn send(&self, grey: Vec<u8>, depth_m: &[f32]) -> Result<()> {
         let size_px = self.lens.size_px;
         let stamp = rcs_ros::node_time().map(|time| time.stamp).unwrap_or_default();

@@ -62,7 +62,7 @@ fn a_plan_is_arrows_up_to_its_goal_and_the_next_plan_replaces_them_in_one_messag
     assert_eq!(sample.python("arrays[2][:2]"), "([], [0, 1, 2, 3, 4, 5])");
 }
 
-/// Publishes a plan left or right of the middle in turn, and notes of each picture whether it shows the one and the
+/// Publishes a plan left or right of the middle in turn, and notes of each image whether it shows the one and the
 /// other.
 const TURNS: &str = "
 from nav_msgs.msg import Path
@@ -84,7 +84,7 @@ noting = rospy.Subscriber('/view/image', Image, note, queue_size=100)
 ";
 
 #[test]
-fn no_picture_shows_two_plans_or_none() {
+fn no_image_shows_two_plans_or_none() {
     let markers = "{Class: rviz/MarkerArray, Name: arrows, Enabled: true, Marker Topic: /arrows, Queue Size: 100}";
     let fixture = RosFixture::start(&config(&[markers], &[CameraPub::default()]), &[]).unwrap();
     let mut node = fixture.master.environment(Command::new(program("nav_path_markers")));

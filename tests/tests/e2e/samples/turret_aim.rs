@@ -102,7 +102,7 @@ impl Loop {
 }
 
 #[test]
-fn float64_commands_bring_the_middle_of_the_picture_to_a_point_that_moves() {
+fn float64_commands_bring_the_middle_of_the_image_to_a_point_that_moves() {
     let mut turret = Loop::start("float64", &["--target-point", "/target", "_target_timeout:=0", "_dead_band:=0.0005"]);
     for target in ["(1.5, 0.4, 0.7)", "(1.0, -0.5, 0.2)", "(2.0, 0.0, 1.6)"] {
         turret.sample.python(&format!("latch('/target', point{target})"));

@@ -26,7 +26,7 @@ fn a_keystone_correction_is_named() {
         ("20° horizontally", Conditions::keystone(0.0, 20.0), Verdict::Again),
         ("5° both ways", Conditions::keystone(5.0, 5.0), Verdict::Again),
         ("10° both ways", Conditions::keystone(-10.0, 10.0), Verdict::Again),
-        // Vertically the picture is stretched, but not skewed.
+        // Vertically the image is stretched, but not skewed.
         ("5° vertically", Conditions::keystone(5.0, 0.0), Verdict::Usable),
         ("10° vertically", Conditions::keystone(10.0, 0.0), Verdict::Usable),
         ("20° vertically", Conditions::keystone(20.0, 0.0), Verdict::Usable),

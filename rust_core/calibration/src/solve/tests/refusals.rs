@@ -64,7 +64,7 @@ fn a_flat_scene_is_refused_unless_the_lens_is_known() {
 }
 
 #[test]
-fn mirrored_pictures_are_refused() {
+fn mirrored_images_are_refused() {
     for seed in 0..4 {
         for is_flat in [false, true] {
             let simulation = Simulation { is_flat, gross: 0.2, ..Simulation::new(seed).with_distortion(K1) };

@@ -13,7 +13,7 @@ fn report(simulation: &Simulation, keep: impl Fn(&Sample) -> bool) -> Report {
 fn a_clean_scan_is_good() {
     let report = report(&Simulation::new(0), |_| true);
     assert_eq!((report.verdict, report.reasons.as_slice()), (Verdict::Good, [].as_slice()));
-    assert!(report.coverage.picture > 0.6 && report.coverage.scans == 1);
+    assert!(report.coverage.image > 0.6 && report.coverage.scans == 1);
     let [near, far] = report.coverage.depth_m;
     assert!(near > 0.5 && far < 2.5 && far > 1.5 * near);
     assert!(report.rms_m < 0.001 && report.smooth_depth_error_m < 0.0004);
@@ -39,7 +39,7 @@ fn a_smooth_error_of_the_depth_is_measured_and_more_scans_are_asked_for() {
 }
 
 #[test]
-fn a_scaled_picture_is_named() {
+fn a_scaled_image_is_named() {
     let mut samples = Simulation { step_px: 4, ..Simulation::new(2) }.samples();
     samples.iter_mut().for_each(|sample| sample.pixel.y *= 0.94);
     let solution = solve(&samples, &options()).unwrap();
@@ -49,7 +49,7 @@ fn a_scaled_picture_is_named() {
 }
 
 #[test]
-fn a_dark_side_of_the_picture_is_named() {
+fn a_dark_side_of_the_image_is_named() {
     let report = report(&Simulation { step_px: 4, ..Simulation::new(1) }, |sample| sample.pixel.x < 450.0);
     assert!(report.verdict != Verdict::Good);
     assert!(report.reasons.iter().any(|reason| reason.contains("of the picture")), "{:?}", report.reasons);

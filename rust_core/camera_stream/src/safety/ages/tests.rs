@@ -132,7 +132,7 @@ impl Bench {
 const NOTHING_HIDDEN: (Vec<DisplayId>, Option<String>) = (Vec::new(), None);
 
 #[test]
-fn a_display_whose_data_are_too_old_is_hidden_and_without_any_other_the_picture_is_black() {
+fn a_display_whose_data_are_too_old_is_hidden_and_without_any_other_the_image_is_black() {
     let mut bench = Bench::new();
     assert_eq!(bench.shown(5.0), NOTHING_HIDDEN, "a grid has no data");
     bench.send("/path", 105, "map");

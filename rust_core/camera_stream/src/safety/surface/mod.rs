@@ -20,7 +20,7 @@ use rcs_light::{Condition, Measured, Now};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, AnyMessage};
 use rcs_process::lock;
-use rcs_scene::{Camera, DepthPicture, DisplayMask};
+use rcs_scene::{Camera, DepthImage, DisplayMask};
 use rcs_transforms::WaitingQueue;
 
 use self::grid::GridDecoder;
@@ -60,7 +60,7 @@ pub(crate) struct SurfaceCheck {
 
 impl SurfaceCheck {
     /// Compares an image with the surface. The image is given by the depths of what the listed displays light.
-    pub(crate) fn confirm(&self, objects: &DepthPicture) -> Confirmation {
+    pub(crate) fn confirm(&self, objects: &DepthImage) -> Confirmation {
         let size_px = [objects.width_px, objects.height_px];
         let objects = ObjectDepths { size_px, depths_m: &objects.depths_m, is_strict: self.is_strict };
         lock(&self.confirmer).confirm(&objects)

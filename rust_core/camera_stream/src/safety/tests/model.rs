@@ -244,7 +244,7 @@ impl Walk {
         self.oracle.path = Some(seen);
     }
 
-    /// Decides about the scene and a test picture, and compares with the oracle.
+    /// Decides about the scene and a test image, and compares with the oracle.
     fn compare(&mut self) -> Result<(), TestCaseError> {
         let ros = Time::from_nanos(self.ros_ms() * 1_000_000);
         let now = Now { ros, steady: self.steady(), resumed: self.pulse.resumed(self.steady()) };

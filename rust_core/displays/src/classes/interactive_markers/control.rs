@@ -15,7 +15,7 @@ use crate::World;
 enum Turn {
     WithMarker,
     WithFrame,
-    /// To the camera: these axes of the control point forward and up on the picture.
+    /// To the camera: these axes of the control point forward and up on the image.
     ToCamera {
         forward: Vector3<f64>,
         up: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! The protocol with servers, and what becomes of markers that pictures cannot show.
+//! The protocol with servers, and what becomes of markers that images cannot show.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -93,7 +93,7 @@ fn a_map_is_as_large_as_its_cells_and_follows_its_frame() {
 }
 
 #[test]
-fn cells_and_place_of_a_new_map_change_in_one_picture() {
+fn cells_and_place_of_a_new_map_change_in_one_image() {
     let mut bench = Bench::new(MapSettings::default());
     bench.map(grid(1, 1, &[7]));
     bench.place(5, 10.0);

@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn a_scale_of_zero_leaves_what_rviz_leaves_of_it() {
-        // Both found in rviz's pictures: the first is lit as a thin solid, the second as one without thickness.
+        // Both found in rviz's images: the first is lit as a thin solid, the second as one without thickness.
         assert_eq!(turned([0.6, 0.5, 0.0])[1], 2.980_232_2e-8);
         assert_eq!(turned([1.0, 0.8, 0.0])[1], 0.0);
         assert_eq!(turned([1.0, 0.4, 0.4])[1], -0.4);

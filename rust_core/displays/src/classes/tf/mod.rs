@@ -5,7 +5,7 @@
 //! with it, what is static does not age. Frames that grew too old stay in the list, and come back with new transforms;
 //! until then they cost next to nothing.
 //!
-//! rviz updates the frames with each of its pictures, or after each "Update Interval". Here they are updated when
+//! rviz updates the frames with each of its images, or after each "Update Interval". Here they are updated when
 //! transforms came and, while frames fade, as often as it can be seen.
 
 mod age;

@@ -32,7 +32,7 @@ impl Bench {
         self.world.tree.insert(&transform, is_static, "/a").unwrap();
     }
 
-    /// Looks at the frames; returns whether the picture changed.
+    /// Looks at the frames; returns whether the image changed.
     fn update(&mut self, secs: f64) -> bool {
         self.world.now = at(secs);
         self.display.update(&self.world.get())

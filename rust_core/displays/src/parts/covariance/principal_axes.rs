@@ -1,4 +1,4 @@
-//! The principal axes of a covariance, in the order and with the signs that rviz's picture needs.
+//! The principal axes of a covariance, in the order and with the signs that rviz's image needs.
 //!
 //! Any solver finds the same axes, but their order and signs are arbitrary, and both are visible: the sphere of an
 //! ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are found with the symmetric

@@ -29,7 +29,7 @@ impl Bench {
         self.world.place_static("base", [x, 0.0, 0.0]);
     }
 
-    /// Sends twists at once; returns whether the picture changed.
+    /// Sends twists at once; returns whether the image changed.
     fn send_all(&mut self, twists: &[([f64; 3], [f64; 3])]) -> bool {
         let vector = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
         for &(linear, angular) in twists {

@@ -1,7 +1,7 @@
 //! The solids that rviz builds its symbols from.
 //!
 //! rviz loads a cube, a cylinder, a cone and a sphere from mesh files; they are generated here with the same
-//! tessellation and the same normals, because light is computed at the vertices and both show in the picture.
+//! tessellation and the same normals, because light is computed at the vertices and both show in the image.
 //! All have a diameter (or edges) of 1 m and stand around the origin; cylinder and cone have y for their axis.
 
 mod round;

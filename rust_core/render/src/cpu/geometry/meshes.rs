@@ -1,7 +1,7 @@
 //! Meshes, lines, ribbons and text up to their pixels: everything that is made of triangles and lines.
 //!
 //! Their primitives are transformed, lit, clipped and made ready in the order in which they are to be drawn; then they
-//! are sorted into the bands of the picture by reference.
+//! are sorted into the bands of the image by reference.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition};
 /// Something made of triangles or lines.
 #[derive(Debug)]
 pub(in crate::cpu) struct Solid<'a> {
-    /// From its frame to the picture.
+    /// From its frame to the image.
     pub transform: ObjectTransform,
     /// How it is painted.
     pub surface: Surface,

@@ -1,4 +1,4 @@
-//! From the scene to primitives on the picture.
+//! From the scene to primitives on the image.
 
 pub(super) mod instances;
 pub(super) mod lighting;

@@ -1,4 +1,4 @@
-//! The corners of triangles on their way to the picture: transformed and, where a triangle may be seen, lit.
+//! The corners of triangles on their way to the image: transformed and, where a triangle may be seen, lit.
 
 use rcs_scene::{Material, Vertex};
 
@@ -9,7 +9,7 @@ use crate::cpu::raster::triangle::{self, Corner};
 use crate::cpu::tile::band::Band;
 use crate::cpu::tile::screen::{ObjectTransform, Screen, ScreenPosition};
 
-/// Vertices that triangles name by their indices, their keys, and their way to the picture.
+/// Vertices that triangles name by their indices, their keys, and their way to the image.
 pub(in crate::cpu) struct Source<'a> {
     pub vertices: &'a [Vertex],
     pub material: &'a Material,
@@ -43,7 +43,7 @@ impl VertexScratch {
 }
 
 impl Source<'_> {
-    /// The rows that a triangle may be seen in; they may reach out of the picture.
+    /// The rows that a triangle may be seen in; they may reach out of the image.
     pub(in crate::cpu) fn rows(&self, keys: [u32; 3], cache: &mut VertexCache) -> Option<(i32, i32)> {
         match self.look(keys, cache) {
             InView::Nothing => None,
@@ -102,7 +102,7 @@ impl Source<'_> {
         }
     }
 
-    /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.
+    /// Clips a triangle that reaches far out of the image, and passes on the parts that are to be drawn.
     pub(in crate::cpu) fn cut(&self, keys: [u32; 3], out: impl FnMut(&[Corner; 3])) {
         let vertex = |key: u32| {
             let vertex = self.vertices.get(key as usize)?;

@@ -195,7 +195,7 @@ impl<'a, 'c> Builder<'a, 'c> {
     }
 
     /// Adds pieces of a batch or of a solid to the open job, and to as many others as they need.
-    fn add_pieces(&mut self, whole: usize, range: Range<usize>, work_of_each: usize, is_batch: bool) {
+    fn add_pieces(&mut self, primitive: usize, range: Range<usize>, work_of_each: usize, is_batch: bool) {
         if self.has_batches != is_batch {
             self.close();
             self.has_batches = is_batch;
@@ -207,7 +207,7 @@ impl<'a, 'c> Builder<'a, 'c> {
             if self.open_piece == self.plan.pieces.len() {
                 self.open_display = self.display;
             }
-            self.plan.pieces.push(Piece { whole, range: begin..end });
+            self.plan.pieces.push(Piece { primitive, range: begin..end });
             self.open_work += (end - begin) * work_of_each;
             if self.open_work >= WORK_PER_JOB {
                 self.close();

@@ -1,11 +1,11 @@
-//! The work for one picture: what is to be drawn, in which order, by whom.
+//! The work for one image: what is to be drawn, in which order, by whom.
 //!
 //! The scene's drawables, in their order, are cut into [jobs](Job) of about equal size ([`Builder`]). A job turns a
 //! chunk of a cloud, several meshes, lines and texts, or many small solids together into primitives that are sorted
-//! into the picture's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
-//! give the picture.
+//! into the image's bands: its [`Outcome`]. Jobs are independent of each other; the outcomes drawn in their order
+//! give the image.
 //!
-//! A plan borrows from its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
+//! A plan borrows from its scene, so it does not outlive the image; its memory does ([`PlanMemory`]).
 
 mod builder;
 mod outcome;
@@ -49,12 +49,12 @@ impl Job {
 #[derive(Clone, Debug)]
 struct Piece {
     /// Index of the solid or batch.
-    whole: usize,
+    primitive: usize,
     /// Its primitives, or its small solids.
     range: Range<usize>,
 }
 
-/// All jobs of a picture.
+/// All jobs of an image.
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct Plan<'a> {
     /// In the order of drawing.
@@ -72,7 +72,7 @@ pub(in crate::cpu) struct Plan<'a> {
     pieces: Vec<Piece>,
 }
 
-/// The memory of a picture's plan, for the next one.
+/// The memory of an image's plan, for the next one.
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct PlanMemory {
     order: DrawOrder,
@@ -84,13 +84,13 @@ pub(in crate::cpu) struct PlanMemory {
 impl PlanMemory {
     /// Takes the memory of a plan that is not needed any more.
     pub(in crate::cpu) fn keep(&mut self, mut plan: Plan<'_>) {
-        // Those that this picture did not use are dropped.
+        // Those that this image did not use are dropped.
         self.ribbon_meshes.clear();
         self.ribbon_meshes.extend(plan.solids.iter_mut().filter_map(|solid| match &mut solid.shape {
             Shape::Mesh(Cow::Owned(mesh), _) => Some(std::mem::take(mesh)),
             _ => None,
         }));
-        // The next picture's are taken from the end.
+        // The next image's are taken from the end.
         self.ribbon_meshes.reverse();
         self.plan = Plan {
             jobs: emptied(plan.jobs),
@@ -105,7 +105,7 @@ impl PlanMemory {
 }
 
 /// The memory of a vector for elements of the same type with another lifetime: the library collects in place here. The
-/// memory of a much larger picture is given back.
+/// memory of a much larger image is given back.
 fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
     const SPARE: usize = 1024;
     let (used, room) = (vector.len(), vector.capacity());
@@ -117,7 +117,7 @@ fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
 }
 
 impl<'a> Plan<'a> {
-    /// Plans a picture, with the depths of these displays' objects if they are wanted.
+    /// Plans an image, with the depths of these displays' objects if they are wanted.
     pub(in crate::cpu) fn new(
         view: &View<'a>,
         objects_of: Option<&'a DisplayMask>,

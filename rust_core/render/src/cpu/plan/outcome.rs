@@ -9,7 +9,7 @@ use crate::cpu::tile::band::Band;
 use crate::cpu::tile::near_to_far::{Load, NearToFar};
 use crate::cpu::tile::screen::Screen;
 
-/// The result of a job. Its memory is used again by the job in its place in the next picture.
+/// The result of a job. Its memory is used again by the job in its place in the next image.
 #[derive(Debug)]
 pub(in crate::cpu) enum Outcome {
     /// Points of a cloud.
@@ -35,7 +35,7 @@ pub(in crate::cpu) struct Scratch {
     order: NearToFar,
 }
 
-/// The picture that is drawn.
+/// The image that is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct DrawContext<'a> {
     /// All jobs.
@@ -76,8 +76,8 @@ impl Outcome {
                 let Self::Meshes(primitives) = self else { return };
                 primitives.clear(screen);
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    if let Some(solid) = plan.solids.get(piece.whole) {
-                        let ids = (piece.whole as u32, piece.range.clone());
+                    if let Some(solid) = plan.solids.get(piece.primitive) {
+                        let ids = (piece.primitive as u32, piece.range.clone());
                         primitives.add(solid, ids, screen, &mut scratch.vertices.cache);
                     }
                 }
@@ -90,7 +90,7 @@ impl Outcome {
                 instances.clear(screen);
                 let Some(batches) = &plan.batches else { return };
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
-                    instances.add((piece.whole, piece.range.clone()), batches, screen, &mut scratch.instances);
+                    instances.add((piece.primitive, piece.range.clone()), batches, screen, &mut scratch.instances);
                 }
             }
         }

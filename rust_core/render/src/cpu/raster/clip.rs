@@ -1,13 +1,13 @@
 //! Cutting triangles and lines at the view's sides, in clip coordinates.
 //!
-//! Everything is cut at the near and the far plane. Triangles are cut at the picture's sides only where they reach far
+//! Everything is cut at the near and the far plane. Triangles are cut at the image's sides only where they reach far
 //! outside, so that their window coordinates stay small; lines are cut there exactly, as Mesa cuts them. A cut between
 //! two vertices is always computed from the inner one, so that two triangles that share an edge share the cut too, and
 //! the pixels along it are drawn once.
 
 use wide::f32x4;
 
-/// A vertex on its way to the picture.
+/// A vertex on its way to the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::cpu) struct ClipVertex {
     /// Clip coordinates.
@@ -34,7 +34,7 @@ impl ClipVertex {
     }
 }
 
-/// Triangles may reach this far outside of the picture, in w.
+/// Triangles may reach this far outside of the image, in w.
 pub(in crate::cpu) const GUARD: f32 = 4.0;
 
 /// The bits of the view's sides, in the order in which things are cut: near, far, left, right, bottom, top.

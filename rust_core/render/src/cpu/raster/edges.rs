@@ -72,7 +72,7 @@ pub(in crate::cpu) struct Edge<T> {
 }
 
 impl<T: Whole> Edge<T> {
-    /// Between two snapped places, with the inside on its right as the picture shows it, and measured from a pixel.
+    /// Between two snapped places, with the inside on its right as the image shows it, and measured from a pixel.
     #[inline(always)]
     pub(in crate::cpu) fn new(from: [T; 2], to: [T; 2], origin: [T; 2]) -> Self {
         let (along_x, along_y) = (to[0] - from[0], to[1] - from[1]);
@@ -83,7 +83,7 @@ impl<T: Whole> Edge<T> {
 }
 
 impl Edge<i64> {
-    /// The edges of a triangle whose inside is on the right of each, measured from the picture's first pixel.
+    /// The edges of a triangle whose inside is on the right of each, measured from the image's first pixel.
     #[inline(always)]
     pub(in crate::cpu) fn around([a, b, c]: [&ScreenPosition; 3]) -> [Self; 3] {
         let place = |position: &ScreenPosition| [i64::from(position.x), i64::from(position.y)];

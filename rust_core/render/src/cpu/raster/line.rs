@@ -199,7 +199,7 @@ impl Line {
                     continue;
                 }
                 let color = single.unwrap_or_else(|| self.color(t[lane]));
-                pixel.meet(depths[lane], color, self.mode);
+                pixel.write_fragment(depths[lane], color, self.mode);
             }
         }
     }

@@ -16,7 +16,7 @@ pub(in crate::cpu) type Gradient<T> = [T; 3];
 /// Edges of a face.
 pub(in crate::cpu) const EDGES: usize = 4;
 
-/// A face on the picture. All that is linear is measured from the first pixel of its first row, whether the band has it
+/// A face on the image. All that is linear is measured from the first pixel of its first row, whether the band has it
 /// or not, so that no pixel depends on how high bands are.
 pub(in crate::cpu) struct Quad<S: Simd, const PAINT: u8> {
     pub simd: S,
@@ -60,7 +60,7 @@ impl<S: Simd, const PAINT: u8> Quad<S, PAINT> {
                 begin,
                 #[inline(always)]
                 |window| {
-                    is_seen |= window.meet(
+                    is_seen |= window.write_fragments(
                         rows.next(),
                         // A depth's steps are whole numbers: fractions would be lost in sums with it.
                         (from_first + depth_down * row) + depth,

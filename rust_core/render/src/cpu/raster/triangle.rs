@@ -38,7 +38,7 @@ impl Plane {
     }
 }
 
-/// About as many of the picture's pixels as a triangle covers; none for thin ones, such as wide lines, which cover no
+/// About as many of the image's pixels as a triangle covers; none for thin ones, such as wide lines, which cover no
 /// tiles.
 #[inline]
 pub(in crate::cpu) fn covered_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> u64 {
@@ -78,7 +78,7 @@ pub(in crate::cpu) fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
     }
 }
 
-/// True if a triangle between these snapped places may cover the centre of a pixel, of the picture or beside it: of
+/// True if a triangle between these snapped places may cover the centre of a pixel, of the image or beside it: of
 /// tiny ones it is found out.
 #[inline]
 pub(in crate::cpu) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
@@ -93,7 +93,7 @@ pub(in crate::cpu) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
     (top..bottom).any(|y| (left..right).any(|x| edges.iter().all(|edge| edge.covers(x, y))))
 }
 
-/// True if a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn.
+/// True if a triangle that needs no cutting may touch the centre of a pixel of the image with a side that is drawn.
 /// Of a detailed mesh most do not, and are spared the light on their corners.
 #[inline]
 pub(in crate::cpu) fn may_be_seen([a, b, c]: [&ScreenPosition; 3], surface: &Surface, screen: &Screen) -> bool {
@@ -106,7 +106,7 @@ pub(in crate::cpu) fn may_be_seen([a, b, c]: [&ScreenPosition; 3], surface: &Sur
         && !is_hidden(doubled_area([a, b, c]), surface.cull)
 }
 
-/// A vertex on the picture, with the values that are interpolated over its triangles.
+/// A vertex on the image, with the values that are interpolated over its triangles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct Corner {
     /// Its position.
@@ -123,7 +123,7 @@ impl Corner {
     }
 }
 
-/// The first row of a triangle and the row after its last; may lie outside of the picture.
+/// The first row of a triangle and the row after its last; may lie outside of the image.
 #[inline]
 pub(in crate::cpu) fn rows([a, b, c]: [&ScreenPosition; 3]) -> (i32, i32) {
     between(a.y, b.y, c.y)
@@ -153,7 +153,7 @@ pub(in crate::cpu) fn cut(
     }
 }
 
-/// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the
+/// The corners in the order in which the inside is on the right of each edge as the image shows it, and twice the
 /// area; none where that is zero.
 #[inline]
 pub(in crate::cpu) fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
@@ -203,7 +203,7 @@ fn area_of([a, b, c]: [&Corner; 3], band: &Band<'_>) -> Area {
 
 /// A triangle in a band, or several that share no pixel and have one colour.
 struct Triangles<'a, const N: usize> {
-    /// With the inside on the right of each edge as the picture shows it.
+    /// With the inside on the right of each edge as the image shows it.
     corners: [[&'a Corner; 3]; N],
     doubled_areas: [i64; N],
     surface: &'a Surface,
@@ -258,7 +258,7 @@ impl<const N: usize> Triangles<'_, N> {
                 // Many a triangle of a detailed mesh lies between the pixels' centres.
                 if all.any_true() {
                     let fragments = fragments.get_or_insert_with(|| Fragments::new(simd, self.planes(), self.surface));
-                    is_seen |= window.meet(
+                    is_seen |= window.write_fragments(
                         all,
                         fragments.depths(covered, columns, y),
                         self.surface.mode,
@@ -346,7 +346,7 @@ pub(in crate::cpu) fn least_depth(positions: [&ScreenPosition; 3], surface: &Sur
     }
 }
 
-/// How a triangle lies in the picture, for what is linear over it.
+/// How a triangle lies in the image, for what is linear over it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Slopes {
     along: [f32; 4],
@@ -355,7 +355,7 @@ pub(in crate::cpu) struct Slopes {
 }
 
 impl Slopes {
-    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    /// Of corners whose inside is on the right of each edge as the image shows it.
     #[inline]
     pub(in crate::cpu) fn new([a, b, c]: [&ScreenPosition; 3], doubled_area: i64) -> Self {
         let scale = SUBPIXELS as f32;
@@ -398,7 +398,7 @@ pub(in crate::cpu) struct Planes {
 }
 
 impl Planes {
-    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    /// Of corners whose inside is on the right of each edge as the image shows it.
     pub(in crate::cpu) fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
         let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
             corners.map(|corner| (&corner.position, &corner.color, &corner.uv));
@@ -524,7 +524,7 @@ impl<'a, S: Simd, const N: usize> Fragments<'a, S, N> {
 }
 
 impl<S: Simd> Fragments<'_, S, 1> {
-    /// Draws the pixels of a row's span, which must be the picture's.
+    /// Draws the pixels of a row's span, which must be the image's.
     #[inline(always)]
     fn draw_span(&self, y: i32, span: Range<i32>, band: &mut Band<'_>) {
         let row = y as f32;
@@ -533,7 +533,7 @@ impl<S: Simd> Fragments<'_, S, 1> {
             let mask = columns.simd_lt(span.end as f32);
             let depths = self.depths([mask], columns, row);
             let Some(window) = band.window(begin, y) else { return };
-            window.meet(
+            window.write_fragments(
                 mask,
                 depths,
                 self.surface.mode,

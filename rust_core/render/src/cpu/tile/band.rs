@@ -1,7 +1,7 @@
 //! The pixels of one band of rows: colour and depth, and how fragments are tested and blended.
 //!
 //! A worker draws one band after another into the same two buffers, which stay in its core's cache; a finished band
-//! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
+//! goes to the image at once, so that no frame buffer of the whole image exists. Colours are 8-bit and every
 //! blend rounds, with the arithmetic of Mesa's rasteriser.
 
 use std::ops::Range;
@@ -111,7 +111,7 @@ const IN_ORDER: u32 = 0;
 pub(in crate::cpu) struct Band<'a> {
     /// Pixels in a row.
     pub width: i32,
-    /// The band's first row in the picture.
+    /// The band's first row in the image.
     pub first_row: i32,
     /// The row after its last.
     pub end_row: i32,
@@ -156,13 +156,13 @@ pub(in crate::cpu) struct Pixels<'a> {
 }
 
 impl Band<'_> {
-    /// The part of a range of picture rows that lies in this band.
+    /// The part of a range of image rows that lies in this band.
     #[inline]
     pub(in crate::cpu) fn rows(&self, begin: i32, end: i32) -> Range<i32> {
         begin.max(self.first_row)..end.min(self.end_row)
     }
 
-    /// Its pixels in the picture.
+    /// Its pixels in the image.
     #[inline(always)]
     pub(in crate::cpu) fn area(&self) -> Area {
         Area { left: 0, right: self.width, top: self.first_row, bottom: self.end_row }
@@ -304,7 +304,7 @@ impl Band<'_> {
     }
 
     /// A bound of a tile's depths, as one depth or as a plane of these changes to the right and down, and the lowest
-    /// rank in it; `None` where pixels are outside of the picture.
+    /// rank in it; `None` where pixels are outside of the image.
     #[inline(always)]
     fn farthest<S: Simd>(&self, simd: S, tile: Area, [dx, dy]: [f32; 2]) -> Option<(DepthPlane, u32)> {
         let mut farthest = F::splat(simd, 0.0);
@@ -328,9 +328,9 @@ impl Band<'_> {
         let (farthest, above) = (greatest(farthest), greatest(above));
         let mut bound = DepthPlane::level(farthest);
         // A plane, where it is finite and less at the tile's middle.
-        let reach = (dx.abs() + dy.abs()) * (TILE_PX - 1) as f32;
-        if above + (dx + dy) * ((TILE_PX - 1) as f32 * 0.5) < farthest && reach < FARTHEST {
-            let noise = 1.01 * (3.0 * rounding(reach) + rounding(FARTHEST + reach));
+        let extent = (dx.abs() + dy.abs()) * (TILE_PX - 1) as f32;
+        if above + (dx + dy) * ((TILE_PX - 1) as f32 * 0.5) < farthest && extent < FARTHEST {
+            let noise = 1.01 * (3.0 * rounding(extent) + rounding(FARTHEST + extent));
             bound = DepthPlane { at: above, dx, dy, x: tile.left as f32, y: tile.top as f32, noise, ..bound };
         }
         Some((bound, first_rank.to_array().into_iter().fold(u32::MAX, u32::min)))
@@ -378,7 +378,7 @@ pub(in crate::cpu) struct Window<'a> {
     more: Option<More<'a>>,
 }
 
-/// What only some pictures keep for [`LANES`] pixels.
+/// What only some images keep for [`LANES`] pixels.
 #[derive(Debug)]
 struct More<'a> {
     /// Present while faces are drawn by their ranks.
@@ -404,7 +404,7 @@ impl ObjectDepths<&mut [f32]> {
     }
 
     /// Takes the depths of those fragments that win and are opaque enough. Not a part of each loop over pixels: few
-    /// pictures want these depths.
+    /// images want these depths.
     #[inline(never)]
     fn take(self, wins: u64, depths: &[f32], colors: &[u32], mode: Mode) {
         let least_alpha = mode.least_object_alpha(self.is_listed);
@@ -422,7 +422,7 @@ impl Window<'_> {
     ///
     /// The nearer fragment wins, of equal depths the later one; where there are ranks, that of the higher rank.
     #[inline(always)]
-    pub(in crate::cpu) fn meet<S: Simd>(
+    pub(in crate::cpu) fn write_fragments<S: Simd>(
         self,
         mask: M<S>,
         depths: F<S>,
@@ -470,7 +470,7 @@ pub(in crate::cpu) struct BandPixel<'a> {
 impl BandPixel<'_> {
     /// Tests a fragment against the pixel and writes or blends it.
     #[inline]
-    pub(in crate::cpu) fn meet(self, depth: f32, color: [u8; 4], mode: Mode) {
+    pub(in crate::cpu) fn write_fragment(self, depth: f32, color: [u8; 4], mode: Mode) {
         // NaN is not drawn.
         if mode.depth_test && (depth > *self.depth || depth.is_nan()) {
             return;
@@ -500,7 +500,7 @@ mod tests {
         let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]), false);
         let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
             if let Some(pixel) = band.pixel(x, 0) {
-                pixel.meet(depth, [level, level, level, 255], mode);
+                pixel.write_fragment(depth, [level, level, level, 255], mode);
             }
         };
         put(0, 500.0, 1, Mode::OPAQUE);

@@ -1,7 +1,7 @@
 //! Points, triangles or lines ("things") sorted into the bands that they touch.
 //!
 //! Only the things' indices are kept, in their order; one that touches two bands is there twice. All memory is reused
-//! for the next picture.
+//! for the next image.
 
 use super::screen::Screen;
 
@@ -12,13 +12,13 @@ const PART_BITS: u32 = 24;
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct Bins {
     bands: Vec<Vec<u32>>,
-    /// Factor from a row to its band, in parts of 2^24: pictures have at most 2^14 rows, bands at most 128.
+    /// Factor from a row to its band, in parts of 2^24: images have at most 2^14 rows, bands at most 128.
     bands_per_row: u64,
     height_px: u32,
 }
 
 impl Bins {
-    /// Forgets everything, and has a bin for each of the picture's bands.
+    /// Forgets everything, and has a bin for each of the image's bands.
     pub(in crate::cpu) fn reset(&mut self, screen: &Screen) {
         self.bands.iter_mut().for_each(Vec::clear);
         self.bands.resize_with(screen.bands(), Vec::new);
@@ -26,7 +26,7 @@ impl Bins {
         self.bands_per_row = (1_u64 << PART_BITS).div_ceil(screen.band_rows() as u64);
     }
 
-    /// Adds a thing that touches these rows; rows outside of the picture have no band.
+    /// Adds a thing that touches these rows; rows outside of the image have no band.
     #[inline(always)]
     pub(in crate::cpu) fn add(&mut self, number: u32, begin_row: u32, end_row: u32) {
         if begin_row >= end_row {
@@ -40,7 +40,7 @@ impl Bins {
         }
     }
 
-    /// As [`Self::add`], for rows that may be outside of the picture.
+    /// As [`Self::add`], for rows that may be outside of the image.
     #[inline(always)]
     pub(in crate::cpu) fn add_rows(&mut self, number: u32, (begin, end): (i32, i32)) {
         let row = |row: i32| row.clamp(0, self.height_px as i32) as u32;

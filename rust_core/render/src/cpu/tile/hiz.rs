@@ -1,6 +1,6 @@
 //! Hierarchical z: how far away a band's pixels are already covered, by tile and by block of tiles.
 //!
-//! Thousands of faces may lie over each other on the picture, such as a depth camera's cloud right before the lens.
+//! Thousands of faces may lie over each other on the image, such as a depth camera's cloud right before the lens.
 //! Before its fragments are tested one by one, a face is compared with tiles of [`TILE_PX`] × [`TILE_PX`] pixels and
 //! blocks of [`BLOCK_PX`] × [`BLOCK_PX`]:
 //!
@@ -183,9 +183,9 @@ impl Level {
     fn offer(&mut self, plane: &DepthPlane, rank: u32, cell: usize, [x, y]: [f64; 2]) -> bool {
         let value = plane.value(x, y);
         let slopes = f64::from(plane.dx.abs()) + f64::from(plane.dy.abs());
-        let reach = slopes * f64::from(self.half()) + f64::from(plane.noise);
+        let extent = slopes * f64::from(self.half()) + f64::from(plane.noise);
         // Depths are clamped outside of these, so that a plane says less about them.
-        if !(value - reach > 0.0 && value + reach < f64::from(FARTHEST)) {
+        if !(value - extent > 0.0 && value + extent < f64::from(FARTHEST)) {
             return false;
         }
         let Some(middle) = self.middle.get_mut(cell) else { return false };
@@ -198,7 +198,7 @@ impl Level {
         self.rest[cell] = (value - f64::from(*middle)) as f32;
         (self.dx[cell], self.dy[cell]) = (plane.dx, plane.dy);
         (self.noise[cell], self.rank[cell]) = (plane.noise, rank);
-        self.farthest[cell] = not_below(value + reach);
+        self.farthest[cell] = not_below(value + extent);
         true
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The loops over points and their pixels are written for eight numbers side by side and compiled for each of the
 //! processor's instruction sets that the build's target may have (on x86-64 SSE2, SSE4.2, AVX2 and AVX-512); which one
-//! runs is chosen at run time. All do the same arithmetic in the same order, so the picture is the same on each.
+//! runs is chosen at run time. All do the same arithmetic in the same order, so the image is the same on each.
 //!
 //! For that everything between [`fearless_simd::dispatch!`] and the arithmetic has to be `#[inline(always)]`, closures
 //! included: a function that is compiled on its own is compiled for the oldest processor. So lanes go through [`map`]
@@ -64,7 +64,7 @@ pub(in crate::cpu) fn store<S: Simd>(all: &mut [f32], begin: usize, value: F<S>)
 
 /// Writes whole numbers at `begin`, where there must be room.
 #[inline(always)]
-pub(in crate::cpu) fn store_whole<S: Simd>(all: &mut [i32], begin: usize, value: I<S>) {
+pub(in crate::cpu) fn store_integers<S: Simd>(all: &mut [i32], begin: usize, value: I<S>) {
     if let Some(place) = all.get_mut(begin..).and_then(<[i32]>::first_chunk_mut) {
         value.store_array(place);
     }
@@ -106,7 +106,7 @@ pub(in crate::cpu) fn transform<S: Simd>(rows: &[[f32; 4]; 4], [x, y, z]: [F<S>;
 
 /// Cut to whole numbers.
 #[inline(always)]
-pub(in crate::cpu) fn whole<S: Simd>(value: F<S>) -> I<S> {
+pub(in crate::cpu) fn to_integers<S: Simd>(value: F<S>) -> I<S> {
     value.to_int()
 }
 

@@ -3,7 +3,7 @@
 //! The order of opaque faces that follow each other matters only for equal depths, so that they may come in any
 //! order if each pixel knows the *rank* of the face that it shows: its place in the order of drawing. Of faces that lie
 //! over each other a thousandfold the near ones come first, and of equally near ones the last: after a few of them each
-//! part of the picture is covered, and [hierarchical z](super::hiz) hides the others.
+//! part of the image is covered, and [hierarchical z](super::hiz) hides the others.
 
 use super::screen::Screen;
 
@@ -81,8 +81,8 @@ impl Load {
     pub(in crate::cpu) fn is_heavy(&self, screen: &Screen) -> bool {
         const MANY_TIMES: u64 = 16;
         const FACE_PX: u64 = 256;
-        let picture_px = u64::from(screen.width_px) * u64::from(screen.height_px);
-        self.pixels > MANY_TIMES * picture_px && self.pixels > FACE_PX * self.faces
+        let image_px = u64::from(screen.width_px) * u64::from(screen.height_px);
+        self.pixels > MANY_TIMES * image_px && self.pixels > FACE_PX * self.faces
     }
 
     /// Both.

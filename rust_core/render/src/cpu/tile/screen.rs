@@ -1,7 +1,7 @@
-//! The picture's pixels in window coordinates, and the way there from an object's frame.
+//! The image's pixels in window coordinates, and the way there from an object's frame.
 //!
 //! Window coordinates are pixels, x to the right and y down, (0, 0) the upper left corner of the upper left pixel, so
-//! that row 0 is the picture's top. Places are snapped to 1/256 pixel before anything is decided about coverage, as
+//! that row 0 is the image's top. Places are snapped to 1/256 pixel before anything is decided about coverage, as
 //! Mesa's rasteriser does; a snapped place is measured from the centre of the first pixel, so that pixel (i, j) is
 //! covered where (256 i, 256 j) is. Depth is 0 at the near plane and [`FARTHEST`] at the far one; the nearer *or equal*
 //! wins.
@@ -17,7 +17,7 @@ use crate::shading::{normalizes_normals, to_light, view_from_normal};
 /// Snapped places to a pixel.
 pub(in crate::cpu) const SUBPIXELS: i32 = 256;
 
-/// The depth of the far plane, which the picture is cleared to.
+/// The depth of the far plane, which the image is cleared to.
 ///
 /// Depths are kept as `f32`. From half of this depth on, which is 2 cm before a camera that sees from 1 cm to 100 m, an
 /// `f32` has no fraction, so that depths are rounded to whole steps just as in a depth buffer of 24 bits.
@@ -93,7 +93,7 @@ pub(in crate::cpu) fn rounding(magnitude: f32) -> f32 {
     f32::from_bits(magnitude.abs().to_bits() & 0x7f80_0000) * HALF_LAST_BIT
 }
 
-/// Size of the picture and how it is cut into bands of rows.
+/// Size of the image and how it is cut into bands of rows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Screen {
     /// Pixels in a row.
@@ -108,7 +108,7 @@ pub(in crate::cpu) struct Screen {
 }
 
 impl Screen {
-    /// A picture of this size, to be drawn by so many workers. How it is cut into bands changes none of its pixels.
+    /// An image of this size, to be drawn by so many workers. How it is cut into bands changes none of its pixels.
     ///
     /// One band's colours and depths stay in a core's cache; what lies across several bands is looked at in each, so
     /// that high ones are better as long as there are two for each worker. Of few bands there is an even number of the
@@ -162,7 +162,7 @@ impl Screen {
             + f32x4::new([self.half_width, self.half_height, 0.5, 0.0])
     }
 
-    /// Half of the picture's width and height in pixels.
+    /// Half of the image's width and height in pixels.
     #[inline]
     pub(in crate::cpu) fn half_size(&self) -> (f32, f32) {
         (self.half_width, self.half_height)
@@ -191,7 +191,7 @@ pub(in crate::cpu) fn first_pixel(snapped: i32) -> i32 {
     (snapped + SUBPIXELS - 1) >> SUBPIXELS.ilog2()
 }
 
-/// A vertex's position on the picture.
+/// A vertex's position on the image.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cpu) struct ScreenPosition {
     /// Snapped window coordinates.
@@ -216,7 +216,7 @@ impl ScreenPosition {
     }
 }
 
-/// How an object's positions and normals come to the picture.
+/// How an object's positions and normals come to the image.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct ObjectTransform {
     /// Rows of the matrix from the object's frame to clip coordinates.
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_cover_the_picture() {
+    fn bands_cover_the_image() {
         for (width, height) in [(1, 1), (1280, 800), (16384, 16384), (16384, 1), (1, 16384), (333, 217)] {
             for workers in [1, 2, 4, 64] {
                 let screen = Screen::new(width, height, workers);

@@ -41,7 +41,7 @@ impl Oracle {
         (self.head, self.path) = (None, None);
     }
 
-    /// The end of the light if nothing new comes; `None` for dark. A test picture shows no data.
+    /// The end of the light if nothing new comes; `None` for dark. A test image shows no data.
     pub(super) fn allowed_until(&self, is_test: bool) -> Option<i64> {
         if self.is_all_black || self.is_camera_black || !self.has_camera || self.masks.iter().all(Option::is_none) {
             return None;

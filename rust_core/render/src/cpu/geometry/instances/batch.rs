@@ -1,4 +1,4 @@
-//! Solids of one drawable, and what those of a picture share.
+//! Solids of one drawable, and what those of an image share.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// The batches of a picture.
+/// The batches of an image.
 #[derive(Debug)]
 pub(in crate::cpu) struct Batches<'a> {
     pub(in crate::cpu) batches: Vec<Batch<'a>>,
@@ -48,7 +48,7 @@ pub(in crate::cpu) struct Batches<'a> {
 }
 
 impl<'a> Batches<'a> {
-    /// None, in a picture.
+    /// None, in an image.
     pub(in crate::cpu) fn new(view: &View<'a>) -> Self {
         let surface = |is_translucent| {
             let surface = Surface::of(&Material::unlit(is_translucent), None);

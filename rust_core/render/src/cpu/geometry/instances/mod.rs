@@ -8,7 +8,7 @@
 //! 2. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
 //!    corners are all in one gap covers no centre, which is true of most triangles of a small solid.
 //!
-//! Solids that reach out of the view take the longer way of [`meshes`](super::meshes), vertex by vertex; the picture is
+//! Solids that reach out of the view take the longer way of [`meshes`](super::meshes), vertex by vertex; the image is
 //! the same on both.
 
 mod batch;

@@ -5,7 +5,7 @@ use rcs_scene::{Aabb, InFrustum};
 
 use crate::cpu::tile::screen::{Screen, SUBPIXELS};
 
-/// Position of a box on the picture.
+/// Position of a box on the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::cpu) enum Placement {
     /// Nothing in it is seen.

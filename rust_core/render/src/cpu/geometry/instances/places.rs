@@ -1,10 +1,10 @@
-//! The places of a solid's vertices on the picture, all at once.
+//! The places of a solid's vertices on the image, all at once.
 
 use fearless_simd::prelude::*;
 
 use super::shape::Shape;
 use crate::cpu::geometry::vertices::VertexScratch;
-use crate::cpu::tile::lanes::{load, map, store_whole, transform, whole, F, LANES};
+use crate::cpu::tile::lanes::{load, map, store_integers, to_integers, transform, F, LANES};
 use crate::cpu::tile::screen::{Screen, SUBPIXELS};
 
 /// The memory of a thread that makes solids ready and draws them.
@@ -58,7 +58,7 @@ pub(in crate::cpu) fn place_vertices<S: Simd>(
             |window| {
                 let scaled = (window - 0.5) * (SUBPIXELS as f32);
                 let half = scaled.simd_ge(0.0).select(F::splat(simd, 0.5), F::splat(simd, -0.5));
-                whole(scaled + half)
+                to_integers(scaled + half)
             },
         );
         let [gap_x, gap_y] = map(
@@ -66,8 +66,8 @@ pub(in crate::cpu) fn place_vertices<S: Simd>(
             #[inline(always)]
             |place| (place >> 8) + ((place + (SUBPIXELS - 1)) >> 8),
         );
-        store_whole(&mut scratch.x, begin, x);
-        store_whole(&mut scratch.y, begin, y);
-        store_whole(&mut scratch.gaps, begin, (gap_x & 0xffff) | (gap_y << 16));
+        store_integers(&mut scratch.x, begin, x);
+        store_integers(&mut scratch.y, begin, y);
+        store_integers(&mut scratch.gaps, begin, (gap_x & 0xffff) | (gap_y << 16));
     }
 }

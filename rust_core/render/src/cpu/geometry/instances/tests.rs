@@ -6,8 +6,8 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use proptest::prelude::*;
 use rcs_scene::{
-    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Intrinsics, Material,
-    Mesh, Picture, RenderGroup, Rgba, Scene, Solids, Text, Vertex, VerticalAlignment,
+    Camera, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Image, Intrinsics,
+    Material, Mesh, RenderGroup, Rgba, Scene, Solids, Text, Vertex, VerticalAlignment,
 };
 
 use crate::{CpuRenderer, Culling, Renderer, View};
@@ -84,19 +84,19 @@ fn together(things: &[Thing], shapes: &[Arc<Mesh>]) -> Vec<Drawable> {
     things.chunk_by(|a, b| a.display == b.display).map(chunk).collect()
 }
 
-fn picture(drawables: Vec<Drawable>, visible: &DisplayMask) -> Vec<u8> {
-    picture_by(&mut CpuRenderer::with_threads(2).with_culling(Culling::Never), drawables, visible)
+fn image(drawables: Vec<Drawable>, visible: &DisplayMask) -> Vec<u8> {
+    image_by(&mut CpuRenderer::with_threads(2).with_culling(Culling::Never), drawables, visible)
 }
 
-fn picture_by(renderer: &mut CpuRenderer, drawables: Vec<Drawable>, visible: &DisplayMask) -> Vec<u8> {
+fn image_by(renderer: &mut CpuRenderer, drawables: Vec<Drawable>, visible: &DisplayMask) -> Vec<u8> {
     let p = [100.0, 0.0, 50.0, 0.0, 0.0, 100.0, 40.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let camera = Camera::new(Intrinsics::from_p(101, 83, &p).unwrap(), &Isometry3::identity(), 0.01);
     let light = Some(DirectionalLight { direction: Vector3::new(0.3, 0.5, 0.8).normalize() });
     let scene = Scene { drawables, light };
     let view = View { scene: &scene, camera: &camera, visible, background: [9; 3], encoding: Encoding::Rgba8 };
-    let mut picture = Picture::default();
-    renderer.render(&view, &mut picture).unwrap();
-    picture.data
+    let mut image = Image::default();
+    renderer.render(&view, &mut image).unwrap();
+    image.data
 }
 
 proptest! {
@@ -110,8 +110,8 @@ proptest! {
         let shapes = [ball(6, 12), ball(2, 4), ball(16, 30)];
         let mut visible = DisplayMask::all();
         hidden.into_iter().for_each(|display| visible.set(display, false));
-        let expected = picture(singly(&things, &shapes), &visible);
-        prop_assert!(picture(together(&things, &shapes), &visible) == expected);
+        let expected = image(singly(&things, &shapes), &visible);
+        prop_assert!(image(together(&things, &shapes), &visible) == expected);
     }
 
     #[test]
@@ -130,8 +130,8 @@ proptest! {
         });
         let things: Vec<Thing> = things.iter().cloned().chain(again).collect();
         let mut renderer = CpuRenderer::with_threads(2).with_culling(Culling::Always);
-        let drawn = picture_by(&mut renderer, together(&things, &shapes), &visible);
-        prop_assert!(drawn == picture(together(&things, &shapes), &visible));
+        let drawn = image_by(&mut renderer, together(&things, &shapes), &visible);
+        prop_assert!(drawn == image(together(&things, &shapes), &visible));
     }
 
     #[test]
@@ -160,8 +160,8 @@ proptest! {
         let cube = singly(&[Thing { shape: 0, place: fixed_from_text, color: Rgba::WHITE, display: 0 }], &[ball(2, 4)]);
         let both = |text: Drawable| cube.iter().cloned().chain([text]).collect();
         let visible = DisplayMask::all();
-        let expected = picture(both(as_mesh), &visible);
-        let drawn = picture(both(drawable(0, fixed_from_text, Geometry::Text(Arc::new(text)))), &visible);
+        let expected = image(both(as_mesh), &visible);
+        let drawn = image(both(drawable(0, fixed_from_text, Geometry::Text(Arc::new(text)))), &visible);
         prop_assert!(drawn == expected);
     }
 }

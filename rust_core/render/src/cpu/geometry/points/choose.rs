@@ -25,7 +25,7 @@ pub(in crate::cpu) struct BinnedPoints {
 }
 
 impl Cloud<'_> {
-    /// Sorts the points of a range that may be seen into the picture's bands.
+    /// Sorts the points of a range that may be seen into the image's bands.
     pub(in crate::cpu) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut BinnedPoints) {
         out.bins.reset(screen);
         out.load = dispatch!(screen.simd_level, simd => self.select_by_lanes(simd, screen, range, &mut out.bins));
@@ -35,13 +35,13 @@ impl Cloud<'_> {
     fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Bins) -> Load {
         let mut load = Load::default();
         // The farthest that a point's faces or disc reach from its position, and a margin.
-        let reach = (self.clip_reach(), diameter_px(self.points).unwrap_or(0.0) * 0.5 + 0.01);
+        let extent = (self.clip_extent(), diameter_px(self.points).unwrap_or(0.0) * 0.5 + 0.01);
         let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
         let mut rows = [[0u32; BLOCK]; 2];
         let mut coordinates = [[f32::NAN; BLOCK]; 3];
         for (positions, begin) in positions.chunks(BLOCK).zip(range.step_by(BLOCK)) {
             transpose(positions, &mut coordinates);
-            self.rows(screen, reach, &coordinates, &mut rows);
+            self.rows(screen, extent, &coordinates, &mut rows);
             let [first, after] = &rows;
             // About as wide as high.
             let pixels = first.iter().zip(after).take(positions.len()).map(|(first, after)| {
@@ -81,7 +81,7 @@ impl Cloud<'_> {
     fn rows(
         &self,
         screen: &Screen,
-        (reach, margin_px): ([f32; 4], f32),
+        (extent, margin_px): ([f32; 4], f32),
         coordinates: &[[f32; BLOCK]; 3],
         rows: &mut [[u32; BLOCK]; 2],
     ) {
@@ -92,7 +92,7 @@ impl Cloud<'_> {
             let row = |r: [f32; 4]| r[0] * xs[i] + r[1] * ys[i] + r[2] * zs[i] + r[3];
             let (x, y, z, w) = (row(m[0]), row(m[1]), row(m[2]), row(m[3]));
             let factor = if self.points.auto_size { zs[i].abs() } else { 1.0 };
-            let [rx, ry, rz, rw] = reach.map(|r| r * factor);
+            let [rx, ry, rz, rw] = extent.map(|r| r * factor);
             let (far_w, near_w) = (w + rw, w - rw);
             let inside = (z + rz >= -far_w) & (z - rz <= far_w) & (x - rx <= far_w) & (x + rx >= -far_w);
             // The smallest and the largest y over w, where w stays in front of the eye's plane.

@@ -1,6 +1,6 @@
 //! Placing one point's face: `Style: Squares`, `Flat Squares`, `Spheres` and `Boxes`, and tiles.
 //!
-//! Squares and discs face the eye (they are not parallel to the picture plane) and stand upright to the y axis of the
+//! Squares and discs face the eye (they are not parallel to the image plane) and stand upright to the y axis of the
 //! cloud's own frame: with `at` the direction to the eye, their sides run along `right = y × at` and `up = at × right`.
 //! So they are seen from their front, turned as the cloud's frame is, and their depth changes over the face; where the
 //! line of sight runs along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a
@@ -43,7 +43,7 @@ impl Cloud<'_> {
     }
 
     /// The farthest that a face reaches from its point, in clip coordinates and for a size factor of 1.
-    pub(super) fn clip_reach(&self) -> [f32; 4] {
+    pub(super) fn clip_extent(&self) -> [f32; 4] {
         let length = |v: &[f32]| v.iter().fold(0.0, |sum: f32, c| sum.hypot(*c));
         let reach_m = match self.points.style {
             PointStyle::Tiles { size_m, normal, up } => {
@@ -105,7 +105,7 @@ impl Cloud<'_> {
     }
 }
 
-/// The points' diameter on the picture, in pixels; none where the cloud has another style.
+/// The points' diameter on the image, in pixels; none where the cloud has another style.
 pub(super) fn diameter_px(points: &Points) -> Option<f32> {
     match points.style {
         PointStyle::Points { diameter_px } => Some(drawn_point_size_px(diameter_px)),

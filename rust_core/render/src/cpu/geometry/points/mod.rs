@@ -4,8 +4,8 @@
 //! choosing   choose    which points of a cloud may be seen, and the bands that they touch; the points of a band,
 //!                      gathered in blocks; whether Ogre culls the whole cloud
 //! placing    faces     what one point's face is: its corners in clip coordinates, as triangles
-//!            place     the faces of a block on the picture, as quadrangles of a few pixels
-//!            sprites   the round points of a block on the picture (and their painting, which is one colour)
+//!            place     the faces of a block on the image, as quadrangles of a few pixels
+//!            sprites   the round points of a block on the image (and their painting, which is one colour)
 //! painting   paint     the pixels of a block's quadrangles, with the colours of `shading`
 //!            (triangles, in the folder above, paints faces that are too large for that)
 //! ```

@@ -25,7 +25,9 @@ use crate::cpu::paint::{FaceColor, BOX_SIDE, PLAIN};
 use crate::cpu::raster::edges::Edge;
 use crate::cpu::raster::quad::{Gradient, Quad, EDGES};
 use crate::cpu::tile::band::Band;
-use crate::cpu::tile::lanes::{inlined, load, map, nearest, store, store_whole, transform, whole, F, LANES, M};
+use crate::cpu::tile::lanes::{
+    inlined, load, map, nearest, store, store_integers, to_integers, transform, F, LANES, M,
+};
 use crate::cpu::tile::screen::{Area, Screen, FARTHEST, SUBPIXELS};
 use crate::shading::{BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
@@ -57,7 +59,7 @@ pub(in crate::cpu) struct FaceBlock {
     pub along: u32,
     /// The face's pixels: left, right (past the last), top, bottom (past the last).
     pub bounds: [[i32; BLOCK]; 4],
-    /// The face's first row in the picture, whether the band has it or not: from there all that is linear is measured,
+    /// The face's first row in the image, whether the band has it or not: from there all that is linear is measured,
     /// so that no pixel depends on how high bands are.
     pub first_rows: [i32; BLOCK],
     /// A pixel is inside of an edge where the edge's value is not negative.
@@ -124,7 +126,7 @@ impl FaceBlock {
     }
 }
 
-/// A corner of several faces on the picture.
+/// A corner of several faces on the image.
 #[derive(Clone, Copy)]
 struct FaceCorner<S: Simd> {
     /// Snapped.
@@ -199,28 +201,28 @@ fn greatest<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
 /// The band that faces are placed in.
 #[derive(Clone, Copy)]
 pub(in crate::cpu) struct BandView {
-    /// Of the picture.
+    /// Of the image.
     pub width_px: f32,
     /// The band's first row and the one after its last.
     pub rows: [f32; 2],
-    /// Half of the picture's width and height in pixels.
+    /// Half of the image's width and height in pixels.
     pub half_size: (f32, f32),
 }
 
 impl BandView {
-    /// Of a band of the picture.
+    /// Of a band of the image.
     pub(in crate::cpu) fn new(screen: &Screen, band: &Band<'_>) -> Self {
         let rows = [band.first_row as f32, band.end_row as f32];
         Self { width_px: screen.width_px as f32, rows, half_size: screen.half_size() }
     }
 }
 
-/// Some points' faces on the picture.
+/// Some points' faces on the image.
 #[derive(Clone, Copy)]
 struct Quads<S: Simd> {
     /// Counter-clockwise from the lower left.
     corners: [FaceCorner<S>; 4],
-    /// The first pixels' columns and rows in the picture.
+    /// The first pixels' columns and rows in the image.
     left: F<S>,
     first_row: F<S>,
     per_spread: F<S>,
@@ -247,8 +249,8 @@ impl<S: Simd> Quads<S> {
         const EXACT: f32 = 16_777_216.0;
         let [a, b, c] = [&self.corners[a], &self.corners[b], &self.corners[c]];
         let (one, other) = ((b.x - a.x) * (c.y - a.y), (c.x - a.x) * (b.y - a.y));
-        let reach = one.abs() + other.abs();
-        let noise = reach.simd_lt(EXACT).select(F::splat(reach.token(), 0.0), reach * (1.0 / (1 << 22) as f32));
+        let extent = one.abs() + other.abs();
+        let noise = extent.simd_lt(EXACT).select(F::splat(extent.token(), 0.0), extent * (1.0 / (1 << 22) as f32));
         [one - other, noise]
     }
 }
@@ -288,7 +290,7 @@ impl FaceBlock {
         self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
         if small != 0 {
             for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
-                store_whole(all, begin, whole(value));
+                store_integers(all, begin, to_integers(value));
             }
             self.set_up::<_, PAINT>(&quads, begin);
         }
@@ -298,13 +300,13 @@ impl FaceBlock {
     #[inline(always)]
     fn set_up<S: Simd, const PAINT: u8>(&mut self, quads: &Quads<S>, begin: usize) {
         let [a, b, c, d] = &quads.corners;
-        let origin = [whole(quads.left), whole(quads.first_row)];
-        store_whole(&mut self.first_rows, begin, origin[1]);
-        let (xs, ys) = (map([a.x, b.x, c.x, d.x], whole), map([a.y, b.y, c.y, d.y], whole));
+        let origin = [to_integers(quads.left), to_integers(quads.first_row)];
+        store_integers(&mut self.first_rows, begin, origin[1]);
+        let (xs, ys) = (map([a.x, b.x, c.x, d.x], to_integers), map([a.y, b.y, c.y, d.y], to_integers));
         for (all, (from, to)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {
             let edge = Edge::new([xs[from], ys[from]], [xs[to], ys[to]], origin);
             for (all, value) in all.iter_mut().zip([edge.at, edge.dx, edge.dy]) {
-                store_whole(all, begin, value);
+                store_integers(all, begin, value);
             }
         }
         self.store_plane(DEPTH, begin, quads.plane(a.depth, b.depth - a.depth, d.depth - a.depth));

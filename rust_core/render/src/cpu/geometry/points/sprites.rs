@@ -1,8 +1,8 @@
-//! `Style: Points`: round points of a fixed size on the picture, drawn as OpenGL draws point sprites.
+//! `Style: Points`: round points of a fixed size on the image, drawn as OpenGL draws point sprites.
 //!
 //! A pixel belongs to a point where its centre lies less than half the size from the point's position, so that a point
 //! of 1 px can miss every pixel centre. No point is smaller than that: see [`drawn_point_size_px`]. A point whose
-//! position is outside of the picture is not drawn at all, however far its disc would reach inside. A disc has one
+//! position is outside of the image is not drawn at all, however far its disc would reach inside. A disc has one
 //! depth, that of its point.
 
 use fearless_simd::prelude::*;
@@ -12,7 +12,7 @@ use super::faces::diameter_px;
 use super::place::BandView;
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::tile::band::Band;
-use crate::cpu::tile::lanes::{lane_indices, load, map, store, store_whole, transform, whole, F, LANES, U};
+use crate::cpu::tile::lanes::{lane_indices, load, map, store, store_integers, to_integers, transform, F, LANES, U};
 use crate::cpu::tile::screen::{Screen, FARTHEST};
 use crate::shading::DISC_RADIUS_SQUARED;
 
@@ -23,7 +23,7 @@ struct SpriteBand<'a> {
     diameter_px: f32,
 }
 
-/// A block of points on the picture.
+/// A block of points on the image.
 #[derive(Debug)]
 pub(super) struct SpriteBlock {
     x: [f32; BLOCK],
@@ -54,14 +54,14 @@ impl SpriteBlock {
         store(&mut self.x, begin, x);
         store(&mut self.y, begin, y);
         store(&mut self.depth, begin, (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST);
-        let reach = in_band.diameter_px * 0.5 + 0.5;
-        let columns = [(x - reach).ceil().max(0.0), (x + reach).ceil().min(in_band.view.width_px)];
-        let rows = [(y - reach).ceil().max(in_band.view.rows[0]), (y + reach).ceil().min(in_band.view.rows[1])];
-        let [left, right] = map(columns, whole);
-        let [top, bottom] = map(rows, whole);
+        let extent = in_band.diameter_px * 0.5 + 0.5;
+        let columns = [(x - extent).ceil().max(0.0), (x + extent).ceil().min(in_band.view.width_px)];
+        let rows = [(y - extent).ceil().max(in_band.view.rows[0]), (y + extent).ceil().min(in_band.view.rows[1])];
+        let [left, right] = map(columns, to_integers);
+        let [top, bottom] = map(rows, to_integers);
         let right = is_inside.select(right, left);
         for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
-            store_whole(all, begin, value);
+            store_integers(all, begin, value);
         }
     }
 
@@ -83,7 +83,7 @@ impl SpriteBlock {
                 |window| {
                     let scaled = dy * per_px;
                     let mask = (dx_squared + scaled * scaled).simd_lt(DISC_RADIUS_SQUARED);
-                    window.meet(
+                    window.write_fragments(
                         mask,
                         depths,
                         mode,

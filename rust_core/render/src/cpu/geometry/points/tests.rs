@@ -1,4 +1,4 @@
-//! The picture of a cloud does not depend on the processor's instruction set, nor on whether its faces are drawn as
+//! The image of a cloud does not depend on the processor's instruction set, nor on whether its faces are drawn as
 //! quadrangles or as triangles.
 
 use std::sync::Arc;
@@ -6,8 +6,8 @@ use std::sync::Arc;
 use fearless_simd::Level;
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rcs_scene::{
-    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Picture, PointBuffer, PointColors, PointStyle,
-    Points, RenderGroup, Scene,
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Image, Intrinsics, PointBuffer, PointColors, PointStyle, Points,
+    RenderGroup, Scene,
 };
 
 use super::draw::draw_triangles;
@@ -17,7 +17,7 @@ use crate::cpu::tile::screen::{ObjectTransform, Screen, FARTHEST};
 use crate::{CpuRenderer, Renderer, View};
 use rcs_camera::simd_levels::levels;
 
-/// Scattered points of many sizes on the picture; some are behind the eye, at the near plane or off the picture.
+/// Scattered points of many sizes on the image; some are behind the eye, at the near plane or off the image.
 fn scattered() -> PointBuffer {
     let mut state = 1_u32;
     let mut next = || {
@@ -34,7 +34,7 @@ fn scattered() -> PointBuffer {
 }
 
 #[test]
-fn all_instruction_sets_draw_the_same_picture() {
+fn all_instruction_sets_draw_the_same_image() {
     let p = [300.0, 0.0, 160.0, 0.0, 0.0, 300.0, 120.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let pose = Isometry3::new(Vector3::new(0.05, -0.05, 0.0), Vector3::new(0.1, 0.2, 0.3));
     let camera = Camera::new(Intrinsics::from_p(320, 240, &p).unwrap(), &pose, 0.05);
@@ -61,22 +61,22 @@ fn all_instruction_sets_draw_the_same_picture() {
             let visible = DisplayMask::all();
             let (background, encoding) = ([9, 9, 9], Encoding::Rgba8);
             let view = View { scene: &scene, camera: &camera, visible: &visible, background, encoding };
-            let pictures: Vec<(Level, Picture)> = levels()
+            let images: Vec<(Level, Image)> = levels()
                 .into_iter()
                 .map(|level| {
                     let mut renderer = CpuRenderer::with_threads(1).with_simd_level(level);
-                    let mut picture = Picture::default();
-                    renderer.render(&view, &mut picture).unwrap();
-                    (level, picture)
+                    let mut image = Image::default();
+                    renderer.render(&view, &mut image).unwrap();
+                    (level, image)
                 })
                 .collect();
-            let (_, first) = &pictures[0];
+            let (_, first) = &images[0];
             assert!(first.data.chunks(4).any(|pixel| pixel[0] != 9));
-            for (level, picture) in &pictures {
-                let different = picture.data.iter().zip(&first.data).filter(|(a, b)| a != b).count();
+            for (level, image) in &images {
+                let different = image.data.iter().zip(&first.data).filter(|(a, b)| a != b).count();
                 assert_eq!(different, 0, "{style:?}, blended: {blended}, {level:?}");
             }
-            names = pictures.iter().map(|(level, _)| format!("{level:?}")).collect();
+            names = images.iter().map(|(level, _)| format!("{level:?}")).collect();
         }
     }
     println!("{names:?}");
