@@ -66,7 +66,7 @@ typedef enum RcsResult {
 } RcsResult;
 
 /**
- * The encodings of a published picture, by the names of `sensor_msgs/image_encodings`, in the order of the property's
+ * The encodings of a published image, by the names of `sensor_msgs/image_encodings`, in the order of the property's
  * menu.
  */
 typedef enum RcsEncoding {
@@ -169,7 +169,7 @@ typedef struct RcsCameraInfo {
   double p[12];
   /**
    * `binning_x`. Binning and region of interest are not applied, as `rcs_camera_warning` reports: publish the whole
-   * picture's CameraInfo with it (these fields 0).
+   * image's CameraInfo with it (these fields 0).
    */
   uint32_t binning_x;
   /**
@@ -185,22 +185,22 @@ typedef struct RcsCameraInfo {
    */
   uint32_t roi_y_offset;
   /**
-   * `roi.width`; 0 for the whole picture.
+   * `roi.width`; 0 for the whole image.
    */
   uint32_t roi_width;
   /**
-   * `roi.height`; 0 for the whole picture.
+   * `roi.height`; 0 for the whole image.
    */
   uint32_t roi_height;
 } RcsCameraInfo;
 
 /**
- * The view to draw for a CameraInfo. For a mirrored picture (negative focal lengths) the texture is drawn unmirrored:
+ * The view to draw for a CameraInfo. For a mirrored image (negative focal lengths) the texture is drawn unmirrored:
  * `rcs_camera_encode` and `rcs_camera_encode_depth` flip it.
  */
 typedef struct RcsView {
   /**
-   * Width of the texture to draw, pixels, at most 16384: the picture's, or another one for a lens.
+   * Width of the texture to draw, pixels, at most 16384: the image's, or another one for a lens.
    */
   uint32_t drawn_width;
   /**
@@ -208,11 +208,11 @@ typedef struct RcsView {
    */
   uint32_t drawn_height;
   /**
-   * Width of the published picture, pixels: the CameraInfo's.
+   * Width of the published image, pixels: the CameraInfo's.
    */
   uint32_t image_width;
   /**
-   * Height of the published picture, pixels.
+   * Height of the published image, pixels.
    */
   uint32_t image_height;
   /**
@@ -235,7 +235,7 @@ typedef struct RcsView {
 } RcsView;
 
 /**
- * A drawn picture as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
+ * A drawn image as it was read back, four bytes for each pixel. The caller owns it; it is not used after the call.
  */
 typedef struct RcsPixels {
   /**
@@ -263,13 +263,13 @@ typedef struct RcsPixels {
    */
   enum RcsPixelOrder order;
   /**
-   * True if the first row in memory is the picture's lowest one, as OpenGL reads back.
+   * True if the first row in memory is the image's lowest one, as OpenGL reads back.
    */
   bool bottom_up;
 } RcsPixels;
 
 /**
- * Times at which the steps of one picture ended: nanoseconds of the clock that is used with `rcs_camera_due`.
+ * Times at which the steps of one image ended: nanoseconds of the clock that is used with `rcs_camera_due`.
  */
 typedef struct RcsTimes {
   /**
@@ -285,7 +285,7 @@ typedef struct RcsTimes {
    */
   uint64_t read_ns;
   /**
-   * The picture was converted and published.
+   * The image was converted and published.
    */
   uint64_t published_ns;
 } RcsTimes;
@@ -340,7 +340,7 @@ const char *rcs_encoding_name(enum RcsEncoding encoding);
 enum RcsResult rcs_encoding_from_name(const char *name, enum RcsEncoding *encoding);
 
 /**
- * A camera without a CameraInfo, for which a picture is due at each call. The caller frees it with `rcs_camera_free`.
+ * A camera without a CameraInfo, for which an image is due at each call. The caller frees it with `rcs_camera_free`.
  * NULL only after a bug of this library.
  */
 struct RcsCamera *rcs_camera_new(void);
@@ -352,9 +352,9 @@ void rcs_camera_free(struct RcsCamera *camera);
 
 /**
  * Sets the camera's CameraInfo: checks it as the node does, and writes the view to draw for it to `view`.
- * `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
+ * `undistort`: where D is not 0, or the lens is equidistant, the image is bent so that it is right after the lens of
  * K and D; the texture is larger then, and P is followed exactly at any `projection`. A lens that cannot be corrected
- * is no error: the picture is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
+ * is no error: the image is drawn without it, and `rcs_camera_warning` has the reason. `near_clip_m`: metres,
  * clamped to 1e-6 to 99.9.
  *
  * A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
@@ -370,12 +370,12 @@ enum RcsResult rcs_camera_set_info(struct RcsCamera *camera,
                                    struct RcsView *view);
 
 /**
- * Forgets the CameraInfo: pictures cannot be encoded until the next one is set. NULL is allowed.
+ * Forgets the CameraInfo: images cannot be encoded until the next one is set. NULL is allowed.
  */
 void rcs_camera_clear_info(struct RcsCamera *camera);
 
 /**
- * Writes the reasons why a projection of the picture misses its objects, as in the node's status Camera Info: with
+ * Writes the reasons why a projection of the image misses its objects, as in the node's status Camera Info: with
  * rviz's projection fx ≠ fy, P[7] ≠ 0, skews, a mirror and a third row of P; D ≠ 0 without lens correction, each with
  * its size in pixels; why a lens could not be corrected; and binning and regions of interest, which are not applied.
  * Empty without reasons or CameraInfo. Buffer and returned length are as in `rcs_last_error`.
@@ -385,36 +385,36 @@ size_t rcs_camera_warning(const struct RcsCamera *camera,
                           size_t length);
 
 /**
- * Sets the rate of pictures, per second. Below 0: a picture is due at each call of `rcs_camera_due`, once per frame of
+ * Sets the rate of images, per second. Below 0: an image is due at each call of `rcs_camera_due`, once per frame of
  * rviz's window. 0, or NaN: only when triggered. Above 0: at that rate on average, or at each call if there are fewer
  * calls. NULL is allowed.
  */
 void rcs_camera_set_frame_rate(struct RcsCamera *camera, float frame_rate_hz);
 
 /**
- * Makes one picture due, at any frame rate and also without subscribers, from the next call of `rcs_camera_due` until
+ * Makes one image due, at any frame rate and also without subscribers, from the next call of `rcs_camera_due` until
  * `rcs_camera_begin`. NULL is allowed.
  */
 void rcs_camera_trigger(struct RcsCamera *camera);
 
 /**
- * Returns true if a picture is due now. Call it exactly once per frame of the window. `watched`: the picture has
- * subscribers; without, only a triggered one is due. After a pause a picture is due at once, and no burst follows.
+ * Returns true if an image is due now. Call it exactly once per frame of the window. `watched`: the image has
+ * subscribers; without, only a triggered one is due. After a pause an image is due at once, and no burst follows.
  * False for NULL.
  */
 bool rcs_camera_due(struct RcsCamera *camera, uint64_t now_ns, bool watched);
 
 /**
- * Records that a picture is being drawn: resets the trigger, and schedules the next picture. NULL is allowed.
+ * Records that an image is being drawn: resets the trigger, and schedules the next image. NULL is allowed.
  */
 void rcs_camera_begin(struct RcsCamera *camera, uint64_t now_ns);
 
 /**
- * Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
- * lens the picture is bent, and pixels outside of the drawn picture have the background's colour. A mirrored picture
+ * Writes a drawn image in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. With a
+ * lens the image is bent, and pixels outside of the drawn image have the background's colour. A mirrored image
  * is flipped.
  *
- * `pixels` has the view's drawn size; `out_length` is exactly the picture's width · height ·
+ * `pixels` has the view's drawn size; `out_length` is exactly the image's width · height ·
  * `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
  * overlap `pixels` (`RCS_RESULT_BAD_VALUE`). `RCS_RESULT_NO_CAMERA_INFO` without a CameraInfo.
  */
@@ -428,10 +428,10 @@ enum RcsResult rcs_camera_encode(struct RcsCamera *camera,
 /**
  * Writes a depth buffer as metres along the optical axis, as a `32FC1` image: rows from the top; NaN where nothing was
  * drawn, as on the node's depth topic. With a lens each pixel has the depth of the nearest drawn pixel. A mirrored
- * picture is flipped.
+ * image is flipped.
  *
  * `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
- * with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are
+ * with the lowest row first if `bottom_up`; `out_count` is the image's width · height. Other counts are
  * `RCS_RESULT_BAD_LENGTH`, buffers that overlap or are not aligned `RCS_RESULT_BAD_VALUE`.
  */
 enum RcsResult rcs_camera_encode_depth(struct RcsCamera *camera,
@@ -442,12 +442,12 @@ enum RcsResult rcs_camera_encode_depth(struct RcsCamera *camera,
                                        size_t out_count);
 
 /**
- * Records a published picture. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
+ * Records a published image. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
  */
 enum RcsResult rcs_camera_record(struct RcsCamera *camera, const struct RcsTimes *times);
 
 /**
- * Writes one line about the last hundred recorded pictures: their rate, and the median and the 95th percentile of each
+ * Writes one line about the last hundred recorded images: their rate, and the median and the 95th percentile of each
  * step and of the whole in milliseconds. Empty before the first one. Buffer and returned length are as in
  * `rcs_last_error`.
  */

@@ -67,7 +67,7 @@ pub(super) struct ScanArguments {
     bag: Vec<PathBuf>,
     #[command(flatten)]
     board: BoardArguments,
-    /// With --bag or --images: the folder of the patterns that were shown, or its patterns.yaml [default: those that
+    /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that
     /// the command patterns writes for --size and --step]
     #[arg(long, value_name = "DIR|FILE")]
     patterns: Option<PathBuf>,
@@ -92,10 +92,10 @@ struct BoardArguments {
     #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
     board: Option<Chessboard>,
     /// With --board: take the images in DIR, a folder for each pose
-    #[arg(long, value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
+    #[arg(long = "pictures", value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
     images: Option<PathBuf>,
-    /// With --images: the camera's file, if it is calibrated
-    #[arg(long, value_name = "FILE", requires = "pictures")]
+    /// With --pictures: the camera's file, if it is calibrated
+    #[arg(long, value_name = "FILE", requires = "images")]
     camera: Option<PathBuf>,
 }
 

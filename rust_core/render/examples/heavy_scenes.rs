@@ -1,6 +1,6 @@
 //! Measures how long the heaviest scenes take to draw, on both renderers.
 //!
-//! `cargo run --release -p rcs_render --example heavy_scenes [-- FILTER] [--cpu | --gpu] [--images N] [--share S]`
+//! `cargo run --release -p rcs_render --example heavy_scenes [-- FILTER] [--cpu | --gpu] [--pictures N] [--share S]`
 //! prints a table: the longest and the shortest time of N images (3) of each scene whose name contains FILTER, with a
 //! share S (1) of the number of things.
 

@@ -157,12 +157,18 @@ fn spaces_after_colons(text: &str) -> Cow<'_, str> {
     if !text.contains(":\t") {
         return text.into();
     }
-    let line = |line: &str| match line.split_once(":\t") {
-        Some((key, value)) if !key.contains(['"', '\'', '#']) => {
-            let value_after = value.trim_start_matches('\t');
-            format!("{key}: {}{value_after}", " ".repeat(value.len() - value_after.len()))
-        }
-        _ => line.to_owned(),
+    let line = |line: &str| {
+        let (plain, rest) = line.split_at(line.find(['"', '\'', '#']).unwrap_or(line.len()));
+        let mut is_after_colon = false;
+        let replace = |letter: char| {
+            is_after_colon = letter == ':' || (is_after_colon && matches!(letter, ' ' | '\t'));
+            if is_after_colon && letter == '\t' {
+                ' '
+            } else {
+                letter
+            }
+        };
+        plain.chars().map(replace).collect::<String>() + rest
     };
     text.split_inclusive('\n').map(line).collect::<String>().into()
 }

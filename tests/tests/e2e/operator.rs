@@ -1,4 +1,4 @@
-//! The operator's settings: `~blackout`, `~pause`, `~test_image`, a camera's `blackout`, and the keys of its window.
+//! The operator's settings: `~blackout`, `~pause`, `~test_picture`, a camera's `blackout`, and the keys of its window.
 
 use std::time::Duration;
 

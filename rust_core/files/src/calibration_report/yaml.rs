@@ -50,7 +50,7 @@ pub(super) fn yaml(report: &Report) -> String {
     line("rms_mm", &figure(1000.0 * report.rms_m));
     line("points", &report.points.to_string());
     line("inliers", &solution.inliers.to_string());
-    line("coverage", &format!("{{image: {}, depth_m: {}, scans: {scans}}}", figure(*image), figures(depth_m)));
+    line("coverage", &format!("{{picture: {}, depth_m: {}, scans: {scans}}}", figure(*image), figures(depth_m)));
     line("smooth_depth_error_m", &figure(report.smooth_depth_error_m));
     if let Some(skew) = solution.skew {
         line("skew_px", &format!("{{value: {}, sigma: {}}}", figure(skew.value_px), figure(skew.sigma_px)));
