@@ -151,26 +151,28 @@ fn count_lines(text: &str) -> usize {
     breaks + 1
 }
 
-/// The text with spaces for tabs between a plain key's colon and its value, where only yaml-cpp, with which rviz reads,
+/// The text with spaces for tabs between a key's colon and its value, where only yaml-cpp, with which rviz reads,
 /// takes tabs.
 fn spaces_after_colons(text: &str) -> Cow<'_, str> {
     if !text.contains(":\t") {
         return text.into();
     }
-    let line = |line: &str| {
-        let (plain, rest) = line.split_at(line.find(['"', '\'', '#']).unwrap_or(line.len()));
-        let mut is_after_colon = false;
-        let replace = |letter: char| {
-            is_after_colon = letter == ':' || (is_after_colon && matches!(letter, ' ' | '\t'));
-            if is_after_colon && letter == '\t' {
-                ' '
-            } else {
-                letter
-            }
+    let (mut quote, mut is_after_colon) = (None, false);
+    let replace = |letter: char| {
+        quote = match quote {
+            None if matches!(letter, '"' | '\'') => Some(letter),
+            Some(opened) if opened == letter || letter == '\n' => None,
+            unchanged => unchanged,
         };
-        plain.chars().map(replace).collect::<String>() + rest
+        is_after_colon = quote.is_none() && (letter == ':' || (is_after_colon && matches!(letter, ' ' | '\t')));
+        let is_replaced = is_after_colon && letter == '\t';
+        if is_replaced {
+            ' '
+        } else {
+            letter
+        }
     };
-    text.split_inclusive('\n').map(line).collect::<String>().into()
+    text.chars().map(replace).collect::<String>().into()
 }
 
 fn error_at(at: Marker, reason: impl Into<String>) -> SyntaxError {
