@@ -8,11 +8,13 @@ use std::io;
 use std::sync::Arc;
 
 /// Decodes a small message, which keeps none of the bytes.
+#[expect(clippy::needless_pass_by_value, reason = "decoders of large messages keep the bytes")]
 fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
     crate::decode(&bytes)
 }
 
 /// Decodes a small message with arrays of numbers.
+#[expect(clippy::needless_pass_by_value, reason = "decoders of large messages keep the bytes")]
 fn with_numbers<T: WireField>(bytes: Vec<u8>) -> io::Result<T> {
     Ok(fields::decode(&bytes)?)
 }

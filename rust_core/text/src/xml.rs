@@ -78,7 +78,7 @@ impl<'t> Element<'t> {
     }
 
     /// This element and all within, in the order of their beginnings.
-    pub fn descendants<'a>(&'a self) -> impl Iterator<Item = &'a Self> {
+    pub fn descendants(&self) -> impl Iterator<Item = &Self> {
         let mut next = vec![self];
         std::iter::from_fn(move || {
             let element = next.pop()?;
