@@ -1,4 +1,4 @@
-//! What a whole process shares: locks, threads, and memory that goes back to the system.
+//! Locks, threads, and memory that goes back to the system: parts that a whole process shares.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod memory;

@@ -24,7 +24,7 @@ const RAW_AMPERSAND: &str = "a '&' that begins no known entity";
 pub struct XmlError {
     /// Line, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// Description.
     pub what: String,
 }
 
@@ -34,7 +34,7 @@ pub struct XmlError {
 pub struct PassedOver {
     /// Line of its first occurrence, from 1.
     pub line: usize,
-    /// What it is, such as `an attribute given twice`.
+    /// Description, such as `an attribute given twice`.
     pub what: &'static str,
 }
 
@@ -104,8 +104,8 @@ pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
     let text = text.trim_start_matches('\u{feff}');
     let mut reader = Reader::from_str(text);
     reader.config_mut().allow_dangling_amp = true;
-    let mut parser = Parser { text, line: 1, counted: 0, open: vec![Element::default()], passed_over: Vec::new() };
-    let mut count = 0;
+    let open = vec![Element::default()];
+    let mut parser = Parser { text, line: 1, counted: 0, elements: 0, open, passed_over: Vec::new() };
     loop {
         let begin = position(reader.buffer_position());
         parser.count_lines(begin);
@@ -122,39 +122,10 @@ pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
             }
         };
         let raw = text.get(begin..position(reader.buffer_position())).unwrap_or_default();
-        count += usize::from(matches!(event, Event::Start(_) | Event::Empty(_)));
-        if count > MAX_ELEMENTS {
-            return Err(parser.error(format!("more than {MAX_ELEMENTS} elements")));
+        if matches!(event, Event::Eof) {
+            break;
         }
-        match event {
-            Event::Eof => break,
-            Event::Start(_) => {
-                if parser.open.len() > MAX_DEPTH {
-                    return Err(parser.error(format!("nested deeper than {MAX_DEPTH} elements")));
-                }
-                let element = parser.element(raw)?;
-                parser.open.push(element);
-            }
-            Event::Empty(_) => {
-                let element = parser.element(raw)?;
-                parser.add(element);
-            }
-            Event::End(_) => {
-                if let Some(done) = parser.open.pop() {
-                    parser.add(done);
-                }
-            }
-            Event::Text(_) => parser.add_text(raw),
-            Event::CData(_) => {
-                let inner = raw.strip_prefix("<![CDATA[").and_then(|raw| raw.strip_suffix("]]>"));
-                parser.append(inner.unwrap_or_default().into());
-            }
-            Event::GeneralRef(entity) => parser.add_entity(&entity, raw),
-            Event::Comment(_) if raw.trim_matches(['<', '!', '>', '-']).contains("--") => {
-                parser.pass_over("'--' in a comment");
-            }
-            _ => {}
-        }
+        parser.take(event, raw)?;
     }
     parser.finish()
 }
@@ -168,6 +139,8 @@ struct Parser<'t> {
     /// Line of the position up to which lines are counted.
     line: usize,
     counted: usize,
+    /// Number of elements.
+    elements: usize,
     /// The last is the innermost; the first stands for the document.
     open: Vec<Element<'t>>,
     passed_over: Vec<PassedOver>,
@@ -188,6 +161,38 @@ impl<'t> Parser<'t> {
         if self.passed_over.iter().all(|known| known.what != what) {
             self.passed_over.push(PassedOver { line: self.line, what });
         }
+    }
+
+    fn take(&mut self, event: Event<'_>, raw: &'t str) -> Result<(), XmlError> {
+        match event {
+            Event::Start(_) if self.open.len() > MAX_DEPTH => {
+                return Err(self.error(format!("nested deeper than {MAX_DEPTH} elements")));
+            }
+            Event::Start(_) => {
+                let element = self.element(raw)?;
+                self.open.push(element);
+            }
+            Event::Empty(_) => {
+                let element = self.element(raw)?;
+                self.add(element);
+            }
+            Event::End(_) => {
+                if let Some(done) = self.open.pop() {
+                    self.add(done);
+                }
+            }
+            Event::Text(_) => self.add_text(raw),
+            Event::CData(_) => {
+                let inner = raw.strip_prefix("<![CDATA[").and_then(|raw| raw.strip_suffix("]]>"));
+                self.append(inner.unwrap_or_default().into());
+            }
+            Event::GeneralRef(entity) => self.add_entity(&entity, raw),
+            Event::Comment(_) if raw.trim_matches(['<', '!', '>', '-']).contains("--") => {
+                self.pass_over("'--' in a comment");
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     /// `true` after the end of an outermost element.
@@ -236,6 +241,10 @@ impl<'t> Parser<'t> {
 
     /// The element of a tag.
     fn element(&mut self, tag: &'t str) -> Result<Element<'t>, XmlError> {
+        self.elements += 1;
+        if self.elements > MAX_ELEMENTS {
+            return Err(self.error(format!("more than {MAX_ELEMENTS} elements")));
+        }
         let tag = tag.trim_start_matches('<').trim_end_matches('>').trim_end_matches('/');
         let name_len = tag.find(|c: char| c.is_ascii_whitespace()).unwrap_or(tag.len());
         let (name, line) = (&tag[..name_len], self.line);
