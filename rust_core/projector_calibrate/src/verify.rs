@@ -59,8 +59,8 @@ pub(super) struct VerifyArguments {
     #[arg(long, value_name = "FILE.yaml")]
     report: Option<PathBuf>,
     /// Write the camera's image with arrows from the expected to the measured positions
-    #[arg(long, value_name = "FILE.png")]
-    image: Option<PathBuf>,
+    #[arg(long = "picture", value_name = "FILE.png")]
+    arrows: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
     match (&arguments.projector, &*arguments.files) {
         (Some(projector), []) | (None, [projector]) => verify_live(arguments, projector),
         (Some(projector), files) => {
-            if arguments.report.is_some() || arguments.image.is_some() {
+            if arguments.report.is_some() || arguments.arrows.is_some() {
                 let reason = "--report and --picture are of a live verification: give no files of points";
                 return Err(Failure::Unreadable(anyhow!(reason)));
             }
@@ -120,10 +120,10 @@ fn pose_by_chain(file: &ProjectorFile, points: &Correspondences) -> Option<Isome
 
 /// Measures on the surface that the camera sees now, reports and judges.
 fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> {
-    if let Some(image) = &arguments.image {
+    if let Some(image) = &arguments.arrows {
         ImageFormat::of(image).map_err(Failure::unreadable)?;
     }
-    [&arguments.image, &arguments.report].into_iter().flatten().try_for_each(|path| check_folder(path))?;
+    [&arguments.arrows, &arguments.report].into_iter().flatten().try_for_each(|path| check_folder(path))?;
     let projector = KnownProjector::read(path)?;
     let setup = LiveSetup {
         name: "the verification",
@@ -180,7 +180,7 @@ fn report(arguments: &VerifyArguments, projector: &Path, verification: &Verifica
         let projector = projector.display().to_string();
         verification::write(path, &projector, limit, result).map_err(Failure::refused)?;
     }
-    if let Some(path) = &arguments.image {
+    if let Some(path) = &arguments.arrows {
         let (image, factor) = verification::image(&verification.white, verification.camera_px, result);
         image_file::write(path, &image).map_err(Failure::refused)?;
         log::info!("{}: arrows are {factor:.0} times as long as the errors", path.display());
