@@ -11,12 +11,14 @@ use std::{io, thread};
 /// Time between two trims. A megabyte that is needed again costs a quarter of a millisecond.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// Gives all threads one heap, which keeps what is freed; only blocks of 32 MB and more go back at once. To be called
-/// before other threads start.
+/// Gives all threads one heap, which keeps what is freed until the next trim. To be called before other threads start.
+///
+/// Large blocks too: where those of 32 MB and more went back at once, 1.2 million points at 5 Hz cost 16 ms of CPU for
+/// an image in place of 13, and came 20 ms later.
 pub fn keep_one_heap() {
     #[cfg(target_env = "gnu")]
     for (parameter, value) in
-        [(libc::M_ARENA_MAX, 1), (libc::M_MMAP_THRESHOLD, 32 << 20), (libc::M_TRIM_THRESHOLD, libc::c_int::MAX)]
+        [(libc::M_ARENA_MAX, 1), (libc::M_MMAP_MAX, 0), (libc::M_TRIM_THRESHOLD, libc::c_int::MAX)]
     {
         // SAFETY: the function takes no pointer and ignores what it does not know.
         let _is_set = unsafe { libc::mallopt(parameter, value) };
