@@ -1,4 +1,4 @@
-//! What the last step of an image costs: milliseconds for an image of 1280×800 in rgb8, the median of many.
+//! Cost of post-processing: milliseconds for an image of 1280×800 in rgb8, the median of many.
 //!
 //! ```text
 //! cargo run --release -p rcs_render --example post_process

@@ -63,7 +63,7 @@ pub fn moving_camera(size_px: [u32; 2], focal_px: f64, frame: usize) -> Result<C
     Ok(Camera::new(*still.intrinsics(), &fixed_from_optical, still.near_m()))
 }
 
-/// What is drawn and what draws it; the image's memory is reused.
+/// A scene and its renderer; the image's memory is reused.
 pub struct Rendering {
     /// What is drawn.
     pub scene: Scene,

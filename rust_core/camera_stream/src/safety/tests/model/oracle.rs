@@ -12,7 +12,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// What a tracker has sent that has sent nothing.
+    /// A tracker without any mask yet.
     pub(super) const NONE: Self = Self { is_valid: false, stamp: None, at: 0 };
 }
 
