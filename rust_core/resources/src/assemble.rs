@@ -15,7 +15,7 @@ use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{Mesh, Rgba, Texture, Vertex};
 
 use crate::{
-    import::{normalized, process, Imported, MaterialSpec, MeshSource, PlacedMesh, PrimitiveMesh, Triangulation},
+    import::{normalized, process, Imported, MaterialSpec, MeshSource, PrimitiveMesh, Triangulation},
     texture::{self, layered},
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
@@ -58,7 +58,10 @@ pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh
             *left == 0
         });
         for triangles in processed.get(&placed.mesh).map(Vec::as_slice).unwrap_or_default() {
-            if let Some(mesh) = place(triangles, placed, flat) {
+            if let Some(mut mesh) = place(triangles, &placed.object_from_mesh, flat) {
+                if placed.is_turned {
+                    mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+                }
                 parts.push(MeshPart { mesh: Arc::new(mesh), material: material.clone() });
             }
         }
@@ -71,8 +74,7 @@ pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh
 }
 
 /// The triangles in the file's frame; `None` when the transform makes them infinite.
-fn place(triangles: &PrimitiveMesh, placed: &PlacedMesh, flat: bool) -> Option<Mesh> {
-    let object_from_mesh = &placed.object_from_mesh;
+fn place(triangles: &PrimitiveMesh, object_from_mesh: &Matrix4<f32>, flat: bool) -> Option<Mesh> {
     let rotation = object_from_mesh.fixed_view::<3, 3>(0, 0).into_owned();
     let moved = *object_from_mesh != Matrix4::identity();
     let position = |i: usize| -> Option<[f32; 3]> {
@@ -102,7 +104,7 @@ fn place(triangles: &PrimitiveMesh, placed: &PlacedMesh, flat: bool) -> Option<M
     }
 
     let mut welded = Welded::default();
-    let mut indices: Vec<u32> = if flat {
+    let indices = if flat {
         let corners = 0..triangles.indices.as_ref().map_or(count, Vec::len) / 3 * 3;
         let corner = |i: usize| match &triangles.indices {
             Some(indices) => indices.get(i).map(|&index| index as usize),
@@ -129,9 +131,6 @@ fn place(triangles: &PrimitiveMesh, placed: &PlacedMesh, flat: bool) -> Option<M
             None => new_index,
         }
     };
-    if placed.is_turned {
-        indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    }
     Some(Mesh { vertices: welded.into_vertices(), indices })
 }
 

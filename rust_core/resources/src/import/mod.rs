@@ -18,7 +18,7 @@ mod triangulate;
 mod vectors;
 
 use imported::{check_count, MAX_MATERIALS, MAX_MESHES};
-pub(crate) use imported::{Imported, MaterialSpec, MeshSource, PlacedMesh};
+pub(crate) use imported::{Imported, MaterialSpec, MeshSource};
 pub(crate) use process::{process, PrimitiveMesh};
 pub(crate) use triangulate::Triangulation;
 pub(crate) use vectors::normalized;
