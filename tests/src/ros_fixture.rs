@@ -190,7 +190,7 @@ impl RosFixture {
         }
     }
 
-    /// Has the Python node's `viewer` receive so many images more, and prints the longest time between two of them.
+    /// Has the Python node's `viewer` receive `count` more images, and prints the longest time between two of them.
     ///
     /// # Panics
     /// When that is more than [`PROMPT`], or the images do not come.

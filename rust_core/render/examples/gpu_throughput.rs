@@ -85,7 +85,7 @@ fn camera(turn_rad: f64) -> Result<Camera, Box<dyn Error>> {
     Ok(Camera::new(Intrinsics::from_p(width, height, &p)?, &pose, 0.01))
 }
 
-/// Draws so many images, `in_flight` of them at a time. Returns how long that took.
+/// Time for drawing `images` images, `in_flight` of them at a time.
 fn draw(
     renderer: &mut GpuRenderer,
     images: usize,

@@ -32,7 +32,7 @@ pub enum Content {
     PoseArrows,
     /// Poses of an array round the camera, as three lines each.
     FlatArrows,
-    /// One text marker of so many characters in lines of a thousand.
+    /// One text marker of this number of characters in lines of a thousand.
     Text,
 }
 

@@ -192,7 +192,7 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
     assert!(wait_until(PATIENCE, || counted("made_up_") > 0), "{}", fixture.log());
 }
 
-/// Shows an image of this size and then a small one. The node may keep so many megabytes.
+/// Shows an image of this size and then a small one. The node may keep `kept_mb` megabytes.
 fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_mb: u64) {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), arguments).unwrap();
     watched(&fixture);

@@ -70,7 +70,7 @@ mod tests {
         assert_eq!(image("rgb8", [1, 1], 3, &[0; 3]), Err("its encoding is rgb8, not mono8".to_owned()));
         assert_eq!(image("mono8", [2, 2], 2, &[1, 2, 3]), Err("3 bytes for 2x2 pixels, 2 a row".to_owned()));
         assert!(image("8UC1", [0, 2], 2, &[]).is_err() && image("8UC1", [2, 0], 2, &[]).is_err());
-        // In no time, and without memory for so many rows.
+        // In no time, and without memory for all those rows.
         assert!(image("mono8", [0, u32::MAX], 0, &[1]).is_err() && image("mono8", [1, u32::MAX], 0, &[1]).is_err());
         assert!(image("mono8", [1, u32::MAX], 1, &[1]).is_err());
     }

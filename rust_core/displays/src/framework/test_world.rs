@@ -50,7 +50,7 @@ impl TestWorld {
         gate
     }
 
-    /// Waits until so many meshes were loaded or failed.
+    /// Waits until `version` meshes were loaded or failed.
     pub(crate) fn wait_for_version(&self, version: u64) {
         let end = Instant::now() + Duration::from_secs(60);
         while self.meshes.version() < version {

@@ -12,7 +12,7 @@ const EXPECTED: [u8; 3] = [60, 230, 90];
 const SPOT: [u8; 3] = [255, 150, 40];
 /// Where outlines have landed.
 const EDGE: [u8; 3] = [80, 170, 255];
-/// Arrows are so many times as long as what they show if they fit.
+/// Length of an arrow in multiples of the error, if it fits.
 const ENLARGED: f64 = 10.0;
 /// The longest arrow, pixels.
 const LONGEST_PX: f64 = 60.0;

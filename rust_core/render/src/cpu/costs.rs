@@ -15,7 +15,7 @@ pub(in crate::cpu) struct WorkerCosts {
 }
 
 impl WorkerCosts {
-    /// Begins with an image of so many jobs.
+    /// Begins an image with this number of jobs.
     pub(in crate::cpu) fn reset(&mut self, jobs: usize) {
         self.by_job.clear();
         self.by_job.resize(jobs, Duration::ZERO);

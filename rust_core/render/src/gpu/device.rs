@@ -199,7 +199,7 @@ impl Device {
         })
     }
 
-    /// A buffer of so many bytes, a multiple of four, which `write` writes to where the GPU fetches them from.
+    /// A buffer of this size in bytes, a multiple of four, which `write` writes to where the GPU fetches them from.
     pub(super) fn written_buffer(
         &self,
         label: &str,

@@ -8,7 +8,7 @@ use super::device::Device;
 use super::pipeline::{Pass, COLOR_FORMAT, DEPTH_FORMAT};
 use super::readback::Readback;
 
-/// A target that was not used for so many images is dropped.
+/// Images without use after which a target is dropped.
 const KEPT_FOR_IMAGES: u64 = 64;
 
 /// The textures that one image is drawn on, and the buffers that it is read back through.

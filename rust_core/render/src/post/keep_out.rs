@@ -62,7 +62,7 @@ impl Directions {
         [0, 1].map(|axis| self.first[axis] + right[axis] * u + down[axis] * v)
     }
 
-    /// The most that the angle of a direction changes by so many pixels.
+    /// The most that the angle of a direction changes over `step` pixels.
     fn extent(&self, step: [f64; 2]) -> f64 {
         let [right, down] = self.by_px;
         step[0].abs() * right[0].hypot(right[1]) + step[1].abs() * down[0].hypot(down[1])

@@ -169,7 +169,7 @@ pub fn arrows(places: &[[f32; 3]]) -> Drawable {
     drawable(Geometry::Lines(Arc::new(lines)))
 }
 
-/// Wide lines through these places, so many of them to a chain.
+/// Wide lines through these places, in chains of equal length.
 pub fn ribbons(positions: &[[f32; 3]], in_chain: usize, blending: Blending) -> Drawable {
     let element = |(i, position): (usize, &[f32; 3])| RibbonElement { position: *position, color: color(i) };
     let all: Vec<RibbonElement> = positions.iter().enumerate().map(element).collect();
@@ -220,7 +220,7 @@ pub fn balls(places: &[[f32; 3]], radius_m: f32, alpha: u8) -> Drawable {
     drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
 }
 
-/// A detailed mesh of about so many triangles that fills the middle of the image: a wavy sheet, whose triangles share
+/// A detailed mesh of about `count` triangles that fills the middle of the image: a wavy sheet, whose triangles share
 /// their vertices as in COLLADA files or, as in STL files, do not.
 pub fn detailed(count: usize, shares: bool) -> Drawable {
     let side = ((count as f32 / 2.0).sqrt() as usize).max(1);

@@ -108,7 +108,7 @@ pub(in crate::cpu) struct Screen {
 }
 
 impl Screen {
-    /// An image of this size, to be drawn by so many workers. How it is cut into bands changes none of its pixels.
+    /// An image of this size for a number of workers. How it is cut into bands changes none of its pixels.
     ///
     /// One band's colours and depths stay in a core's cache; what lies across several bands is looked at in each, so
     /// that high ones are better as long as there are two for each worker. Of few bands there is an even number of the
