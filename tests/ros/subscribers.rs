@@ -171,9 +171,9 @@ fn a_rospy_viewer_that_takes_long_for_each_image_costs_the_others_nothing() {
     assert_undisturbed(&master, others, count);
 }
 
-/// Number of images that the kernel may hold whole for a viewer that does not read: they fill the buffer of the viewer's
-/// side, which grows up to a limit of the system while the viewer reads much, and the node's (512 kB,
-/// which Linux doubles).
+/// Number of images that the kernel may hold whole for a viewer that does not read: they fill the buffer of the
+/// viewer's side, which grows up to a limit of the system while the viewer reads much, and the node's (512 kB, which
+/// Linux doubles).
 fn held_by_kernel(image_bytes: usize) -> usize {
     let limits = std::fs::read_to_string("/proc/sys/net/ipv4/tcp_rmem").unwrap();
     let longest: usize = limits.split_whitespace().last().unwrap().parse().unwrap();
