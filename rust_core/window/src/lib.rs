@@ -44,7 +44,7 @@ pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
 pub use on_screen::OnScreen;
 pub use open::{inspect_monitor, keep_over, list_monitors, run_interactive, run_with};
 pub use refresh::Refresh;
-pub use report::{MonitorReport, WindowPlace};
+pub use report::{MonitorMode, MonitorReport, Scan, WindowPlace};
 pub use run::UserEvent;
 pub use screen_image::{ImageError, ReceivedImage, ScreenImage};
 pub use sink::ImageSink;

@@ -70,8 +70,8 @@ pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
 /// [`WindowError::NoDisplay`] when there is no display.
 pub fn inspect_monitor(monitor: &MonitorInfo, title: Option<&str>) -> Result<MonitorReport, WindowError> {
     if wayland::is_named() {
-        let other_mode_px = wayland::other_mode(&monitor.name)?;
-        return Ok(MonitorReport { other_mode_px, ..MonitorReport::default() });
+        let other_mode = wayland::other_mode(&monitor.name)?;
+        return Ok(MonitorReport { other_mode, ..MonitorReport::default() });
     }
     x11::inspect(monitor, title)
 }

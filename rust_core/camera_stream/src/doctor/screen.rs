@@ -155,9 +155,8 @@ fn faults(
     let others: Vec<&MonitorInfo> =
         all.iter().filter(|other| other.name != *name && !other.is_virtual && !monitor.is_virtual).collect();
     let mut faults = Vec::new();
-    if let Some([native, current]) = report.other_mode_px {
-        let [native, current] = [native, current].map(|(width, height)| format!("{width}x{height}"));
-        let text = format!("runs {current} and scales each image, its native mode is {native}");
+    if let Some([native, current]) = report.other_mode {
+        let text = format!("runs {current}, not each pixel as one, its native mode is {native}");
         faults.push((text, format!("set_mode:=true (--set-mode), or xrandr --output {name} --mode {native}")));
     }
     if report.is_scaled {
@@ -216,6 +215,8 @@ fn window(name: String, chosen: &Result<(MonitorInfo, MonitorReport), String>) -
 
 #[cfg(test)]
 mod tests {
+    use rcs_window::{MonitorMode, Scan};
+
     use super::*;
 
     fn info(name: &str, x: i32, is_primary: bool) -> MonitorInfo {
@@ -252,11 +253,13 @@ mod tests {
     #[test]
     fn a_monitor_that_scales_or_has_another_size_is_a_fault() {
         let all = [info("eDP-1", 0, true), info("HDMI-1", 1280, false)];
-        let report = MonitorReport { other_mode_px: Some([(1280, 800), (1024, 768)]), ..MonitorReport::default() };
+        let mode = |width, height, scan| MonitorMode { size_px: (width, height), scan };
+        let modes = [mode(1280, 800, Scan::Progressive), mode(1024, 768, Scan::Interlaced)];
+        let report = MonitorReport { other_mode: Some(modes), ..MonitorReport::default() };
         let other_mode = line(&all[1], report, &all, None);
         let expected =
-            "✗ monitor: HDMI-1 1280x800+1280+0: runs 1024x768 and scales each image, its native mode is 1280x800; \
-                        set_mode:=true (--set-mode), or xrandr --output HDMI-1 --mode 1280x800";
+            "✗ monitor: HDMI-1 1280x800+1280+0: runs 1024x768 interlaced, not each pixel as one, its native mode is \
+                        1280x800; set_mode:=true (--set-mode), or xrandr --output HDMI-1 --mode 1280x800";
         assert_eq!(other_mode, expected);
         let scaled = MonitorReport { is_scaled: true, ..MonitorReport::default() };
         assert!(line(&all[1], scaled, &all, None).ends_with("scales it; xrandr --output HDMI-1 --scale 1"));

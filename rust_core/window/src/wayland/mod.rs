@@ -12,6 +12,7 @@ pub(crate) use window::WaylandWindow;
 
 use crate::error::WindowError;
 use crate::monitor::MonitorInfo;
+use crate::report::MonitorMode;
 
 /// `true` if the environment names a compositor.
 pub(crate) fn is_named() -> bool {
@@ -27,10 +28,10 @@ pub(crate) fn monitors() -> Result<Vec<MonitorInfo>, WindowError> {
     Ok(state::WaylandSession::open()?.state.outputs.monitors())
 }
 
-/// Native and current mode, pixels, of a monitor that runs another mode than its native one.
+/// Native and current mode of a monitor that runs another mode than its native one.
 ///
 /// # Errors
 /// [`WindowError::NoDisplay`].
-pub(crate) fn other_mode(name: &str) -> Result<Option<[(u32, u32); 2]>, WindowError> {
+pub(crate) fn other_mode(name: &str) -> Result<Option<[MonitorMode; 2]>, WindowError> {
     Ok(state::WaylandSession::open()?.state.outputs.other_mode(name))
 }

@@ -5,6 +5,7 @@ use wayland_client::WEnum;
 use wayland_protocols::xdg::xdg_output::zv1::client::zxdg_output_v1::{self, ZxdgOutputV1};
 
 use crate::monitor::MonitorInfo;
+use crate::report::{MonitorMode, Scan};
 
 /// An output as described so far.
 struct WaylandOutput {
@@ -91,10 +92,11 @@ impl WaylandOutputs {
         self.0.iter().find(|output| output.info.name == name).map(|output| &output.proxy)
     }
 
-    /// The native and the current mode, pixels, of an output that runs another mode than its native one.
-    pub(super) fn other_mode(&self, name: &str) -> Option<[(u32, u32); 2]> {
+    /// The native and the current mode of an output that runs another mode than its native one. The protocol does not
+    /// tell interlaced modes apart.
+    pub(super) fn other_mode(&self, name: &str) -> Option<[MonitorMode; 2]> {
         let output = self.0.iter().find(|output| output.info.name == name)?;
         let native = output.native_px.filter(|native| *native != output.mode_px)?;
-        Some([native, output.mode_px])
+        Some([native, output.mode_px].map(|size_px| MonitorMode { size_px, scan: Scan::Progressive }))
     }
 }

@@ -78,13 +78,9 @@ impl WaylandWindow {
         log::info!("{} on monitor {monitor}", options.source);
         if let Some([native, current]) = session.state.outputs.other_mode(&monitor.name) {
             log::warn!(
-                "MONITOR {} RUNS {}x{}, ITS NATIVE MODE IS {}x{}: it scales each picture; set that mode in the desktop's \
-                 settings (Wayland does not let a program do it)",
-                monitor.name,
-                current.0,
-                current.1,
-                native.0,
-                native.1
+                "MONITOR {} RUNS {current}, ITS NATIVE MODE IS {native}: it scales each picture; set that mode in the \
+                 desktop's settings (Wayland does not let a program do it)",
+                monitor.name
             );
         }
         let globals = Globals::bind(&session)?;

@@ -2,6 +2,7 @@
 
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, Window};
 
+use super::modes::OutputModes;
 use super::place::WINDOW_CLASS;
 use super::session::X11Session;
 use crate::error::WindowError;
@@ -16,10 +17,7 @@ use crate::watch::DesktopRect;
 pub(crate) fn inspect(monitor: &MonitorInfo, title: Option<&str>) -> Result<MonitorReport, WindowError> {
     let session = X11Session::open()?;
     let modes = session.output_modes(&monitor.name);
-    let other_mode_px = modes
-        .as_ref()
-        .filter(|modes| !modes.is_native())
-        .map(|modes| modes.native_and_current_px().map(|(width, height)| (u32::from(width), u32::from(height))));
+    let other_mode = modes.as_ref().filter(|modes| !modes.is_native()).map(OutputModes::native_and_current);
     let is_wanted = |window: &Window| match title {
         Some(title) => session.has_title(*window, title),
         None => session.is_own(*window),
@@ -31,7 +29,7 @@ pub(crate) fn inspect(monitor: &MonitorInfo, title: Option<&str>) -> Result<Moni
         Some(place) => WindowPlace::Elsewhere(place.to_string()),
         None => WindowPlace::Missing,
     };
-    Ok(MonitorReport { other_mode_px, is_scaled: modes.is_some_and(|modes| modes.is_scaled), window })
+    Ok(MonitorReport { other_mode, is_scaled: modes.is_some_and(|modes| modes.is_scaled), window })
 }
 
 impl X11Session {

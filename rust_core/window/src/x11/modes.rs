@@ -1,15 +1,20 @@
-//! A monitor's mode, compared with its native one: only the native mode is not scaled by the monitor.
+//! A monitor's mode, compared with its native one: only the native mode shows each pixel as one.
 //!
-//! The native mode is the first of RandR's list, which begins with the preferred modes (X RandR 1.5, RRGetOutputInfo).
+//! The native size is that of the first of RandR's list, which begins with the preferred modes (X RandR 1.5,
+//! RRGetOutputInfo), or the current one where none is preferred. The native mode is the first of that size that is
+//! neither interlaced nor doubled.
 
 use std::time::Duration;
 
-use x11rb::protocol::randr::{ConnectionExt as _, Crtc, GetCrtcInfoReply, GetOutputInfoReply, ModeInfo, SetConfig};
+use x11rb::protocol::randr::{
+    ConnectionExt as _, Crtc, GetCrtcInfoReply, GetOutputInfoReply, ModeFlag, ModeInfo, Rotation, SetConfig,
+};
 use x11rb::protocol::render::Transform;
 use x11rb::protocol::xproto::ConnectionExt as _;
 use x11rb::CURRENT_TIME;
 
 use super::session::X11Session;
+use crate::report::{MonitorMode, Scan};
 
 /// The number 1 in RENDER's fixed-point format.
 const ONE: i32 = 1 << 16;
@@ -40,24 +45,58 @@ pub(super) struct OutputModes {
 impl OutputModes {
     /// `true` if the output runs its native mode.
     pub(super) fn is_native(&self) -> bool {
-        self.current.id == self.native.id || Self::size(&self.current) == Self::size(&self.native)
+        let [native, current] = self.native_and_current();
+        native == current
     }
 
-    /// Width and height of the native and of the current mode, pixels.
-    pub(super) fn native_and_current_px(&self) -> [(u16, u16); 2] {
-        [Self::size(&self.native), Self::size(&self.current)]
+    /// The native and the current mode.
+    pub(super) fn native_and_current(&self) -> [MonitorMode; 2] {
+        [described(&self.native), described(&self.current)]
     }
 
     /// Time between two refreshes of the current mode; `None` for a screen without refresh.
     pub(super) fn refresh_period(&self) -> Option<Duration> {
-        let pixels = u32::from(self.current.htotal) * u32::from(self.current.vtotal);
-        (self.current.dot_clock > 0 && pixels > 0)
-            .then(|| Duration::from_secs_f64(f64::from(pixels) / f64::from(self.current.dot_clock)))
+        refresh_period(&self.current)
     }
 
-    fn size(mode: &ModeInfo) -> (u16, u16) {
-        (mode.width, mode.height)
+    /// Width and height of the native mode as the monitor stands, pixels.
+    fn turned_size_px(&self) -> (i32, i32) {
+        let (width, height) = (i32::from(self.native.width), i32::from(self.native.height));
+        let is_turned = self.state.rotation.intersects(Rotation::ROTATE90 | Rotation::ROTATE270);
+        if is_turned {
+            (height, width)
+        } else {
+            (width, height)
+        }
     }
+}
+
+fn described(mode: &ModeInfo) -> MonitorMode {
+    let scan = if mode.mode_flags.contains(ModeFlag::INTERLACE) {
+        Scan::Interlaced
+    } else if mode.mode_flags.contains(ModeFlag::DOUBLE_SCAN) {
+        Scan::Doubled
+    } else {
+        Scan::Progressive
+    };
+    MonitorMode { size_px: (mode.width.into(), mode.height.into()), scan }
+}
+
+fn refresh_period(mode: &ModeInfo) -> Option<Duration> {
+    let lines = match described(mode).scan {
+        Scan::Progressive => f64::from(mode.vtotal),
+        Scan::Interlaced => f64::from(mode.vtotal) / 2.0,
+        Scan::Doubled => f64::from(mode.vtotal) * 2.0,
+    };
+    let pixels = f64::from(mode.htotal) * lines;
+    (mode.dot_clock > 0 && pixels > 0.0).then(|| Duration::from_secs_f64(pixels / f64::from(mode.dot_clock)))
+}
+
+/// The native one of an output's modes, of which the first `preferred_count` are preferred.
+fn native(modes: &[ModeInfo], preferred_count: u16, current: &ModeInfo) -> ModeInfo {
+    let preferred = if preferred_count > 0 { modes.first().unwrap_or(current) } else { current };
+    let wanted = MonitorMode { scan: Scan::Progressive, ..described(preferred) };
+    *modes.iter().find(|mode| described(mode) == wanted).unwrap_or(preferred)
 }
 
 impl X11Session {
@@ -71,10 +110,12 @@ impl X11Session {
         let state = self.connection.randr_get_crtc_info(output.crtc, time).ok()?.reply().ok()?;
         let transform = self.connection.randr_get_crtc_transform(output.crtc).ok()?.reply().ok();
         let mode = |id: u32| resources.modes.iter().find(|mode| mode.id == id).copied();
+        let modes: Vec<ModeInfo> = output.modes.iter().filter_map(|id| mode(*id)).collect();
+        let current = mode(state.mode)?;
         Some(OutputModes {
             crtc: output.crtc,
-            native: mode(*output.modes.get(..output.num_preferred.into())?.first()?)?,
-            current: mode(state.mode)?,
+            native: native(&modes, output.num_preferred, &current),
+            current,
             state,
             is_scaled: transform.is_some_and(|transform| elements(&transform.current_transform) != IDENTITY),
         })
@@ -88,11 +129,11 @@ impl X11Session {
             *last_warning = None;
             return false;
         };
-        let [native, current] = modes.native_and_current_px().map(|(width, height)| format!("{width}x{height}"));
+        let [native, current] = modes.native_and_current();
         let mut warning = if modes.is_native() {
             format!("THE X SERVER SCALES MONITOR {name}: no picture fits; switch that off: xrandr --output {name} --scale 1")
         } else {
-            format!("MONITOR {name} RUNS {current}, ITS NATIVE MODE IS {native}: it scales each picture; set that mode")
+            format!("MONITOR {name} RUNS {current}, ITS NATIVE MODE IS {native}: no picture is pixel for pixel; set that mode")
         };
         if !modes.is_native() && *set_mode {
             match self.set_native_mode(&modes) {
@@ -117,9 +158,9 @@ impl X11Session {
     /// # Errors
     /// The reason for a message.
     fn set_native_mode(&self, modes: &OutputModes) -> Result<(), String> {
-        let (width, height) = OutputModes::size(&modes.native);
+        let (width, height) = modes.turned_size_px();
         let place = self.place_for(modes).ok_or("the desktop's monitors cannot be listed")?;
-        self.enlarge_desktop(i32::from(place.0) + i32::from(width), i32::from(place.1) + i32::from(height))?;
+        self.enlarge_desktop(i32::from(place.0) + width, i32::from(place.1) + height)?;
         let (rotation, outputs) = (modes.state.rotation, &modes.state.outputs);
         let request = self.connection.randr_set_crtc_config(
             modes.crtc,
@@ -145,8 +186,8 @@ impl X11Session {
         let others = resources.crtcs.iter().filter(|crtc| **crtc != modes.crtc).filter_map(state);
         let others: Vec<_> = others.filter(|other| other.width > 0).collect();
         let (x, y) = (i32::from(modes.state.x), i32::from(modes.state.y));
-        let (width, height) = OutputModes::size(&modes.native);
-        let (end_x, end_y) = (x + i32::from(width), y + i32::from(height));
+        let (width, height) = modes.turned_size_px();
+        let (end_x, end_y) = (x + width, y + height);
         let right_of = |other: &GetCrtcInfoReply| i32::from(other.x) + i32::from(other.width);
         let overlaps = |other: &GetCrtcInfoReply| {
             let below = i32::from(other.y) + i32::from(other.height);
@@ -179,6 +220,32 @@ impl X11Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn mode(id: u32, (width, height): (u16, u16), mode_flags: ModeFlag) -> ModeInfo {
+        let (dot_clock, htotal, vtotal) = (74_250_000, 2200, 1125);
+        ModeInfo { id, width, height, dot_clock, htotal, vtotal, mode_flags, ..ModeInfo::default() }
+    }
+
+    #[test]
+    fn the_native_mode_has_the_preferred_size_and_sends_each_line_once() {
+        let none = ModeFlag::from(0u8);
+        let hd = (1920, 1080);
+        let modes = [mode(1, hd, ModeFlag::INTERLACE), mode(2, (1280, 720), none), mode(3, hd, none)];
+        assert_eq!(native(&modes, 1, &modes[1]).id, 3);
+        assert_eq!(native(&modes, 0, &modes[1]).id, 2);
+        assert_eq!(native(&modes, 0, &modes[0]).id, 3);
+        assert_eq!(native(&modes[..2], 1, &modes[1]).id, 1);
+    }
+
+    #[test]
+    fn a_refresh_of_an_interlaced_mode_has_half_the_lines_and_of_a_doubled_one_twice_as_many() {
+        let hz = |flags| 1.0 / refresh_period(&mode(1, (1920, 1080), flags)).unwrap().as_secs_f64();
+        for (flags, expected) in
+            [(ModeFlag::from(0u8), 30.0), (ModeFlag::INTERLACE, 60.0), (ModeFlag::DOUBLE_SCAN, 15.0)]
+        {
+            assert!((hz(flags) - expected).abs() < 1e-6, "{flags:?}: {}", hz(flags));
+        }
+    }
 
     #[test]
     fn only_the_identity_shows_each_pixel_as_one() {

@@ -2,7 +2,7 @@
 //! heads.
 
 use x11rb::connection::RequestConnection;
-use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo as MonitorReply};
+use x11rb::protocol::randr::{self, ConnectionExt as _, MonitorInfo as MonitorReply};
 use x11rb::protocol::xinerama::{self, ConnectionExt as _, ScreenInfo};
 use x11rb::protocol::xproto::ConnectionExt as _;
 
@@ -11,7 +11,7 @@ use crate::monitor::MonitorInfo;
 
 impl X11Session {
     /// All current monitors: the outputs of RandR and the virtual monitors; or, where several screens are one desktop
-    /// by Xinerama, its heads. Empty without both extensions.
+    /// by Xinerama, its heads; or, without both extensions, the whole screen.
     pub(crate) fn monitors(&self) -> Vec<MonitorInfo> {
         let mut monitors = self.outputs().unwrap_or_default();
         for monitor in self.named_monitors().unwrap_or_default() {
@@ -24,8 +24,24 @@ impl X11Session {
         let heads = self.heads().unwrap_or_default();
         if heads.len() > monitors.len() {
             heads
+        } else if monitors.is_empty() && !self.has_randr() {
+            vec![self.whole_screen()]
         } else {
             monitors
+        }
+    }
+
+    /// `true` if the server knows outputs; one without is an old or a remote one.
+    pub(super) fn has_randr(&self) -> bool {
+        self.connection.extension_information(randr::X11_EXTENSION_NAME).ok().flatten().is_some()
+    }
+
+    fn whole_screen(&self) -> MonitorInfo {
+        MonitorInfo {
+            name: "screen".to_owned(),
+            size_px: (self.screen.width_in_pixels.into(), self.screen.height_in_pixels.into()),
+            is_primary: true,
+            ..MonitorInfo::default()
         }
     }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rustix::event::{PollFd, PollFlags};
-use x11rb::connection::{Connection, RequestConnection};
-use x11rb::protocol::randr::{self, ConnectionExt as _, NotifyMask};
+use x11rb::connection::Connection;
+use x11rb::protocol::randr::{ConnectionExt as _, NotifyMask};
 use x11rb::protocol::xproto::{StackMode, Window};
 use x11rb::protocol::Event;
 use x11rb::wrapper::ConnectionExt as _;
@@ -56,13 +56,13 @@ impl X11Window {
         }
         log::info!("{} on monitor {monitor}", options.source);
         let modes = session.output_modes(&monitor.name);
-        let is_unknown_to_managers = monitor.is_virtual || modes.is_none();
+        let is_unknown_to_managers = monitor.is_virtual || (modes.is_none() && session.has_randr());
         // Managers keep windows that they do not manage in front of all others.
         let is_unmanaged = is_unknown_to_managers || options.role.is_in_front();
         let placed_by_itself = is_unmanaged || !session.has_fullscreen_manager();
         let window = session.create_window(options, &monitor, placed_by_itself)?;
         let now = Instant::now();
-        if session.connection.extension_information(randr::X11_EXTENSION_NAME).ok().flatten().is_some() {
+        if session.has_randr() {
             let changes = NotifyMask::SCREEN_CHANGE | NotifyMask::CRTC_CHANGE | NotifyMask::OUTPUT_CHANGE;
             session.connection.randr_select_input(session.root(), changes).map_err(X11Session::lost)?;
         }

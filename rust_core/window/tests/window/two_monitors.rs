@@ -130,6 +130,37 @@ fn another_mode_than_the_native_one_is_warned_about_and_set_only_on_request() {
 }
 
 #[test]
+fn an_interlaced_mode_of_the_native_size_is_warned_about_and_replaced_on_request() {
+    let monitors = TwoMonitors::start(true, "800x600");
+    let screen = &monitors.screen;
+    let timing = "40 800 840 968 1056 600 601 605 628 +hsync +vsync interlace".split_whitespace();
+    screen.xrandr(&["--newmode", "800x600i"].into_iter().chain(timing).collect::<Vec<_>>());
+    screen.xrandr(&["--addmode", "DUMMY1", "800x600i"]);
+    screen.xrandr(&["--output", "DUMMY1", "--mode", "800x600i"]);
+    let mut window = screen.show(&["800x600"]);
+    let warning = "MONITOR DUMMY1 RUNS 800x600 interlaced, ITS NATIVE MODE IS 800x600:";
+    wait_for("the warning", || window.log_text().contains(warning).then_some(()));
+    assert!(screen.quit(&mut window, ESCAPE).success());
+    let mut window = screen.show(&["800x600", "--set-mode", "yes"]);
+    let set = "DUMMY1 is set from 800x600 interlaced to its native mode 800x600";
+    wait_for("the mode to be set", || window.log_text().contains(set).then_some(()));
+    assert!(!window.log_text().contains(warning), "{}", window.log_text());
+    assert!(screen.quit(&mut window, ESCAPE).success());
+}
+
+#[test]
+fn a_turned_monitor_gets_room_for_its_turned_native_mode() {
+    let monitors = TwoMonitors::start(true, "640x480");
+    let screen = &monitors.screen;
+    screen.xrandr(&["--output", "DUMMY1", "--rotate", "left", "--pos", "800x0"]);
+    let mut window = screen.show(&["600x800", "--set-mode", "yes"]);
+    monitors.wait_for_pattern(&window, 800, (NATIVE.1, NATIVE.0));
+    let log = window.log_text();
+    assert!(log.contains("DUMMY1 is set from 640x480 to its native mode 800x600"), "{log}");
+    assert!(screen.quit(&mut window, ESCAPE).success());
+}
+
+#[test]
 fn the_refresh_of_a_monitor_is_known() {
     let monitors = TwoMonitors::start(true, "800x600");
     let mut window = monitors.screen.show(&["800x600"]);

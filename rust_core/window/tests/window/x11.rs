@@ -35,6 +35,18 @@ fn without_a_window_manager_the_screen_is_the_image_and_q_quits() {
 }
 
 #[test]
+fn a_screen_without_randr_is_one_monitor() {
+    for with_manager in [false, true] {
+        let arguments = ["-screen", "0", "1280x800x24", "-extension", "RANDR", "-extension", "XINERAMA"];
+        let screen = Screen::start_with(with_manager, &arguments);
+        let mut window = screen.show(&["1280x800"]);
+        screen.wait_for_pixels(&mut window, &expected(1280, 800));
+        assert!(window.log_text().contains("screen 1280x800+0+0 primary"), "{}", window.log_text());
+        assert!(screen.quit(&mut window, ESCAPE).success());
+    }
+}
+
+#[test]
 fn a_screen_of_ten_bits_a_channel_shows_the_images_colours_with_and_without_shared_memory() {
     for extension in [&[][..], &["-extension", "MIT-SHM"]] {
         let arguments = [&["-screen", "0", "1280x800x30"], extension].concat();
