@@ -272,7 +272,9 @@ fn unfinished_name(file: &Path) -> PathBuf {
 }
 
 /// ffmpeg's arguments: raw images from its standard input, the file in yuv420p, which every player shows. It needs even
-/// sizes; a black column or row is added to odd ones.
+/// sizes; a black column or row is added to odd ones. Players take the matrix of BT.709 for a video of HD size and that
+/// of BT.601 (SMPTE 170M) for a smaller one, so the file is written and labelled with that. The primaries are the
+/// image's in both, sRGB's, which are BT.709's.
 fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -> Vec<OsString> {
     let pixels = match encoding {
         Encoding::Rgb8 => "rgb24",
@@ -284,9 +286,12 @@ fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -
     };
     let (size, rate) = (size(size_px), rate_hz.to_string());
     let input = ["-f", "rawvideo", "-pixel_format", pixels, "-video_size", &size, "-framerate", &rate, "-i", "pipe:0"];
-    let output = ["-an", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-y"];
+    let matrix = if size_px[0] >= 1280 || size_px[1] > 576 { "bt709" } else { "smpte170m" };
+    let filter = format!("pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix={matrix}:out_range=tv");
+    let output = ["-an", "-vf", &filter, "-pix_fmt", "yuv420p", "-y"];
+    let labels = ["-colorspace", matrix, "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"];
     let general = ["-hide_banner", "-loglevel", "error"];
-    let words = general.iter().chain(&input).chain(&output).map(|word| OsStr::new(*word).to_owned());
+    let words = general.iter().chain(&input).chain(&output).chain(&labels).map(|word| OsStr::new(*word).to_owned());
     // The protocol in front, because ffmpeg takes a colon in a path for the end of one.
     let mut address = OsString::from("file:");
     address.push(file);
@@ -319,6 +324,16 @@ mod tests {
     /// The error of `finish` with this encoder, and the time that took.
     fn finished(script: &str, end_timeout: Duration) -> (String, Duration) {
         error_of(script, end_timeout, VideoFile::finish)
+    }
+
+    #[test]
+    fn a_video_is_written_and_labelled_with_the_matrix_that_players_take_for_its_size() {
+        for (size_px, matrix) in [([64, 48], "smpte170m"), ([1024, 576], "smpte170m"), ([1280, 720], "bt709")] {
+            let words = arguments(size_px, Encoding::Rgb8, 5.0, Path::new("v.mp4"));
+            let words = words.join(OsStr::new(" ")).into_string().unwrap();
+            assert!(words.contains(&format!("scale=out_color_matrix={matrix}:out_range=tv ")), "{words}");
+            assert!(words.contains(&format!(" -colorspace {matrix} -color_primaries bt709 ")), "{words}");
+        }
     }
 
     #[test]
