@@ -205,6 +205,21 @@ impl MeshStore {
         }
     }
 
+    /// What is wrong with the loaded meshes without being fatal, one line each, sorted by address.
+    pub fn warnings(&self) -> Vec<String> {
+        let state = lock(&self.core.state);
+        let meshes = state.slots.iter().filter_map(|(key, slot)| match &slot.outcome {
+            Some(Ok(Resource::Mesh(mesh))) => Some((key, mesh)),
+            _ => None,
+        });
+        let line = |(key, mesh): (&ResourceKey, &Arc<LoadedMesh>)| {
+            mesh.warnings.iter().map(|warning| format!("mesh {}: {warning}", key.url)).collect::<Vec<_>>()
+        };
+        let mut lines: Vec<String> = meshes.flat_map(line).collect();
+        lines.sort_unstable();
+        lines
+    }
+
     /// A number that changes when a resource was loaded in the background, or failed.
     pub fn version(&self) -> u64 {
         self.core.version.load(Ordering::Acquire)

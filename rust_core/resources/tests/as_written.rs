@@ -5,9 +5,10 @@
 mod common;
 
 use std::fs;
+use std::task::Poll;
 
 use common::{binary_stl, fault, load, load_bytes, normals, positions, uvs, DAE, TEXT_STL, TRIANGLES};
-use rcs_resources::{MeshFault, PackageIndex};
+use rcs_resources::{MeshFault, MeshStore, PackageIndex, ResourceOptions, Retry};
 
 type Corners = (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 2]>);
 
@@ -25,6 +26,20 @@ fn utf_16(text: &str) -> Vec<u8> {
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n";
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+#[test]
+fn what_is_passed_over_is_a_warning_of_the_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.dae");
+    fs::write(&file, DAE.replacen("<asset>", "<asset><title>nuts & bolts</title>", 1)).unwrap();
+    let options = ResourceOptions { folders: vec![folder.path().to_owned()], ..ResourceOptions::default() };
+    let store = MeshStore::with_options(PackageIndex::new([]), options);
+    assert_eq!(store.warnings(), Vec::<String>::new());
+    let url = format!("file://{}", file.display());
+    assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Ok(_))));
+    let [warning] = &store.warnings()[..] else { panic!("{:?}", store.warnings()) };
+    assert!(warning.starts_with(&format!("mesh {url}: ")) && warning.contains("line "), "{warning}");
+}
 
 #[test]
 fn meshes_of_any_encoding_and_end_of_line_are_the_same() {

@@ -16,8 +16,8 @@ use crate::scene::visibility::VISIBILITY;
 
 const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 
-/// Subscribes for a while and prints the table. Returns `true` if every status is Ok and the whole config is
-/// understood.
+/// Subscribes for a while and prints the table and what is wrong with meshes. Returns `true` if every status is Ok,
+/// each mesh is whole and the whole config is understood.
 ///
 /// # Errors
 /// No master, an invalid parameter, or an output that cannot be written.
@@ -48,9 +48,13 @@ fn check(
     entries.extend(scene.cameras().iter().map(|view| status_tree::camera(&scene, view, options.model)));
     session.add_graph(&mut entries);
     print(&entries, out)?;
+    let warnings = scene.mesh_warnings();
+    for warning in &warnings {
+        writeln!(out, "{warning}")?;
+    }
     let is_understood = super::print_findings(config, out)?;
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
-    Ok(is_ok && is_understood)
+    Ok(is_ok && warnings.is_empty() && is_understood)
 }
 
 pub(crate) fn is_closed_pipe(error: &Error) -> bool {

@@ -358,6 +358,11 @@ impl SceneState {
         self.around.meshes.version() != self.around.meshes_version
     }
 
+    /// What is wrong with the loaded meshes without being fatal, one line each.
+    pub fn mesh_warnings(&self) -> Vec<String> {
+        self.around.meshes.warnings()
+    }
+
     /// Loads meshes and textures again that could not be used.
     pub fn retry_resources(&self) {
         self.around.meshes.retry_failures();

@@ -58,13 +58,19 @@ impl RobotDescription {
         }
         match Robot::parse(text) {
             Ok(robot) => {
-                for fault in &robot.left_out {
+                let passed_over = robot.passed_over.iter().map(|fault| format!("passed over: {fault}"));
+                let faults: Vec<String> = robot.left_out.iter().map(ToString::to_string).chain(passed_over).collect();
+                for fault in &faults {
                     log::warn!("parameter {name}: {fault}");
                 }
-                for fault in &robot.passed_over {
-                    log::warn!("parameter {name}: passed over: {fault}");
+                match faults.first() {
+                    None => statuses.set(Level::Ok, STATUS, words.good),
+                    Some(first) if faults.len() == 1 => statuses.set(Level::Warn, STATUS, first.clone()),
+                    Some(first) => {
+                        let text = format!("{first} (and {} more, in the log)", faults.len() - 1);
+                        statuses.set(Level::Warn, STATUS, text);
+                    }
                 }
-                statuses.set(Level::Ok, STATUS, words.good);
                 Some(robot)
             }
             Err(error) => {
@@ -121,6 +127,24 @@ mod tests {
         assert!(description.take(Some(&text), &STATUS_TEXTS, &mut statuses).is_some());
         assert_eq!(status(&statuses), (Level::Ok, "fine".to_owned()));
         assert!(description.take(Some(&text), &STATUS_TEXTS, &mut statuses).is_none());
+    }
+
+    #[test]
+    fn faults_of_a_description_that_is_read_are_a_warning() {
+        let warning = |parts: &str| {
+            let mut statuses = Statuses::default();
+            let text = format!("<robot name='r'>\n<link name='a'/>{parts}</robot>").as_str().into();
+            assert!(RobotDescription::new("d", &mut statuses)
+                .take(Some(&text), &STATUS_TEXTS, &mut statuses)
+                .is_some());
+            status(&statuses)
+        };
+        let (level, one) = warning("<transmission>a & b</transmission>");
+        assert!(level == Level::Warn && one.starts_with("passed over: line 2: "), "{one}");
+        let sphere = "<link name='x'><visual><geometry><sphere radius='big'/></geometry></visual></link>";
+        let (level, two) = warning(&format!("{sphere}<transmission>a & b</transmission>"));
+        assert!(level == Level::Warn && two.starts_with("line 2: link \"x\": sphere: "), "{two}");
+        assert!(two.ends_with(" (and 1 more, in the log)"), "{two}");
     }
 
     #[test]
