@@ -268,6 +268,9 @@ pub struct DoctorArgs {
     /// How long it listens
     #[arg(long, value_name = "SECS", default_value = "5", value_parser = seconds, help_heading = COMMAND_LINE_ONLY)]
     pub listen: Duration,
+    /// The file of the node projector, of a launch file that is examined.
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub(crate) projector_file: Option<PathBuf>,
     /// Viewer of the launch file [default: the window that the node has or that runs beside it]
     #[arg(long, value_enum, value_name = "VIEWER", help_heading = COMMAND_LINE_ONLY)]
     pub(crate) viewer: Option<Viewer>,

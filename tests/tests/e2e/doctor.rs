@@ -124,6 +124,9 @@ fn a_projection_that_is_well_has_no_fault() {
     lines.iter().for_each(|line| run.has(line));
     assert_eq!(run.lines.len(), lines.len(), "{}", run.lines.join("\n"));
     run.ended_with(0);
+    let of_running = Run::new(&fixture.master, Some(&screen.display), &["--listen", "3"]);
+    of_running.ended_with(0);
+    of_running.has("✓ window: over HDMI-9");
     // By a folder as `setup` writes it, whose launch file has the same node.
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(file, folder.path().join("scene.rviz")).unwrap();
@@ -242,7 +245,9 @@ fn without_a_master_the_screen_is_checked_all_the_same() {
     let run = Run::new(&master, Some(&screen.display), &args);
     run.ended_with(2);
     run.has("✗ master: no ROS master at http://127.0.0.1:");
+    run.has("✗ projector file: /a/projector.yaml is not there; calibrate (projector_calibrate), or name another file");
     run.has("? image: unknown without a master");
+    assert!(run.lines.last().is_some_and(|line| line.starts_with("fix first: master: no ROS master at ")));
     run.has("✗ monitor: no monitor 'HDMI-7'; monitors: 0: screen 640x360+0+0");
     let other = [&format!("rviz_config:={file}"), "viewer:=image_view", "monitor:=HDMI-8"];
     Run::new(&master, Some(&screen.display), &other).has("✗ monitor: no monitor 'HDMI-8'; ");
@@ -250,5 +255,6 @@ fn without_a_master_the_screen_is_checked_all_the_same() {
         let refused = Run::new(&master, None, wrong);
         refused.ended_with(2);
         assert!(refused.lines.is_empty() && !refused.errors.is_empty(), "{wrong:?}");
+        assert!(!wrong.is_empty() || refused.errors.contains("start the projection (roslaunch "), "{}", refused.errors);
     }
 }

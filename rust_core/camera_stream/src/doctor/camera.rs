@@ -1,5 +1,7 @@
 //! Checks of a camera: its CameraInfo, and the transform between the fixed frame and its lens.
 
+use std::path::Path;
+
 use rcs_displays::CameraView;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Image;
@@ -15,6 +17,12 @@ const MAX_AGE_SECS: f64 = 1.0;
 
 const START_PROJECTOR: &str = "start the node projector with the projector's file, or correct camera_info_topic";
 const CORRECT_FILE: &str = "correct the projector's file, or the node that publishes it";
+
+/// The fault of a projector's file that is not there.
+pub(super) fn missing_file(file: &Path) -> Option<Finding> {
+    let advice = "calibrate (projector_calibrate), or name another file: projector:=FILE";
+    (!file.is_file()).then(|| Finding::bad("projector file", format!("{} is not there", file.display()), advice))
+}
 
 /// The CameraInfo: there, valid, drawn as it says, and that of the image.
 pub(super) fn info(look: &Look<'_>, camera: &CameraView) -> Finding {

@@ -1,6 +1,11 @@
 //! Results of the doctor's checks, as data: a page for the operator shows the same.
 
 use std::fmt;
+use std::io::Write;
+
+use anyhow::{Error, Result};
+
+use crate::check::live::is_closed_pipe;
 
 /// Outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +44,60 @@ impl Finding {
     /// A check that could not be made, and what would make it possible.
     pub(crate) fn unknown(name: impl Into<String>, text: impl Into<String>, advice: impl Into<String>) -> Self {
         Self { mark: Mark::Unknown, name: name.into(), text: text.into(), advice: advice.into() }
+    }
+}
+
+/// Prints each finding when it is made.
+pub(crate) struct Report<'o> {
+    pub(crate) out: &'o mut dyn Write,
+    pub(crate) is_coloured: bool,
+    pub(crate) findings: Vec<Finding>,
+    /// Why nothing is printed any more.
+    pub(crate) error: Option<Error>,
+}
+
+impl Report<'_> {
+    /// Prints findings.
+    pub(crate) fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        for finding in findings {
+            let line = finding.to_string();
+            self.print(finding.mark, &line);
+            self.findings.push(finding);
+        }
+    }
+
+    /// Prints what to do first. Returns `true` if something is wrong.
+    ///
+    /// # Errors
+    /// The output could not be written.
+    pub(crate) fn end(mut self) -> Result<bool> {
+        let first = self.findings.iter().find(|finding| finding.mark == Mark::Bad);
+        let line = first.map(|first| format!("fix first: {}", first.to_string().trim_start_matches("✗ ")));
+        if let Some(line) = &line {
+            self.print(Mark::Bad, line);
+        }
+        match self.error {
+            // A closed pipe, as of `head`, is no error.
+            Some(error) if !is_closed_pipe(&error) => Err(error),
+            _ => Ok(line.is_some()),
+        }
+    }
+
+    /// Prints a line, its first word in the colour of a mark.
+    fn print(&mut self, mark: Mark, line: &str) {
+        let color = match mark {
+            Mark::Good => "32",
+            Mark::Bad => "31",
+            Mark::Unknown => "33",
+        };
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let printed = match self.is_coloured {
+            true => writeln!(self.out, "\x1b[{color}m{word}\x1b[0m {rest}"),
+            false => writeln!(self.out, "{line}"),
+        };
+        if let (Err(error), None) = (printed.and_then(|()| self.out.flush()), &self.error) {
+            self.error = Some(error.into());
+        }
     }
 }
 
@@ -87,6 +146,26 @@ mod tests {
         assert_eq!(Finding::good("master", "http://x:1/").to_string(), "✓ master: http://x:1/");
         assert_eq!(Finding::bad("image", "none\nat all", "start it").to_string(), "✗ image: none at all; start it");
         assert_eq!(Finding::unknown("exposure", "no driver", "").to_string(), "? exposure: no driver");
+    }
+
+    #[test]
+    fn findings_are_printed_when_they_are_made_and_the_first_fault_again_at_the_end() {
+        let printed = |is_coloured: bool, findings: &[Finding]| {
+            let mut out = Vec::new();
+            let mut report = Report { out: &mut out, is_coloured, findings: Vec::new(), error: None };
+            report.add(findings.iter().cloned());
+            let is_faulty = report.end().unwrap();
+            (is_faulty, String::from_utf8(out).unwrap())
+        };
+        let good = Finding::good("master", "there");
+        let bad = |name: &str| Finding::bad(name, "gone", "start it");
+        assert_eq!(printed(false, std::slice::from_ref(&good)), (false, "✓ master: there\n".to_owned()));
+        let (is_faulty, text) = printed(false, &[good.clone(), bad("image"), bad("window")]);
+        let expected =
+            "✓ master: there\n✗ image: gone; start it\n✗ window: gone; start it\nfix first: image: gone; start it\n";
+        assert!(is_faulty);
+        assert_eq!(text, expected);
+        assert_eq!(printed(true, &[good]).1, "\u{1b}[32m✓\u{1b}[0m master: there\n");
     }
 
     #[test]

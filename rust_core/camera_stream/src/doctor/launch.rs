@@ -1,17 +1,22 @@
-//! The node of a launch file as roslaunch starts it, so that a launch line or a folder of `setup` can be examined.
+//! The node that is examined where none is described: the one that runs, or that of a launch file as roslaunch starts
+//! it.
 //!
-//! `camera_stream doctor FOLDER` and `camera_stream doctor NAME:=VALUE…` start again with the node's arguments and
-//! remappings (`roslaunch --args`), its parameters as `_name:=value` (`roslaunch --dump-params`), and the viewer.
+//! `camera_stream doctor` starts again with the arguments of the running node; where none runs, with those of
+//! `projection.launch` in the current folder. `camera_stream doctor FOLDER` and `camera_stream doctor NAME:=VALUE…`
+//! start again with the node's arguments and remappings (`roslaunch --args`), its parameters as `_name:=value`
+//! (`roslaunch --dump-params`), the projector's file and the viewer.
 
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::io;
 use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{anyhow, bail, Result};
 use serde_json::Value;
 
+use super::running::{self, RunningNode};
 use crate::cli::DoctorArgs;
 
 /// The launch file in a folder of `setup`, and the package's.
@@ -28,21 +33,52 @@ const ROSLAUNCH_TIMEOUT_SECS: &str = "60";
 /// Parameters of all nodes of a launch file by their whole names.
 type Parameters = BTreeMap<String, Value>;
 
-/// The process's arguments, without the program's name, with a launch file in them replaced by what it gives the node;
-/// `None` where there is none. With `-d`, all arguments are the node's.
+/// This process started again with other arguments.
+#[derive(Debug)]
+pub(crate) struct Restart {
+    arguments: Vec<OsString>,
+    folder: Option<PathBuf>,
+    namespace: Option<String>,
+}
+
+/// The process's arguments, without the program's name, with those of the node that is to be examined; `None` where
+/// they describe it already: with `-d`, all arguments are the node's.
 ///
 /// # Errors
-/// What roslaunch refuses, or why it cannot be run.
+/// There is no node and no launch file, there are several nodes; what roslaunch refuses, or why it cannot be run.
 pub(crate) fn node_arguments(
     arguments: impl IntoIterator<Item = OsString>,
     args: &DoctorArgs,
-) -> Result<Option<Vec<OsString>>> {
-    let (given, mut words): (Vec<_>, Vec<_>) = arguments.into_iter().partition(is_launch_argument);
-    if args.node.display_config.is_some() || (args.folder.is_none() && given.is_empty()) {
+) -> Result<Option<Restart>> {
+    let (given, words): (Vec<_>, Vec<_>) = arguments.into_iter().partition(is_launch_argument);
+    if args.node.display_config.is_some() {
         return Ok(None);
     }
+    if args.folder.is_some() || !given.is_empty() {
+        return of_launch_file(words, given, args.folder.as_deref()).map(Some);
+    }
+    match running::nodes().as_slice() {
+        [RunningNode { arguments, folder, namespace, .. }] => Ok(Some(Restart {
+            arguments: words.into_iter().chain(arguments.iter().cloned()).collect(),
+            folder: Some(folder.clone()),
+            namespace: namespace.clone(),
+        })),
+        [] if Path::new(LAUNCH_FILE).is_file() => of_launch_file(words, given, Some(Path::new("."))).map(Some),
+        [] => bail!(
+            "no camera_stream runs on this computer, and there is no {LAUNCH_FILE} in this folder; start the projection \
+             (roslaunch FOLDER/{LAUNCH_FILE}), or name its folder: camera_stream doctor FOLDER"
+        ),
+        several => {
+            let pids: Vec<String> = several.iter().map(|node| node.pid.to_string()).collect();
+            bail!("several camera_stream run (processes {}); name a folder, or one's config: -d FILE", pids.join(", "))
+        }
+    }
+}
+
+/// The words with a launch file in them, the folder's or the package's, replaced by what it gives the node.
+fn of_launch_file(mut words: Vec<OsString>, given: Vec<OsString>, folder: Option<&Path>) -> Result<Restart> {
     let mut file: Vec<OsString> = vec![PACKAGE.into(), LAUNCH_FILE.into()];
-    if let Some(folder) = &args.folder {
+    if let Some(folder) = folder {
         file = vec![folder.join(LAUNCH_FILE).into()];
         if let Some(place) = words.iter().rposition(|word| word.as_os_str() == folder.as_os_str()) {
             words.remove(place);
@@ -58,14 +94,17 @@ pub(crate) fn node_arguments(
     let dumped: Parameters =
         serde_yaml_ng::from_str(&dumped).map_err(|error| anyhow!("{ROSLAUNCH} --dump-params: {error}"))?;
     node.extend(private_arguments(&dumped));
+    let projector_file = dumped.get("/projector/file").and_then(Value::as_str);
+    node.extend(projector_file.map(|file| format!("--projector-file={file}")));
     let place = if is_image_view(&dumped) { roslaunch(&["--args", PLACE_NODE])? } else { String::new() };
     node.extend(viewer(&dumped, &words_of(&place, "/projector_window")));
-    Ok(Some(words.into_iter().chain(node.into_iter().map(OsString::from)).collect()))
+    let arguments = words.into_iter().chain(node.into_iter().map(OsString::from)).collect();
+    Ok(Restart { arguments, folder: None, namespace: None })
 }
 
 /// Replaces the process by the same program with other arguments, because remappings and private parameters are read
 /// from the process's. Returns only if that fails.
-pub(crate) fn restart(arguments: Vec<OsString>) -> io::Error {
+pub(crate) fn restart(with: Restart) -> io::Error {
     let program = match std::env::current_exe() {
         Ok(program) => program,
         Err(error) => return error,
@@ -73,7 +112,12 @@ pub(crate) fn restart(arguments: Vec<OsString>) -> io::Error {
     #[expect(clippy::disallowed_methods, reason = "this program again, without a shell")]
     let mut command = Command::new(program);
     // The file may hold several programs, chosen by this name.
-    command.arg0(std::env::args_os().next().unwrap_or_default()).args(arguments).exec()
+    command.arg0(std::env::args_os().next().unwrap_or_default()).args(with.arguments);
+    command.envs(with.namespace.map(|namespace| ("ROS_NAMESPACE", namespace)));
+    if let Some(folder) = with.folder {
+        command.current_dir(folder);
+    }
+    command.exec()
 }
 
 /// `true` for `NAME:=VALUE` of a launch file, no private parameter and no remapping of an absolute name.

@@ -16,22 +16,24 @@ mod image;
 pub(crate) mod launch;
 mod limits;
 mod look;
+mod running;
 mod screen;
 pub(crate) mod viewer;
 mod windows;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{IsTerminal as _, Write};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Error, Result};
+use rcs_ros::ParameterValue;
 use rcs_rviz_config::Config;
 
 pub(crate) use self::displays::advice_for;
-use self::finding::{Finding, Mark};
+use self::finding::{Finding, Report};
 use self::look::Look;
 use self::windows::Windows;
-use crate::check::live::is_closed_pipe;
 use crate::check::session::Session;
 use crate::cli::DoctorArgs;
 use crate::options::Options;
@@ -49,7 +51,8 @@ pub(crate) enum Verdict {
     NoMaster,
 }
 
-/// Makes all checks and prints a line for each finding. `options` are those of the command line.
+/// Makes all checks, prints a line for each finding, and at the end what to do first. `options` are those of the command
+/// line.
 ///
 /// # Errors
 /// An invalid parameter, or an output that cannot be written.
@@ -60,18 +63,20 @@ pub(crate) fn run(
     options: &Options,
     out: &mut dyn Write,
 ) -> Result<Verdict> {
-    let (findings, has_master) = match Session::connect() {
+    let mut report = Report { out, is_coloured: is_coloured(), findings: Vec::new(), error: None };
+    let has_master = match Session::connect() {
         Ok(session) => {
-            let findings = examine(&session, config, words, args);
+            let examined = examine(&session, config, words, args, &mut report);
             session.end();
-            (findings?, true)
+            examined?;
+            true
         }
-        Err(error) => (without_master(&error, config, args, options), false),
+        Err(error) => {
+            without_master(&error, config, args, options, &mut report);
+            false
+        }
     };
-    let printed = findings.iter().try_for_each(|finding| writeln!(out, "{finding}")).map_err(Error::from);
-    // A closed pipe, as of `head`, is no error.
-    printed.or_else(|error| if is_closed_pipe(&error) { Ok(()) } else { Err(error) })?;
-    let is_faulty = findings.iter().any(|finding| finding.mark == Mark::Bad);
+    let is_faulty = report.end()?;
     Ok(match (has_master, is_faulty) {
         (false, _) => Verdict::NoMaster,
         (true, true) => Verdict::Faulty,
@@ -79,8 +84,19 @@ pub(crate) fn run(
     })
 }
 
+/// `true` if standard output is a terminal whose user wants colours.
+fn is_coloured() -> bool {
+    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
 /// The findings of a running ROS.
-fn examine(session: &Session, config: &Config, words: &[OsString], args: &DoctorArgs) -> Result<Vec<Finding>> {
+fn examine(
+    session: &Session,
+    config: &Config,
+    words: &[OsString],
+    args: &DoctorArgs,
+    report: &mut Report<'_>,
+) -> Result<()> {
     let options = session.options(words, config)?;
     let limits = age_limits(&session.ros, &options)?;
     let mut scene = session.scene(config, &options);
@@ -101,21 +117,29 @@ fn examine(session: &Session, config: &Config, words: &[OsString], args: &Doctor
     };
     let ros = Some((&session.ros, session.checked_name.as_str()));
     let windows = Windows::of(args.viewer, args.monitor.as_ref(), &options, ros);
-    Ok(chain(&look, config, &windows))
+    let parameter = || match session.ros.parameters_of("/projector").ok()?.remove("file")? {
+        ParameterValue::String(file) => Some(file.into()),
+        _ => None,
+    };
+    let projector_file = args.projector_file.clone().or_else(parameter);
+    chain(&look, config, &windows, projector_file.as_deref(), report);
+    Ok(())
 }
 
 /// All checks, in the order of the chain.
-fn chain(look: &Look<'_>, config: &Config, windows: &Windows) -> Vec<Finding> {
+fn chain(look: &Look<'_>, config: &Config, windows: &Windows, projector_file: Option<&Path>, report: &mut Report<'_>) {
     let cameras = look.scene.cameras();
-    let mut findings = vec![graph::master(look)];
-    findings.extend(graph::clocks(look));
-    findings.extend(cameras.iter().flat_map(|camera| [camera::info(look, camera), camera::transform(look, camera)]));
-    findings.extend(displays::all(look, config));
-    findings.extend(limits::all(look));
-    findings.extend(screen::all(windows, image_px(look)));
-    findings.extend(cameras.iter().map(|camera| image::rate(look, camera)));
-    findings.extend(exposure::all(look));
-    findings
+    report.add([graph::master(look)]);
+    report.add(graph::clocks(look));
+    report.add(projector_file.and_then(camera::missing_file));
+    for camera in cameras {
+        report.add([camera::info(look, camera), camera::transform(look, camera)]);
+    }
+    report.add(displays::all(look, config));
+    report.add(limits::all(look));
+    report.add(screen::all(windows, image_px(look)));
+    report.add(cameras.iter().map(|camera| image::rate(look, camera)));
+    report.add(exposure::all(look));
 }
 
 /// Size of the images, if the config has one camera.
@@ -127,13 +151,13 @@ fn image_px(look: &Look<'_>) -> Option<[u32; 2]> {
 }
 
 /// The findings where no master answers.
-fn without_master(error: &Error, config: &Config, args: &DoctorArgs, options: &Options) -> Vec<Finding> {
+fn without_master(error: &Error, config: &Config, args: &DoctorArgs, options: &Options, report: &mut Report<'_>) {
     let unknown = |name: &&str| Finding::unknown(*name, "unknown without a master", "");
-    let mut findings = vec![graph::no_master(error)];
-    findings.extend(["clocks", "camera_info", "transform"].iter().map(unknown));
-    findings.extend(displays::of_config(config));
-    findings.extend(["displays", "limits"].iter().map(unknown));
-    findings.extend(screen::all(&Windows::of(args.viewer, args.monitor.as_ref(), options, None), None));
-    findings.extend(["image", "exposure"].iter().map(unknown));
-    findings
+    report.add([graph::no_master(error)]);
+    report.add(args.projector_file.as_deref().and_then(camera::missing_file));
+    report.add(["clocks", "camera_info", "transform"].iter().map(unknown));
+    report.add(displays::of_config(config));
+    report.add(["displays", "limits"].iter().map(unknown));
+    report.add(screen::all(&Windows::of(args.viewer, args.monitor.as_ref(), options, None), None));
+    report.add(["image", "exposure"].iter().map(unknown));
 }
