@@ -201,6 +201,22 @@ fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen()
 }
 
 #[test]
+fn the_projectors_window_waits_for_its_monitor() {
+    let screen = Screen::start();
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=bytes([255])))").unwrap();
+    let mut shown = window(&master, &screen, &["image:=/image", "--monitor", "HDMI-9"]);
+    let is_told = || shown.errors().iter().any(|line| line.contains("no monitor 'HDMI-9'; monitors: 0: screen"));
+    assert!(wait_until(PATIENCE, is_told), "{:?}", shown.errors());
+    let mut xrandr = Command::new("xrandr");
+    xrandr.args(["--setmonitor", "HDMI-9", "640/160x360/90+0+0", "none"]).env("DISPLAY", &screen.display);
+    assert!(xrandr.status().unwrap().success());
+    assert!(wait_until(PATIENCE, || screen.pixels()[..3] == [255; 3]), "{:?}", shown.errors());
+    assert_eq!(shown.end("TERM").unwrap().code(), Some(0), "{:?}", shown.errors());
+}
+
+#[test]
 fn a_window_that_fails_unregisters_its_node() {
     let screen = Screen::start();
     let fixture = fixture();

@@ -16,7 +16,9 @@ use rcs_messages::{header, AnyMessage, Image, MessageKind};
 use rcs_process::lock;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::Time;
-use rcs_window::{self as window, ImageSink, MonitorInfo, ReceivedImage, ScreenImage, UserEvent, WindowRole};
+use rcs_window::{
+    self as window, ImageSink, MonitorChoice, MonitorInfo, ReceivedImage, ScreenImage, UserEvent, WindowRole,
+};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::monitor_arguments::MonitorArguments;
@@ -39,6 +41,8 @@ pub const ROS_NAMES: &[RosName] = &[
 const NAME: &str = "projector_window";
 /// How often what is shown is decided anew.
 const TURN: Duration = Duration::from_millis(100);
+/// How often a monitor that is not there is looked for.
+const MONITOR_PERIOD: Duration = Duration::from_secs(1);
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
@@ -128,9 +132,27 @@ fn watch(end: &EndRequest) -> anyhow::Result<WindowWatch> {
     WindowWatch::start(0, move || end.is_requested()).context("cannot watch the window")
 }
 
+/// Waits for a monitor that is not connected yet. Returns `false` if the shutdown is requested before it is.
+fn wait_for_monitor(choice: &MonitorChoice, end: &EndRequest) -> anyhow::Result<bool> {
+    let mut is_told = false;
+    while !end.is_requested() {
+        match choice.resolve(&window::list_monitors()?) {
+            Ok(_) => return Ok(true),
+            Err(error) if !is_told => log::warn!("{error}; waiting for it"),
+            Err(_) => {}
+        }
+        is_told = true;
+        thread::sleep(MONITOR_PERIOD);
+    }
+    Ok(false)
+}
+
 /// Shows a topic until the window is closed or the shutdown is requested.
 fn show_topic(arguments: WindowArguments, node: Option<Arc<RosNode>>, end: &EndRequest) -> anyhow::Result<()> {
     let watch = watch(end)?;
+    if !wait_for_monitor(&arguments.monitor.monitor, end)? {
+        return Ok(());
+    }
     let mut options = arguments.monitor.window_options(&arguments.topic());
     options.role = WindowRole::Guarded;
     options.light_limit = Some(arguments.stale_timeout).filter(|timeout| !timeout.is_zero());
