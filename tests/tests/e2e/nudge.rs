@@ -153,6 +153,15 @@ fn a_nudge_moves_the_frame_at_once_and_is_saved_or_taken_back() {
     fixture.wait_for("offset((0.003, 0, 0.25)) < 1e-11");
     fixture.python("trigger('/projector/revert')");
     fixture.wait_for("offset((0.001, 0, 0.25)) < 1e-11");
+    // The file before the save is kept, and a second revert reaches it.
+    assert_eq!(fs::read_to_string(fixture.file.with_extension("yaml.1")).unwrap(), FILE);
+    let answer = fixture.python("trigger('/projector/revert')");
+    assert_eq!(answer, format!("(True, '{} is as it was before the last save')", fixture.file.display()));
+    fixture.wait_for("offset() < 1e-15");
+    assert_eq!(fs::read_to_string(&fixture.file).unwrap(), FILE);
+    // A third has nothing to take back.
+    assert_eq!(fixture.python("trigger('/projector/revert')[0]"), "True");
+    assert_eq!(fs::read_to_string(&fixture.file).unwrap(), FILE);
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub const ROS_NAMES: &[RosName] = &[
     publishes("/tf_static", "tf2_msgs/TFMessage", "the file's frames, latched"),
     configures("~", "nudges the CameraInfo's frame: x, y, z [m], roll, pitch, yaw [rad], up to ±0.5"),
     serves("~save", "std_srvs/Trigger", "writes the nudge into the file"),
-    serves("~revert", "std_srvs/Trigger", "sets the nudge to 0"),
+    serves("~revert", "std_srvs/Trigger", "sets the nudge to 0; without a nudge, takes the last `~save` back"),
 ];
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";

@@ -1,11 +1,11 @@
 //! Correcting the projector's pose by hand: dynamic_reconfigure moves the frame that the file places, `~save` writes
-//! its pose into the file, and `~revert` takes the correction back.
+//! its pose into the file, and `~revert` takes the correction back, or the last save where nothing is corrected.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::anyhow;
-use rcs_files::projector::{check_writable, write_pose, ProjectorFile, StaticFrame};
+use rcs_files::projector::{check_writable, restore_before, write_pose, ProjectorFile, StaticFrame};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_node_support::nudge::Nudge;
 use rcs_ros::settings::{accepted, NamedValues};
@@ -26,6 +26,8 @@ pub(super) struct Nudging {
     server: ReconfigureServer,
     save: Arc<str>,
     revert: Arc<str>,
+    /// `true` once this node has saved, until that is taken back: an older file of before is somebody else's.
+    has_saved: bool,
 }
 
 impl Nudging {
@@ -49,6 +51,7 @@ impl Nudging {
             server: node.serve_reconfigure("~", Nudge::default().groups())?,
             save: node.serve_trigger("~save")?,
             revert: node.serve_trigger("~revert")?,
+            has_saved: false,
         })
     }
 
@@ -133,21 +136,34 @@ impl Nudging {
         let parent_from_child = self.placed()?.parent_from_child() * self.nudge.isometry();
         let written = write_pose(&self.path, &self.child, &parent_from_child)?;
         let saved = format!("frame {} in {} moved by {}", self.child, self.path.display(), self.nudge);
-        let new = written.frames.into_iter().find(|frame| frame.child == self.child);
-        if let (Some(known), Some(new)) = (self.frames.iter_mut().find(|frame| frame.child == self.child), new) {
-            *known = new;
-        }
+        self.take_pose(written);
+        self.has_saved = true;
         self.reset(node);
         Ok(saved)
     }
 
-    /// Takes the nudge back.
+    /// Takes the nudge back; without one, the last save of this node.
     fn revert(&mut self, node: &RosNode) -> anyhow::Result<String> {
         self.placed()?;
-        let reverted = format!("frame {} moved back by {}", self.child, self.nudge);
+        let reverted = if self.has_saved && self.nudge == Nudge::default() {
+            let before = restore_before(&self.path)?;
+            self.take_pose(before);
+            self.has_saved = false;
+            format!("{} is as it was before the last save", self.path.display())
+        } else {
+            format!("frame {} moved back by {}", self.child, self.nudge)
+        };
         self.reset(node);
         self.publishers.publish_frames(node, &self.nudged_frames())?;
         Ok(reverted)
+    }
+
+    /// Takes the nudged frame's pose from a file.
+    fn take_pose(&mut self, file: ProjectorFile) {
+        let new = file.frames.into_iter().find(|frame| frame.child == self.child);
+        if let (Some(known), Some(new)) = (self.frames.iter_mut().find(|frame| frame.child == self.child), new) {
+            *known = new;
+        }
     }
 
     fn reset(&mut self, node: &RosNode) {

@@ -8,7 +8,7 @@
 use std::f64::consts::{PI, TAU};
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
@@ -37,15 +37,38 @@ struct Edit {
 }
 
 /// Writes the pose of `child` in its parent into a projector's file. All other bytes stay; the file is replaced
-/// atomically, links and permissions are kept. Returns what the file holds then.
+/// atomically, links and permissions are kept. The file of before is kept as [`file_before`]. Returns what the file holds
+/// then.
 ///
 /// # Errors
 /// [`FileError`] if the file cannot be read or written, has no such frame, or has it in a form that cannot be edited.
 pub fn write_pose(path: &Path, child: &str, parent_from_child: &Isometry3<f64>) -> Result<ProjectorFile, FileError> {
     check_writable(path)?;
-    let text = text_with_pose(path, &read_text(path)?, child, parent_from_child)?;
+    let before = read_text(path)?;
+    let text = text_with_pose(path, &before, child, parent_from_child)?;
+    write_text(&file_before(path), &before)?;
     write_text(path, &text)?;
     ProjectorFile::parse(path, &text)
+}
+
+/// The file that keeps what a projector's file was before [`write_pose`]: `projector.yaml.1`.
+pub fn file_before(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".1");
+    name.into()
+}
+
+/// Writes the file of before [`write_pose`] back. Returns what it holds.
+///
+/// # Errors
+/// [`FileError`] if it is not there, is no projector's file, or cannot be written.
+pub fn restore_before(path: &Path) -> Result<ProjectorFile, FileError> {
+    let before = file_before(path);
+    let text = read_text(&before)?;
+    let file = ProjectorFile::parse(&before, &text)?;
+    check_writable(path)?;
+    write_text(path, &text)?;
+    Ok(file)
 }
 
 /// Writes the text of a projector's file with another pose of a frame to `target`, which may be the same file. A frame
