@@ -37,8 +37,9 @@ fn what_is_passed_over_is_a_warning_of_the_store() {
     assert_eq!(store.warnings(), Vec::<String>::new());
     let url = format!("file://{}", file.display());
     assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Ok(_))));
-    let [warning] = &store.warnings()[..] else { panic!("{:?}", store.warnings()) };
-    assert!(warning.starts_with(&format!("mesh {url}: ")) && warning.contains("line "), "{warning}");
+    let [passed_over, texture] = &store.warnings()[..] else { panic!("{:?}", store.warnings()) };
+    assert!(passed_over.starts_with(&format!("mesh {url}: ")) && passed_over.contains("line 3"), "{passed_over}");
+    assert!(texture.contains("tex ture.png"), "{texture}");
 }
 
 #[test]
