@@ -90,14 +90,15 @@ impl<'a> Dialog<'a> {
     }
 }
 
-/// Ends the program on Ctrl-C while it waits for an answer, with one line in the program's name.
+/// Ends the program on Ctrl-C while it waits for an answer, with one line in the program's name, after `clean_up`.
 ///
 /// # Errors
 /// A signal handler or the thread cannot be installed.
-pub fn end_on_signals(program: &'static str) -> io::Result<()> {
+pub fn end_on_signals(program: &'static str, clean_up: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let end = EndRequest::watch_signals()?;
     let waiting = move || {
         end.wait_for(Duration::MAX);
+        clean_up();
         eprintln!("\n{program}: {}", DialogError::Ended);
         std::process::exit(1);
     };

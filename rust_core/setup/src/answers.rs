@@ -12,6 +12,8 @@ use crate::found::Found;
 use crate::near::near;
 use crate::profile::Profile;
 
+/// The answer that is no topic but a grid to begin with.
+const GRID: &str = "grid";
 /// Frames that a question lists.
 const MAX_LISTED: usize = 60;
 
@@ -44,6 +46,8 @@ struct Question<'q> {
     flag: &'q str,
     /// Shown on the terminal, before the default.
     text: String,
+    /// Shown for the answer `?`.
+    help: &'static str,
     /// Answer that an empty line means.
     default: Option<String>,
 }
@@ -70,7 +74,8 @@ impl Interview<'_, '_> {
         if let Some(dialog) = &mut self.dialog {
             let offered = default.map(|default| format!(" [{default}]")).unwrap_or_default();
             let answer = dialog.answer(&format!("{}{offered}: ", question.text), |text| match (text, default) {
-                ("", None) => Err("an answer is needed".to_owned()),
+                ("?", _) => Err(question.help.to_owned()),
+                ("", None) => Err("an answer is needed; ? explains".to_owned()),
                 ("", Some(default)) => read(default),
                 (text, _) => read(text),
             });
@@ -99,6 +104,7 @@ pub(crate) fn complete(
     dialog: Option<&mut Dialog<'_>>,
 ) -> Result<Answers, SetupError> {
     let mut interview = Interview { dialog, missing: Vec::new() };
+    interview.say("Enter takes what stands in brackets, ? explains a question, Ctrl-C ends without writing.")?;
     let chosen = profile(&mut interview, args)?;
     // Without a profile, only what every profile needs is asked for beside it.
     let profile = chosen.unwrap_or(Profile::Fixed);
@@ -131,7 +137,9 @@ fn profile(interview: &mut Interview<'_, '_>, args: &SetupArgs) -> Result<Option
         interview.say(PROFILES)?;
     }
     let flag = "--profile fetch|fixed|mobile|two-computers";
-    let question = Question { flag, text: "Profile".to_owned(), default: None };
+    let help = "what the projector is fixed to decides which frames and topics are offered; fixed is a camera and a projector \
+                without a robot, too";
+    let question = Question { flag, text: "Profile".to_owned(), help, default: None };
     interview.settle(args.profile, &question, Profile::parse)
 }
 
@@ -152,6 +160,8 @@ fn frames(
     let mount = Question {
         flag: "--mount FRAME",
         text: "Link that the projector is mounted on".to_owned(),
+        help: "the frame that does not move relative to the projector: a link of the robot, or the room's frame; \
+               calibration places the projector in it",
         default: profile.mount().map(str::to_owned).or_else(|| (profile == Profile::Fixed).then(of_fixed)),
     };
     let mount = interview.settle(args.mount.clone(), &mount, arguments::frame)?;
@@ -162,6 +172,7 @@ fn frames(
     let fixed_frame = Question {
         flag: "--fixed-frame FRAME",
         text: "Fixed frame of the scene".to_owned(),
+        help: "the frame in which the scene is drawn, rviz's Fixed Frame: one in which the things that are lit stand still",
         default: profile.fixed_frame().map(str::to_owned).or_else(of_scene),
     };
     let fixed_frame = interview.settle(args.fixed_frame.clone(), &fixed_frame, arguments::frame)?;
@@ -187,6 +198,7 @@ fn monitor(
     let name = Question {
         flag: "--monitor NAME",
         text: "Monitor that the projector is".to_owned(),
+        help: "the output that the projector is connected to (xrandr lists them); auto is the last that is not primary",
         default: Some(last.map_or("auto".to_owned(), |monitor| monitor.name.clone())),
     };
     let name = interview.settle(args.monitor.clone(), &name, arguments::monitor)?;
@@ -194,6 +206,7 @@ fn monitor(
     let size = Question {
         flag: "--size WxH",
         text: "Native resolution of the projector, pixels".to_owned(),
+        help: "WIDTHxHEIGHT by the projector's data sheet; in another one the projector scales, and no pixel fits",
         default: of_monitor.map(|monitor| format!("{}x{}", monitor.size_px.0, monitor.size_px.1)),
     };
     let size = interview.settle(args.size, &size, size_px)?;
@@ -209,11 +222,13 @@ fn camera(
 ) -> Result<[Option<String>; 2], DialogError> {
     let guessed = profile.camera().map_or_else(|| found.camera_images(), |topics| topics.map(Some));
     let [image, depth] = guessed.map(|topic| topic.map(str::to_owned));
-    // A first image without perception needs no camera.
-    let without = || args.is_try.then(|| NONE.to_owned());
+    // A first image without perception needs no camera. On a terminal, where no camera runs yet, none is offered.
+    let is_asked = interview.dialog.is_some();
+    let without = || (args.is_try || is_asked).then(|| NONE.to_owned());
     let question = Question {
         flag: "--image TOPIC|none",
         text: "Colour image of the depth camera that calibrates, or none".to_owned(),
+        help: "the topic of its images (sensor_msgs/Image) for projector_calibrate scan; none: calibrate later, or by hand",
         default: image.or_else(without),
     };
     let image = interview.settle(args.image.clone(), &question, arguments::image)?;
@@ -223,6 +238,8 @@ fn camera(
     let question = Question {
         flag: "--depth TOPIC|none",
         text: "Depth image that is registered to it".to_owned(),
+        help:
+            "a depth image with the same pixels as the colour image (depth_registered, aligned_depth_to_color), or none",
         default: depth.or_else(without),
     };
     let depth = interview.settle(args.depth.clone(), &question, arguments::image)?;
@@ -256,12 +273,21 @@ fn topics(
         [] => results.map(|(topic, _)| topic.to_owned()).collect(),
         _ => of_profile.collect(),
     };
+    let is_asked = interview.dialog.is_some();
     let question = Question {
         flag: "--show TOPIC[=TYPE] or --try",
-        text: "Topics to project, with spaces between".to_owned(),
-        default: (!offered.is_empty()).then(|| offered.join(" ")),
+        text: "Topics to project, with spaces between, or grid".to_owned(),
+        help: "TOPIC, or TOPIC=TYPE where nobody publishes it yet, such as /objects=PointCloud2; grid: a grid and the names \
+               of the frames to begin with, topics follow in rviz",
+        default: match offered.as_slice() {
+            [] => is_asked.then(|| GRID.to_owned()),
+            offered => Some(offered.join(" ")),
+        },
     };
     let read = |text: &str| {
+        if text == GRID {
+            return Ok(Vec::new());
+        }
         let shown: Result<Vec<Show>, String> = text.split_whitespace().map(arguments::show).collect();
         resolve_all(&shown?, found)
     };
@@ -311,12 +337,29 @@ pub(crate) fn warnings(answers: &Answers, found: &Found) -> Vec<String> {
             format!("{option} {name}: neither TF nor the robot's description has this frame{hint}; check it before projecting")
         })
     };
-    let monitor = || {
-        let is_here = answers.profile != Profile::TwoComputers && !found.monitors.is_empty();
-        let is_missing = is_here && found.monitor(&answers.monitor).is_none();
-        let names = rcs_window::list_lines(&found.monitors).join(", ");
-        is_missing.then(|| format!("--monitor {}: not connected; monitors: {names}", answers.monitor))
-    };
     let frames = [frame("--mount", &answers.mount), frame("--fixed-frame", &answers.fixed_frame)];
-    frames.into_iter().flatten().chain(monitor()).collect()
+    let unchecked = match (found.has_master, known.is_empty()) {
+        (false, _) => Some("no ROS master answers: frames, topics and rates are not checked".to_owned()),
+        (true, true) => Some("nothing publishes TF or a robot's description: frames are not checked".to_owned()),
+        (true, false) => None,
+    };
+    unchecked.into_iter().chain(frames.into_iter().flatten()).chain(monitor_warning(answers, found)).collect()
+}
+
+/// A monitor that is not there, has another size, or cannot be checked.
+fn monitor_warning(answers: &Answers, found: &Found) -> Option<String> {
+    let Answers { monitor: name, size_px: [width, height], .. } = answers;
+    if answers.profile == Profile::TwoComputers {
+        return None;
+    }
+    if found.monitors.is_empty() {
+        return Some("no display is open: the monitor and its size are not checked".to_owned());
+    }
+    let Some(monitor) = found.monitor(name) else {
+        let names = rcs_window::list_lines(&found.monitors).join(", ");
+        return Some(format!("--monitor {name}: not connected; monitors: {names}"));
+    };
+    (monitor.size_px != (*width, *height)).then(|| {
+        format!("--size {width}x{height}: monitor {monitor} has another size; set its native mode, or correct --size")
+    })
 }

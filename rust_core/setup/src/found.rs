@@ -33,12 +33,14 @@ pub(crate) struct Found {
     pub(crate) topics: BTreeMap<String, String>,
     /// Monitors of this computer.
     pub(crate) monitors: Vec<MonitorInfo>,
+    /// `true` if a ROS master answers.
+    pub(crate) has_master: bool,
 }
 
 /// How a topic is published.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rate {
-    /// Its publisher latches.
+    /// Its publisher latches, and has sent one message at most.
     Latched,
     /// Longest time between two messages.
     Every(Duration),
@@ -68,7 +70,7 @@ impl Found {
         let (frames, links) = listen(node);
         let publications = node.query_publications().unwrap_or_default();
         let topics = publications.iter().map(|(topic, publication)| (topic.clone(), publication.ros_type.clone()));
-        Self { frames, links, topics: topics.collect(), monitors }
+        Self { frames, links, topics: topics.collect(), monitors, has_master: true }
     }
 
     /// Names of the frames and links that a projector can be mounted on.
@@ -155,10 +157,8 @@ pub(crate) fn measure(node: &RosNode, topics: &[(&str, &DisplayType)]) -> BTreeM
     let started = Instant::now();
     while started.elapsed() < RATE_TIMEOUT {
         let count = |subscription: &TopicSubscription| received.get(&**subscription.topic()).map_or(0, Vec::len);
-        let is_known = |subscription: &TopicSubscription| {
-            subscription.publishing().is_latched || count(subscription) >= ENOUGH_MESSAGES
-        };
-        if subscriptions.iter().all(is_known) {
+        // A publisher that latches may send a stream all the same.
+        if subscriptions.iter().all(|subscription| count(subscription) >= ENOUGH_MESSAGES) {
             break;
         }
         for event in node.events().wait(Duration::from_millis(100)) {
@@ -169,13 +169,12 @@ pub(crate) fn measure(node: &RosNode, topics: &[(&str, &DisplayType)]) -> BTreeM
     }
     let rate = |subscription: &TopicSubscription| {
         let topic = subscription.topic().to_string();
-        if subscription.publishing().is_latched {
-            return Some((topic, Rate::Latched));
+        let times = received.get(&topic).map(Vec::as_slice).unwrap_or_default();
+        let gaps = times.iter().zip(times.iter().skip(1)).map(|(first, next)| next.saturating_duration_since(*first));
+        match gaps.max() {
+            Some(longest) => Some((topic, Rate::Every(longest))),
+            None => subscription.publishing().is_latched.then_some((topic, Rate::Latched)),
         }
-        let times = received.get(&topic)?;
-        let longest =
-            times.iter().zip(times.iter().skip(1)).map(|(first, next)| next.saturating_duration_since(*first));
-        Some((topic, Rate::Every(longest.max()?)))
     };
     subscriptions.iter().filter_map(rate).collect()
 }
@@ -208,6 +207,7 @@ pub(crate) mod tests {
             links: ["base_link", "projector_mount"].map(str::to_owned).into(),
             topics: topics.iter().map(|(topic, name)| ((*topic).to_owned(), (*name).to_owned())).collect(),
             monitors: vec![monitor("eDP-1", true, (1920, 1080)), monitor("HDMI-1", false, (1280, 800))],
+            has_master: true,
         }
     }
 

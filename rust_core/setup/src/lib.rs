@@ -29,6 +29,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::Arc;
 
 use anyhow::Context as _;
 use rcs_node_support::dialog::{end_on_signals, Dialog};
@@ -49,12 +50,15 @@ pub use profile::Profile;
 pub fn run(args: &SetupArgs) -> Result<(), SetupError> {
     let folder = folder::absolute(&args.folder)?;
     folder::check_free(&folder, args.overwrite)?;
-    let node = found::connect();
-    let found = Found::look(node.as_ref());
+    let node = found::connect().map(Arc::new);
+    let asking = node.clone();
+    let clean_up = move || asking.iter().for_each(|node| node.shutdown());
+    end_on_signals("camera_stream", clean_up).context("cannot handle signals").map_err(SetupError::Refused)?;
+    let found = Found::look(node.as_deref());
     let answers = ask(args, &found)?;
     answers::warnings(&answers, &found).iter().for_each(|warning| log::warn!("{warning}"));
     let rates = node.as_ref().map(|node| measure(node, &answers, &found)).unwrap_or_default();
-    drop(node);
+    node.iter().for_each(|node| node.shutdown());
     let plan = Plan::new(folder, answers, &rates, args.is_try);
     let files = folder::files(&plan)?;
     let kept = folder::write(&plan.folder, &files)?;
@@ -74,7 +78,6 @@ fn ask(args: &SetupArgs, found: &Found) -> Result<Answers, SetupError> {
     if !input.is_terminal() {
         return answers::complete(args, found, None);
     }
-    end_on_signals("camera_stream").context("cannot handle signals").map_err(SetupError::Refused)?;
     answers::complete(args, found, Some(&mut Dialog::new(&mut input.lock(), &mut io::stderr())))
 }
 

@@ -49,7 +49,8 @@ impl Plan {
             display,
             limit: limit(rates.get(topic).copied(), display),
         };
-        let projected = answers.topics.iter().map(limited).collect();
+        let projected: Vec<Projected> = answers.topics.iter().map(limited).collect();
+        let is_try = is_try || projected.is_empty();
         Self { folder, answers, projected, is_try }
     }
 

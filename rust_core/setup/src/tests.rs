@@ -1,6 +1,6 @@
 //! Questions, errors and the written files, without ROS.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -120,7 +120,7 @@ fn a_terminal_offers_what_is_found() {
         "Native resolution of the projector, pixels [1280x800]: ",
         "[/camera/color/image_raw]: ",
         "  /scan  LaserScan",
-        "Topics to project, with spaces between [/detections /objects]: ",
+        "Topics to project, with spaces between, or grid [/detections /objects]: ",
     ] {
         assert!(shown.contains(part), "{part}: {shown}");
     }
@@ -129,10 +129,12 @@ fn a_terminal_offers_what_is_found() {
 
 #[test]
 fn an_unusable_answer_is_asked_for_again_and_the_end_of_the_input_ends() {
-    let lines = ["pr2", "fixed", "", "", "", "wide", "1280x800", "none", "", "/a", "/a=Path"];
+    let lines = ["pr2", "?", "fixed", "", "", "", "", "wide", "1280x800", "none", "/a", "/a=Path"];
     let (result, shown) = asked(&[], &Found::default(), &lines);
     assert_eq!(result.unwrap().topics[0].1.class, "rviz/Path");
-    for part in ["'pr2' is not one of", "not a size", "an answer is needed", "/a is published by nobody"] {
+    for part in
+        ["'pr2' is not one of", "not a size", "an answer is needed", "/a is published by nobody", "without a robot"]
+    {
         assert!(shown.contains(part), "{part}: {shown}");
     }
     let (result, _) = asked(&[], &Found::default(), &lines[..6]);
@@ -146,8 +148,25 @@ fn a_frame_that_is_not_there_is_a_warning_with_near_names() {
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("--mount projector_mont") && warnings[0].contains("did you mean projector_mount?"));
     assert!(warnings[1].contains("--monitor DP-7: not connected; monitors: 0: eDP-1"), "{}", warnings[1]);
-    let unknown = answers::warnings(&answers(&FIXED, &Found::default()).unwrap(), &Found::default());
-    assert_eq!(unknown, [""; 0], "without TF and a description, nothing can be said");
+    let nothing = answers::warnings(&answers(&FIXED, &Found::default()).unwrap(), &Found::default());
+    assert!(nothing[0].starts_with("no ROS master answers: ") && nothing[1].starts_with("no display is open: "));
+    let without_frames = Found { frames: BTreeSet::new(), links: BTreeSet::new(), ..robot() };
+    let other_size = answers::warnings(&answers(&FIXED, &without_frames).unwrap(), &without_frames);
+    assert!(other_size[0].starts_with("nothing publishes TF or a robot's description"), "{other_size:?}");
+    assert!(
+        other_size[1].starts_with("--size 1920x1080: monitor HDMI-1 1280x800+0+0 has another size; "),
+        "{other_size:?}"
+    );
+}
+
+#[test]
+fn where_nothing_is_published_enter_is_a_grid() {
+    let (result, shown) = asked(&[], &Found::default(), &["fixed", "", "", "", "1280x800", "", ""]);
+    let answers = result.unwrap();
+    assert!(answers.topics.is_empty() && answers.image.is_none(), "{answers:?}");
+    assert!(shown.ends_with("Topics to project, with spaces between, or grid [grid]: "), "{shown}");
+    let plan = Plan::new(PathBuf::from("/tmp/first"), answers, &BTreeMap::new(), false);
+    assert!(plan.is_try);
 }
 
 /// Options of each profile, without a master.

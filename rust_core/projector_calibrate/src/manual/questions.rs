@@ -37,7 +37,7 @@ or forth, by as much as there is room, and measure everything again, the distanc
 /// Asks on the terminal for measures that determine a lens, and for the file to write unless `output` names it.
 #[expect(clippy::disallowed_methods, reason = "a signal ends the program while it waits for an answer")]
 pub(super) fn ask_user(tape_error_m: f64, output: Option<&Path>) -> Result<(ManualMeasures, PathBuf), Failure> {
-    end_on_signals("projector_calibrate").context("cannot handle signals").map_err(Failure::Refused)?;
+    end_on_signals("projector_calibrate", || {}).context("cannot handle signals").map_err(Failure::Refused)?;
     ask(&mut io::stdin().lock(), &mut io::stderr(), tape_error_m, output)
 }
 
