@@ -238,6 +238,23 @@ mod tests {
     }
 
     #[test]
+    fn a_turned_monitors_native_mode_takes_its_turned_size_on_the_desktop() {
+        let native = mode(1, (1920, 1080), ModeFlag::from(0u8));
+        let size = |rotation| {
+            let state = GetCrtcInfoReply { rotation, ..GetCrtcInfoReply::default() };
+            OutputModes { crtc: 1, state, native, current: native, is_scaled: false }.turned_size_px()
+        };
+        for (rotation, expected) in [
+            (Rotation::ROTATE0, (1920, 1080)),
+            (Rotation::ROTATE90, (1080, 1920)),
+            (Rotation::ROTATE180 | Rotation::REFLECT_X, (1920, 1080)),
+            (Rotation::ROTATE270 | Rotation::REFLECT_Y, (1080, 1920)),
+        ] {
+            assert_eq!(size(rotation), expected, "{rotation:?}");
+        }
+    }
+
+    #[test]
     fn a_refresh_of_an_interlaced_mode_has_half_the_lines_and_of_a_doubled_one_twice_as_many() {
         let hz = |flags| 1.0 / refresh_period(&mode(1, (1920, 1080), flags)).unwrap().as_secs_f64();
         for (flags, expected) in

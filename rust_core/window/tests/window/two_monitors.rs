@@ -149,18 +149,6 @@ fn an_interlaced_mode_of_the_native_size_is_warned_about_and_replaced_on_request
 }
 
 #[test]
-fn a_turned_monitor_gets_room_for_its_turned_native_mode() {
-    let monitors = TwoMonitors::start(true, "640x480");
-    let screen = &monitors.screen;
-    screen.xrandr(&["--output", "DUMMY1", "--rotate", "left", "--pos", "800x0"]);
-    let mut window = screen.show(&["600x800", "--set-mode", "yes"]);
-    monitors.wait_for_pattern(&window, 800, (NATIVE.1, NATIVE.0));
-    let log = window.log_text();
-    assert!(log.contains("DUMMY1 is set from 640x480 to its native mode 800x600"), "{log}");
-    assert!(screen.quit(&mut window, ESCAPE).success());
-}
-
-#[test]
 fn the_refresh_of_a_monitor_is_known() {
     let monitors = TwoMonitors::start(true, "800x600");
     let mut window = monitors.screen.show(&["800x600"]);
