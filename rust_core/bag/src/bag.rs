@@ -5,10 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rcs_messages::Time;
+use rcs_text::full_name;
 
 use crate::bounded_file::BoundedFile;
 use crate::chunked::{Chunked, Index};
-use crate::connection::{full_name, Connection};
+use crate::connection::Connection;
 use crate::error::BagError;
 use crate::mcap_file::{self, McapFile};
 use crate::messages::{Connections, FileChunk, Messages};

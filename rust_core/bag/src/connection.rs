@@ -56,12 +56,3 @@ pub(crate) fn md5sum(text: &[u8]) -> String {
         String::new()
     }
 }
-
-/// A topic's whole name in a bag, without remapping; names without a slash are below the root.
-///
-/// ```
-/// assert_eq!([rcs_bag::full_name("tf"), rcs_bag::full_name("/tf")], ["/tf", "/tf"]);
-/// ```
-pub fn full_name(topic: &str) -> String {
-    format!("/{}", topic.trim_start_matches('/'))
-}

@@ -21,6 +21,6 @@ mod messages;
 mod rosbag_file;
 
 pub use bag::Bag;
-pub use connection::{full_name, Connection};
+pub use connection::Connection;
 pub use error::BagError;
 pub use messages::{BagMessage, Messages};

@@ -9,11 +9,11 @@ use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_files::image_file::ImageFormat;
 use rcs_render::RendererChoice;
 use rcs_setup::SetupArgs;
+use rcs_text::graph_name;
 use rcs_window::MonitorChoice;
 
 use crate::doctor::viewer::Viewer;
 use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
-use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::node_options::COMMAND_LINE_ONLY;
 use rcs_node_support::ros_names::{configures, publishes, reads, serves, subscribes, RosName};
 
@@ -332,11 +332,11 @@ fn video_file(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Validates a namespace: empty, or a ROS name with an optional `/` at the end.
+/// A namespace: empty, the root, or a ROS name.
 fn namespace(text: &str) -> Result<String, String> {
-    match text.strip_suffix('/').unwrap_or(text) {
-        "" => Ok(text.to_owned()),
-        name => graph_name(name).map(|_| text.to_owned()),
+    match text {
+        "" | "/" => Ok(text.to_owned()),
+        name => graph_name(name),
     }
 }
 
@@ -464,14 +464,14 @@ mod tests {
             parse(&["camera_stream", "new-camera", option, value]).map_or_else(|error| error.exit_code(), |_| 0)
         };
         for option in ["--image-topic", "--camera-info"] {
-            for good in ["/proj_view/image", "image", "~image", "~/image", "/a_1/B2"] {
+            for good in ["/proj_view/image", "image", "~image", "~/image", "/a_1/B2", "/a//b", "/a/"] {
                 assert_eq!(exit_code(option, good), 0, "{option} {good}");
             }
-            for bad in ["", "/", "bad topic!", "1st", "/a//b", "/a/", "_a", "/ä", "a~"] {
+            for bad in ["", "/", "bad topic!", "1st", "_a", "/ä", "a~"] {
                 assert_eq!(exit_code(option, bad), 2, "{option} {bad}");
             }
         }
-        for (namespace, expected) in [("", 0), ("/", 0), ("/left/", 0), ("left", 0), ("my left", 2), ("a//b", 2)] {
+        for (namespace, expected) in [("", 0), ("/", 0), ("/left/", 0), ("left", 0), ("my left", 2), ("a//b", 0)] {
             assert_eq!(exit_code("--display-namespace", namespace), expected, "{namespace}");
         }
     }

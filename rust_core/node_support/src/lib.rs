@@ -1,12 +1,11 @@
-//! Shared parts of the nodes: signals and shutdown, options that are also private parameters, names and files as
-//! a user types them, a status on
-//! `/diagnostics`, transforms from `/tf`, questions on the terminal, and the arguments of programs with a window.
+//! Shared parts of the nodes: signals and shutdown, options that are also private parameters, files as a user types
+//! them, a status on `/diagnostics`, transforms from `/tf`, questions on the terminal, and the arguments of programs
+//! with a window.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod dialog;
 pub mod frames;
-pub mod graph_name;
 pub mod key_value;
 pub mod lifecycle;
 pub mod monitor_arguments;

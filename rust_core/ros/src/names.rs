@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::env;
 use std::path::PathBuf;
 
+use rcs_text::{clean_name, full_name, graph_name};
 use rosrust::api::resolve;
 
 use crate::error::NodeError;
@@ -30,10 +31,9 @@ impl Names {
 
     fn new(namespace: &str, name: &str, mappings: &[(String, String)]) -> Result<Self, NodeError> {
         let invalid = |name: &str| NodeError::Name(name.to_owned());
-        let node = format!("{}/{name}", namespace.trim_end_matches('/'));
-        let node = if node.starts_with('/') { node } else { format!("/{node}") };
-        if name.contains('/') || !is_valid(&node) {
-            return Err(invalid(name));
+        let node = full_name(&format!("{namespace}/{name}"));
+        if name.contains('/') || graph_name(name).is_err() || graph_name(&node).is_err() {
+            return Err(invalid(&node));
         }
         let mut names = Self { node, remappings: BTreeMap::new() };
         for (from, to) in mappings {
@@ -60,22 +60,14 @@ impl Names {
 
     /// The whole name before remapping; `None` for one that ROS does not allow.
     fn whole_name(&self, name: &str) -> Option<String> {
+        let name = graph_name(name).ok()?;
         let (namespace, _) = self.node.rsplit_once('/')?;
-        let whole = match name.strip_prefix('~') {
-            Some(name) => format!("{}/{name}", self.node),
-            None if name.starts_with('/') => name.to_owned(),
+        Some(match name.strip_prefix('~') {
+            Some(name) => clean_name(&format!("{}/{name}", self.node)),
+            None if name.starts_with('/') => name,
             None => format!("{namespace}/{name}"),
-        };
-        let whole = whole.trim_end_matches('/');
-        (!name.is_empty() && is_valid(whole)).then(|| whole.to_owned())
+        })
     }
-}
-
-/// Whether an absolute name has valid parts only.
-fn is_valid(name: &str) -> bool {
-    let is_valid =
-        |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-    name.strip_prefix('/').is_some_and(|parts| parts.split('/').all(is_valid))
 }
 
 /// The ROS master's address.
@@ -158,7 +150,7 @@ pub fn remapping_of(name: &str) -> Option<String> {
     std::env::args_os().skip(1).find_map(|argument| {
         let argument = argument.to_string_lossy().into_owned();
         let (from, to) = argument.split_once(":=")?;
-        (from.trim_start_matches('/') == name).then(|| to.to_owned())
+        (full_name(from) == full_name(name)).then(|| to.to_owned())
     })
 }
 
@@ -180,23 +172,25 @@ mod tests {
 
     #[test]
     fn names_are_in_the_namespace_below_the_node_or_absolute() {
-        for namespace in ["robot", "/robot", "/robot/"] {
+        for namespace in ["robot", "/robot", "//robot//"] {
             let names = names(namespace, &[]).unwrap();
             assert_eq!(names.node(), "/robot/eye");
-            let resolved = ["image", "~image", "/image", "a/b/", "~"].map(|name| names.resolve(name).unwrap());
+            let resolved = ["image", "~image", "//image", "a//b/", "~/"].map(|name| names.resolve(name).unwrap());
             assert_eq!(resolved, ["/robot/image", "/robot/eye/image", "/image", "/robot/a/b", "/robot/eye"]);
         }
-        for wrong in ["", "/", "/a//b", "a b", "/fo$o", "a~b"] {
+        for wrong in ["", "/", "1st", "a b", "/fo$o", "a~b"] {
             assert_eq!(names("", &[]).unwrap().resolve(wrong), Err(NodeError::Name(wrong.to_owned())), "{wrong}");
         }
     }
 
     #[test]
     fn whole_names_are_remapped_whichever_way_they_are_written() {
-        let names = names("", &[("image", "/wall/image"), ("~rate", "rate")]).unwrap();
+        let names = names("", &[("image/", "/wall//image"), ("~rate", "rate")]).unwrap();
         let resolved = ["image", "/image", "/eye/rate", "/image/compressed"].map(|name| names.resolve(name).unwrap());
         assert_eq!(resolved, ["/wall/image", "/wall/image", "/rate", "/image/compressed"]);
-        assert!(Names::new("", "a/b", &[]).is_err() && Names::new("", "a b", &[]).is_err());
+        for (namespace, name) in [("", "a/b"), ("", "a b"), ("", "1st"), ("", "~"), ("a b", "eye")] {
+            assert!(Names::new(namespace, name, &[]).is_err(), "{namespace} {name}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ use crate::names::remapping_of;
 use crate::node::{RosNode, Shared};
 use crate::xmlrpc::CallError;
 use rcs_process::lock;
+use rcs_text::clean_name;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
@@ -95,7 +96,7 @@ fn poll(shared: &Weak<Shared>) {
 fn find(shared: &Shared, name: &str) -> Result<Option<Arc<str>>, CallError> {
     let (Ok(own), master) = (shared.names.resolve(name), shared.network.registrar().master()) else { return Ok(None) };
     let (namespace, _) = master.node_name.rsplit_once('/').unwrap_or_default();
-    for candidate in candidates(own, namespace, name, remapping_of(name).as_deref()) {
+    for candidate in candidates(own, namespace, &clean_name(name), remapping_of(name).as_deref()) {
         if let Some(value) = master.param(&candidate)? {
             return Ok(Some(value.as_str().unwrap_or_default().into()));
         }
@@ -118,7 +119,7 @@ fn candidates(own: String, namespace: &str, name: &str, remapping: Option<&str>)
     let mut namespace = namespace;
     let mut names = Vec::new();
     loop {
-        names.push(format!("{namespace}/{searched}"));
+        names.push(clean_name(&format!("{namespace}/{searched}")));
         match namespace.rsplit_once('/') {
             Some((outer, _)) => namespace = outer,
             None => return names,

@@ -3,8 +3,11 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use rcs_text::{clean_name, full_name, graph_name};
+
 use crate::config::Config;
 use crate::displays::{CameraPubSettings, DisplayConfig, DisplaySettings, Role};
+use crate::one_line::one_line;
 
 /// Reasons why cameras of a config publish no images although all its keys are valid, a line each.
 pub fn camera_problems(config: &Config) -> Vec<String> {
@@ -35,7 +38,7 @@ pub fn camera_problems(config: &Config) -> Vec<String> {
         ));
     }
     let mut names: HashMap<&str, usize> = HashMap::new();
-    let mut image_topics: HashMap<&str, usize> = HashMap::new();
+    let mut image_topics: HashMap<String, usize> = HashMap::new();
     for (display, settings, path, _) in enabled {
         let line = display.line;
         if settings.image_topic.is_empty() {
@@ -51,8 +54,8 @@ pub fn camera_problems(config: &Config) -> Vec<String> {
             ));
         }
         names.entry(&display.name).or_insert(line);
-        let topic = &*settings.image_topic;
-        if let (false, Some(first)) = (topic.is_empty(), image_topics.get(topic)) {
+        let topic = clean_name(&settings.image_topic);
+        if let (false, Some(first)) = (topic.is_empty(), image_topics.get(&topic)) {
             problems.push(format!(
                 "line {line}: {path} / Image Topic: the CameraPub of line {first} publishes on {topic}, too, so their \
                  pictures alternate"
@@ -81,7 +84,7 @@ impl fmt::Display for SettingProblem {
     }
 }
 
-/// Finds enabled displays without a topic, and cameras of which only one can be triggered.
+/// Finds enabled displays without a topic or with one that ROS does not allow, and cameras of which only one can be triggered.
 ///
 /// ```
 /// let text = "
@@ -97,7 +100,7 @@ impl fmt::Display for SettingProblem {
 pub fn setting_problems(config: &Config) -> Vec<SettingProblem> {
     let mut problems = Vec::new();
     // The first camera of each namespace.
-    let mut namespaces: HashMap<&str, &DisplayConfig> = HashMap::new();
+    let mut namespaces: HashMap<String, &DisplayConfig> = HashMap::new();
     for placed in config.placed_displays().into_iter().filter(|placed| placed.enabled) {
         let (display, path) = (placed.display, placed.path.join(" / "));
         let line = display.line;
@@ -105,14 +108,34 @@ pub fn setting_problems(config: &Config) -> Vec<SettingProblem> {
             let text = format!("{path}: enabled, and its topic is empty, so it shows nothing");
             problems.push(SettingProblem { line, is_note: false, text });
         }
+        let wrong_names = wrong_names(display).into_iter();
+        problems.extend(wrong_names.map(|text| SettingProblem {
+            line,
+            is_note: false,
+            text: format!("{path}: {text}"),
+        }));
         if let DisplaySettings::CameraPub(camera) = &display.settings {
-            match namespaces.get(camera.display_namespace.trim_matches('/')) {
+            let namespace = full_name(&camera.display_namespace);
+            match namespaces.get(&namespace) {
                 Some(first) => problems.push(shared_namespace(display, camera, &path, first)),
-                None => drop(namespaces.insert(camera.display_namespace.trim_matches('/'), display)),
+                None => drop(namespaces.insert(namespace, display)),
             }
         }
     }
     problems
+}
+
+/// What is wrong with the names of a display's topics.
+fn wrong_names(display: &DisplayConfig) -> Vec<String> {
+    let names = match &display.settings {
+        DisplaySettings::CameraPub(camera) => {
+            vec![&*camera.image_topic, &*camera.camera_info_topic, &*camera.display_namespace]
+        }
+        _ => display.topic_setting().into_iter().collect(),
+    };
+    // A camera's namespace may be the root.
+    let given = names.into_iter().filter(|name| !["", "/"].contains(name));
+    given.filter_map(|name| Some(format!("'{}' is not {}", one_line(name), graph_name(name).err()?))).collect()
 }
 
 /// The problem of a camera that cannot be triggered; a note unless it publishes on triggers alone.
@@ -122,7 +145,8 @@ fn shared_namespace(
     path: &str,
     first: &DisplayConfig,
 ) -> SettingProblem {
-    let namespace = camera.display_namespace.trim_matches('/');
+    let namespace = full_name(&camera.display_namespace);
+    let namespace = namespace.trim_start_matches('/');
     let is_note = camera.frame_rate_hz != 0.0;
     let so = if is_note { "" } else { ", and this camera publishes nothing at a Frame Rate of 0" };
     let text = format!(
@@ -190,6 +214,20 @@ mod tests {
     }
 
     #[test]
+    fn a_name_that_ros_does_not_allow_is_reported_and_one_that_is_cleaned_is_not() {
+        let camera = "Class: rviz_camera_stream/CameraPub, Name: a, Enabled: true, Camera Info Topic: //c/";
+        let camera = |rest: &str| format!("{camera}, {rest}");
+        let (good, wrong) = (camera("Image Topic: /i//j, Display namespace: /"), camera("Image Topic: /i j"));
+        let found = setting_problems_of(&[&good, "Class: rviz/Path, Name: path, Enabled: true, Topic: //p/"]);
+        assert_eq!(found, Vec::<String>::new());
+        let found = setting_problems_of(&[&wrong, "Class: rviz/Path, Name: path, Enabled: true, Topic: 1st"]);
+        let expected = ["line 4: a: '/i j' is not a ROS name", "line 5: path: '1st' is not a ROS name"];
+        assert!(found.len() == 2 && expected.iter().zip(&found).all(|(e, f)| f.starts_with(e)), "{found:?}");
+        let found = problems_of(&[&camera("Image Topic: /i/j"), &good.replace("Name: a", "Name: b")]);
+        assert!(found.len() == 1 && found[0].contains("publishes on /i/j, too"), "{found:?}");
+    }
+
+    #[test]
     fn cameras_that_share_a_namespace_are_a_note_unless_one_waits_for_triggers() {
         let camera = |name: &str, namespace: &str, enabled: bool| {
             format!(
@@ -197,7 +235,7 @@ mod tests {
                  Topic: /c, Display namespace: {namespace}"
             )
         };
-        let [left, right] = [camera("left", "/view", true), camera("right", "view", true)];
+        let [left, right] = [camera("left", "/view", true), camera("right", "view//", true)];
         let found = setting_problems_of(&[&left, &right]);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].starts_with("line 5: note: right / Display namespace: the CameraPub of line 4"), "{found:?}");

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use rcs_files::sizes::size_px;
-use rcs_node_support::graph_name::topic_name;
 use rcs_node_support::key_value;
+use rcs_text::topic_name;
 
 use crate::display_type::{self, DisplayType};
 use crate::profile::Profile;

@@ -1,7 +1,7 @@
-//! Text and XML as other people's tools write them.
+//! Text, XML and names as other people's tools write them.
 //!
 //! [`decode`] reads any encoding and end of line that is met in robots' files; [`xml`] reads what TinyXML (urdfdom,
-//! rospack) and pugixml (Assimp) read, and tells what it passed over.
+//! rospack) and pugixml (Assimp) read, and tells what it passed over. [`graph_name`] takes ROS names as roscpp does.
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -10,7 +10,10 @@ use std::borrow::Cow;
 
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, UTF_8, WINDOWS_1252};
 
+mod graph_name;
 pub mod xml;
+
+pub use graph_name::{clean_name, full_name, graph_name, topic_name};
 
 /// Bytes at the start of a file in which an XML declaration is looked for.
 const DECLARATION_BYTES: usize = 256;

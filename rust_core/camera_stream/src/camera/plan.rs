@@ -28,7 +28,6 @@ pub(crate) struct CameraPlan {
 
 /// A name in a display's namespace: resolved as roscpp does in a node handle of that namespace.
 fn in_namespace(namespace: &str, name: &str) -> String {
-    let namespace = namespace.trim_end_matches('/');
     if namespace.is_empty() || name.starts_with(['/', '~']) {
         name.to_owned()
     } else {

@@ -12,16 +12,16 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail, Context, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
-use rcs_bag::{full_name, Bag};
+use rcs_bag::Bag;
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
 use rcs_light::{Content, Evidence, Generation, LightRules};
-use rcs_node_support::graph_name::graph_name;
 use rcs_node_support::key_value;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_render::{Orientation, PostProcess, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Image;
+use rcs_text::{full_name, topic_name};
 use rcs_transforms::Time;
 
 use crate::outputs::{FrameImage, ImageFile, ImageSequence, Output, OutputFrame, VideoFile};
@@ -225,10 +225,10 @@ impl RenderTarget {
 /// One line with the invalid name.
 pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, String>> {
     let whole = |(from, to): &(String, String)| {
-        for name in [from, to] {
-            graph_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))?;
-        }
-        Ok((full_name(from), full_name(to)))
+        let name = |name: &String| {
+            topic_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))
+        };
+        Ok((name(from)?, name(to)?))
     };
     remappings.iter().map(whole).collect()
 }
@@ -248,7 +248,8 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
         let read = rcs_user_files::read_once(&path, MAX_PARAMETER_BYTES);
         let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;
-        Ok((name.trim_start_matches('/').to_owned(), rcs_text::decode(&bytes).into()))
+        let name = topic_name(name).map_err(|reason| anyhow!("--param {name}: '{name}' is not {reason}"))?;
+        Ok((name, rcs_text::decode(&bytes).into()))
     };
     given.iter().map(read).collect()
 }
@@ -256,7 +257,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
 /// Sets the parameters that the scene reads; those that are not among `parameters` are not set.
 pub fn set_parameters(scene: &mut SceneState, parameters: &HashMap<String, Arc<str>>) {
     for name in scene.parameters() {
-        let text = parameters.get(name.trim_start_matches('/'));
+        let text = parameters.get(&full_name(&name));
         scene.take_parameter(&name, text, Time::ZERO);
     }
 }

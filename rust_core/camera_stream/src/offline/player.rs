@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use anyhow::Result;
-use rcs_bag::{full_name, Bag, BagMessage, Connection};
+use rcs_bag::{Bag, BagMessage, Connection};
 use rcs_camera::CameraModel;
 use rcs_displays::CameraView;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};
+use rcs_text::full_name;
 use rcs_transforms::Time;
 
 use super::moments::BagTimes;

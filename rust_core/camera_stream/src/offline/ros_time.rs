@@ -3,9 +3,10 @@
 //! A bag may be recorded years after its messages were stamped, from a simulation or a bag that was played.
 
 use anyhow::{bail, Result};
-use rcs_bag::{full_name, Bag, BagMessage, Connection};
+use rcs_bag::{Bag, BagMessage, Connection};
 use rcs_displays::time_from_stamp;
 use rcs_messages::{AnyMessage, MessageKind};
+use rcs_text::full_name;
 use rcs_transforms::Time;
 
 use super::moments::BagTimes;

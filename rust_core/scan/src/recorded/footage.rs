@@ -4,12 +4,13 @@ use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use rcs_bag::{full_name, Bag, Connection};
+use rcs_bag::{Bag, Connection};
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
 use rcs_displays::raw_transforms;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind, Time};
+use rcs_text::full_name;
 use rcs_transforms::TransformTree;
 
 use crate::camera_messages::{depth_of, grey_image, lens_of_topic};
