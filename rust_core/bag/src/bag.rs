@@ -41,6 +41,8 @@ pub struct Bag {
     files: Arc<[Box<dyn Chunked>]>,
     connections: Connections,
     chunks: Vec<FileChunk>,
+    /// What the files lack.
+    problems: Vec<BagError>,
 }
 
 impl Bag {
@@ -58,13 +60,15 @@ impl Bag {
     /// As [`open`](Self::open).
     pub fn open_all(paths: &[impl AsRef<Path>]) -> Result<Self, BagError> {
         let (mut files, mut connections, mut chunks) = (Vec::new(), Connections::new(), Vec::new());
+        let mut problems = Vec::new();
         for (number, path) in paths.iter().enumerate() {
             let (file, index) = open_file(path.as_ref())?;
             files.push(file);
             connections.extend(index.connections.into_iter().map(|(id, one)| ((number, id), Arc::new(one))));
             chunks.extend(index.chunks.into_iter().map(|chunk| FileChunk { file: number, chunk }));
+            problems.extend(index.problems);
         }
-        Ok(Self { files: files.into(), connections, chunks })
+        Ok(Self { files: files.into(), connections, chunks, problems })
     }
 
     /// Renames topics as `rosbag play` does, by whole names; unknown ones are ignored.
@@ -86,14 +90,16 @@ impl Bag {
     /// Recording times of the first and the last message by the index; `None` without messages. The first is not after
     /// the last.
     pub fn time_range(&self) -> Option<(Time, Time)> {
-        let start = self.chunks.iter().map(|FileChunk { chunk, .. }| chunk.start_nanos).min()?;
-        let end = self.chunks.iter().map(|FileChunk { chunk, .. }| chunk.end_nanos).max()?;
+        // A chunk without messages has no times.
+        let chunks = || self.chunks.iter().map(|one| &one.chunk).filter(|chunk| !chunk.connections.is_empty());
+        let start = chunks().map(|chunk| chunk.start_nanos).min()?;
+        let end = chunks().map(|chunk| chunk.end_nanos).max()?;
         Some((Time::from_nanos(start), Time::from_nanos(end)))
     }
 
     /// Messages of the wanted topics in the order of time, and of the files at the same time.
     ///
-    /// A damaged chunk is an error among the items; its readable messages and the other chunks are still returned.
+    /// A damaged chunk is an error among the items, and so is what a file lacks; readable messages are still returned.
     pub fn messages(&self, wanted: impl Fn(&Connection) -> bool) -> Messages {
         self.messages_from(Time::default(), wanted)
     }
@@ -102,7 +108,7 @@ impl Bag {
     pub fn messages_from(&self, from: Time, wanted: impl Fn(&Connection) -> bool) -> Messages {
         let is_wanted = |(_, connection): &(_, &Arc<Connection>)| wanted(connection);
         let connections = self.connections.iter().filter(is_wanted).map(|(id, one)| (*id, Arc::clone(one))).collect();
-        Messages::new(Arc::clone(&self.files), connections, &self.chunks, from)
+        Messages::new(Arc::clone(&self.files), connections, &self.chunks, from, self.problems.clone())
     }
 }
 

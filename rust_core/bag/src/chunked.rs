@@ -27,11 +27,12 @@ pub(crate) struct RawMessage<'a> {
     pub(crate) bytes: &'a [u8],
 }
 
-/// The connections of a file by their ids, and its chunks.
+/// The connections of a file by their ids, its chunks, and what it lacks.
 #[derive(Debug, Default)]
 pub(crate) struct Index {
     pub(crate) connections: BTreeMap<u32, Connection>,
     pub(crate) chunks: Vec<ChunkRef>,
+    pub(crate) problems: Vec<BagError>,
 }
 
 /// A chunk as the index describes it.

@@ -17,6 +17,7 @@ mod compression;
 mod connection;
 mod error;
 mod mcap_file;
+mod mcap_index;
 mod messages;
 mod rosbag_file;
 

@@ -56,12 +56,13 @@ struct UnpackedMessage {
 }
 
 impl Messages {
-    /// Messages of these connections from a time on.
+    /// Messages of these connections from a time on, after `errors`.
     pub(crate) fn new(
         files: Arc<[Box<dyn Chunked>]>,
         connections: Connections,
         chunks: &[FileChunk],
         from: Time,
+        errors: Vec<BagError>,
     ) -> Self {
         let from_nanos = from.nanos();
         let is_wanted = |FileChunk { file, chunk }: &&FileChunk| {
@@ -69,7 +70,7 @@ impl Messages {
         };
         let mut chunks: Vec<_> = chunks.iter().filter(is_wanted).cloned().collect();
         chunks.sort_by_key(|FileChunk { file, chunk }| Reverse((chunk.start_nanos, *file, chunk.at)));
-        Self { files, connections, from_nanos, chunks, errors: Vec::new(), unpacked: BinaryHeap::new() }
+        Self { files, connections, from_nanos, chunks, errors, unpacked: BinaryHeap::new() }
     }
 
     fn unpack(&mut self, file: usize, at: u64) {

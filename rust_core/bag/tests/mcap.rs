@@ -6,6 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use mcap::WriteOptions;
 use proptest::prelude::*;
 use rcs_bag::*;
 use rcs_messages::std_msgs::String as Text;
@@ -27,7 +28,11 @@ fn texts(bag: &Bag, wanted: impl Fn(&Connection) -> bool) -> Vec<(u32, String)> 
 
 /// A file in which `/a` has texts at these times.
 fn write(path: &Path, encoding: &str, secs: &[u32]) {
-    let mut writer = McapWriter::create(path, 100).unwrap();
+    write_with(path, encoding, secs, |options| options);
+}
+
+fn write_with(path: &Path, encoding: &str, secs: &[u32], change: impl Fn(WriteOptions) -> WriteOptions) {
+    let mut writer = McapWriter::create_with(path, 100, change).unwrap();
     for sec in secs {
         let message = rcs_messages::encode(&Text { data: format!("at {sec}") });
         writer.write("/a", "std_msgs/String", encoding, at(*sec), &message).unwrap();
@@ -99,7 +104,7 @@ fn a_topic_that_is_no_text_is_left_out_and_all_others_are_read() {
 }
 
 #[test]
-fn a_file_that_was_not_closed_or_has_no_chunks_is_an_error_that_names_mcap_recover() {
+fn a_file_that_was_not_closed_is_an_error_that_names_mcap_recover() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cut.mcap");
     write(&path, "ros1", &[1, 2, 3]);
@@ -108,6 +113,154 @@ fn a_file_that_was_not_closed_or_has_no_chunks_is_an_error_that_names_mcap_recov
         fs::write(&path, &whole[..len]).unwrap();
         let error = Bag::open(&path).unwrap_err().to_string();
         assert!(error.contains("cut.mcap: no index") && error.contains("mcap recover"), "{len}: {error}");
+    }
+}
+
+type Change = fn(WriteOptions) -> WriteOptions;
+const WITHOUT_CHUNKS: Change = |options| options.use_chunks(false);
+const WITHOUT_SUMMARY: Change = |options| options.emit_summary_records(false);
+
+#[test]
+fn each_part_that_a_writer_may_leave_out_is_done_without() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let changes: [(&str, Change); 11] = [
+        ("chunks", WITHOUT_CHUNKS),
+        ("summary", WITHOUT_SUMMARY),
+        ("chunks, summary", |options| WITHOUT_SUMMARY(WITHOUT_CHUNKS(options))),
+        ("chunk indexes", |options| options.emit_chunk_indexes(false)),
+        ("message indexes", |options| options.emit_message_indexes(false)),
+        ("both indexes", |options| options.emit_message_indexes(false).emit_chunk_indexes(false)),
+        ("statistics", |options| options.emit_statistics(false)),
+        ("channels", |options| options.repeat_channels(false)),
+        ("schemas", |options| options.repeat_schemas(false)),
+        ("definitions", |options| options.repeat_channels(false).repeat_schemas(false)),
+        ("definitions, statistics, message indexes", |options| {
+            options.repeat_channels(false).repeat_schemas(false).emit_statistics(false).emit_message_indexes(false)
+        }),
+    ];
+    for (name, change) in changes {
+        write_with(&path, "ros1", &[1, 5, 9, 2, 6, 3], change);
+        let bag = Bag::open(&path).unwrap();
+        assert_eq!(bag.time_range(), Some((at(1), at(9))), "{name}");
+        let read = texts(&bag, |connection| &*connection.topic == "/a" && &*connection.ros_type == "std_msgs/String");
+        assert_eq!(read, [1, 2, 3, 5, 6, 9].map(|sec| (sec, format!("at {sec}"))), "{name}");
+        write_with(&path, "cdr", &[1], change);
+        assert!(Bag::open(&path).unwrap_err().to_string().contains("encoded as cdr"), "{name}");
+    }
+}
+
+#[test]
+fn a_channel_or_schema_that_the_file_does_not_have_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    for (kind, expected) in [(4, "a.mcap: no record of channel "), (3, "a.mcap: no schema 1 of /a,")] {
+        write_with(&path, "ros1", &[1, 2], |options| WITHOUT_SUMMARY(WITHOUT_CHUNKS(options)));
+        let mut bytes = fs::read(&path).unwrap();
+        let mut at = 8;
+        while bytes[at] != kind {
+            at += 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        }
+        // A kind that nobody knows.
+        bytes[at] = 0x80;
+        fs::write(&path, bytes).unwrap();
+        let items: Vec<_> = Bag::open(&path).unwrap().messages(|one| one.kind().is_some()).collect();
+        let error = items.into_iter().map(|item| item.unwrap_err().to_string()).collect::<Vec<_>>();
+        assert!(error.len() == 1 && error[0].contains(expected) && error[0].contains("are not read"), "{error:?}");
+    }
+}
+
+/// A record of an MCAP file.
+fn record(kind: u8, content: &[u8]) -> Vec<u8> {
+    [&[kind][..], &(content.len() as u64).to_le_bytes(), content].concat()
+}
+
+fn counted(text: &[u8]) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes()[..], text].concat()
+}
+
+/// A part of a file that is written here.
+enum Part {
+    /// A chunk of texts at these times, with other times in its record and in the index if given.
+    Chunk(&'static [u64], Option<[u64; 2]>),
+    /// Messages without a chunk.
+    Loose(&'static [u64]),
+}
+
+/// A file of texts on `/a`, whose chunks are all in its index.
+fn file_of(parts: &[Part]) -> Vec<u8> {
+    const NANOS: u64 = 1_000_000_000;
+    let schema = [&1_u16.to_le_bytes()[..], &counted(b"std_msgs/String"), &counted(b"ros1msg"), &counted(b"")].concat();
+    let channel = [&[0, 0, 1, 0][..], &counted(b"/a"), &counted(b"ros1"), &counted(b"")].concat();
+    let definitions = [record(3, &schema), record(4, &channel)].concat();
+    let message = |sec: &u64| {
+        let (time, text) = ((sec * NANOS).to_le_bytes(), rcs_messages::encode(&Text { data: format!("at {sec}") }));
+        record(5, &[&[0; 6][..], &time, &time, &text].concat())
+    };
+    let mut file =
+        [&b"\x89MCAP0\r\n"[..], &record(1, &[counted(b"ros1"), counted(b"")].concat()), &definitions].concat();
+    let mut indexes = Vec::new();
+    for part in parts {
+        let (secs, times) = match part {
+            Part::Chunk(secs, times) => (secs, times),
+            Part::Loose(secs) => {
+                file.extend(secs.iter().flat_map(message));
+                continue;
+            }
+        };
+        let own = [secs.iter().min(), secs.iter().max()].map(|sec| sec.map_or(0, |sec| sec * NANOS));
+        let times = times.unwrap_or(own).map(u64::to_le_bytes).concat();
+        let records: Vec<u8> = secs.iter().flat_map(message).collect();
+        let len = (records.len() as u64).to_le_bytes();
+        let chunk = record(6, &[&times[..], &len, &[0; 4], &counted(b""), &len, &records].concat());
+        let place = [file.len() as u64, chunk.len() as u64].map(u64::to_le_bytes).concat();
+        let index = [&times[..], &place, &counted(b""), &[0; 8], &counted(b""), &len, &len].concat();
+        indexes.extend(record(8, &index));
+        file.extend(chunk);
+    }
+    file.extend(record(15, &[0; 4]));
+    let footer = [&(file.len() as u64).to_le_bytes()[..], &[0; 12]].concat();
+    [file, definitions, indexes, record(2, &footer), b"\x89MCAP0\r\n".to_vec()].concat()
+}
+
+#[test]
+fn times_are_those_of_messages_whatever_a_chunk_without_any_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    for times in [[0, 0], [u64::MAX, 0], [9, 8]] {
+        let empty = || Part::Chunk(&[], Some(times));
+        let swapped = Part::Chunk(&[5, 7], Some([7_000_000_000, 5_000_000_000]));
+        for parts in [
+            vec![empty(), Part::Chunk(&[5, 7], None)],
+            vec![Part::Chunk(&[5, 7], None), empty()],
+            vec![Part::Chunk(&[5], None), empty(), Part::Chunk(&[7], None)],
+            vec![empty(), swapped],
+            vec![Part::Chunk(&[5, 7], Some([0, 0]))],
+        ] {
+            fs::write(&path, file_of(&parts)).unwrap();
+            let bag = Bag::open(&path).unwrap();
+            assert_eq!(bag.time_range(), Some((at(5), at(7))), "{times:?}");
+            assert_eq!(texts(&bag, |_| true), [5, 7].map(|sec| (sec, format!("at {sec}"))), "{times:?}");
+        }
+        fs::write(&path, file_of(&[empty()])).unwrap();
+        assert_eq!(Bag::open(&path).unwrap().time_range(), None);
+    }
+    fs::write(&path, file_of(&[Part::Chunk(&[0, 3], None)])).unwrap();
+    assert_eq!(Bag::open(&path).unwrap().time_range(), Some((at(0), at(3))), "messages at 0 count");
+}
+
+#[test]
+fn messages_beside_indexed_chunks_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    for parts in [
+        [Part::Loose(&[4, 1]), Part::Chunk(&[2, 3], None), Part::Loose(&[])],
+        [Part::Chunk(&[2, 3], None), Part::Loose(&[4, 1]), Part::Chunk(&[], None)],
+        [Part::Chunk(&[2], None), Part::Loose(&[4]), Part::Chunk(&[1, 3], None)],
+    ] {
+        fs::write(&path, file_of(&parts)).unwrap();
+        let read = texts(&Bag::open(&path).unwrap(), |_| true);
+        assert_eq!(read, [1, 2, 3, 4].map(|sec| (sec, format!("at {sec}"))));
     }
 }
 

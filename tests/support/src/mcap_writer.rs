@@ -17,8 +17,17 @@ pub struct McapWriter {
 impl McapWriter {
     /// Starts a file at `path`, replacing an existing one. Chunks are closed at `chunk_len` bytes.
     pub fn create(path: impl AsRef<Path>, chunk_len: u64) -> McapResult<Self> {
+        Self::create_with(path, chunk_len, |options| options)
+    }
+
+    /// Starts a file as [`create`](Self::create) does, with other options, such as those that leave out a part.
+    pub fn create_with(
+        path: impl AsRef<Path>,
+        chunk_len: u64,
+        change: impl FnOnce(WriteOptions) -> WriteOptions,
+    ) -> McapResult<Self> {
         let options = WriteOptions::new().compression(None).profile("ros1").chunk_size(Some(chunk_len));
-        Ok(Self { writer: options.create(BufWriter::new(File::create(path)?))? })
+        Ok(Self { writer: change(options).create(BufWriter::new(File::create(path)?))? })
     }
 
     /// Adds an encoded message; `encoding` is `ros1` for ROS 1.
