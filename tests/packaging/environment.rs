@@ -1,6 +1,7 @@
 //! `scripts/environment`: a workspace that the shell has sourced does not reach what the scripts build with.
 
 use std::fs;
+use std::process::Command;
 
 use rcs_tests::programs::repository;
 
@@ -39,6 +40,25 @@ fn a_sourced_workspace_changes_nothing_for_the_scripts() {
     let with = seen(Some(workspace));
     assert!(!with.contains(workspace), "{with}");
     assert_eq!(with, seen(None));
+}
+
+#[test]
+fn of_the_installed_ros_the_last_of_ros_1_counts_whatever_its_name_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, version) in [("melodic", "1"), ("noetic", "1"), ("novel", "2"), ("zest", "2"), ("zero", "")] {
+        fs::create_dir_all(folder.path().join(name)).unwrap();
+        let setup = format!("export SEEN=\"$SEEN {name}\"\n[ -z '{version}' ] || export ROS_VERSION={version}\n");
+        fs::write(folder.path().join(name).join("setup.bash"), setup).unwrap();
+    }
+    let text = fs::read_to_string(repository().join("scripts/environment")).unwrap();
+    let here = folder.path().to_str().unwrap();
+    let script = format!("set -eu\nSEEN=\n{}\necho \"$SEEN${{ros_version-}}\"", text.replace("/opt/ros", here));
+    let command = |script: &str| {
+        let mut command = Command::new("bash");
+        command.args(["-c", script]).env_remove("ROS_DISTRO").env_remove("ROS_PACKAGE_PATH").env("ROS_VERSION", "2");
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    assert_eq!(command(&script), " melodic noetic\n");
 }
 
 #[test]
