@@ -59,6 +59,17 @@ pub const ROS_NAMES: &[RosName] = &[
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
+    serves(
+        "~load_config, ~load_config_discarding_changes",
+        "rviz/SendFilePath",
+        "use another config from now on; the first refuses to lose unsaved changes; `success`: whether it is loaded",
+    ),
+    serves(
+        "~save_config",
+        "rviz/SendFilePath",
+        "save the config in a `.rviz` file, without comments, with what dynamic_reconfigure changed",
+    ),
+    serves("~reload_shaders", "std_srvs/Empty", "as rviz has it; there are no shaders, so it does nothing"),
     serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release all blackouts"),
     serves("~pause", "std_srvs/SetBool", "keep the images that are shown"),
     serves("~test_picture", "std_srvs/Trigger", "show the next test picture"),

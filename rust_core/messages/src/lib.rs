@@ -27,6 +27,7 @@ pub mod dynamic_reconfigure;
 pub mod moveit_msgs;
 pub mod nav_msgs;
 pub mod roscpp;
+pub mod rviz;
 pub mod sensor_msgs;
 pub mod trajectory_msgs;
 

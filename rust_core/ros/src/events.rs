@@ -6,6 +6,7 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, Time};
 use rcs_process::lock;
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -79,6 +80,17 @@ pub enum ServiceCall {
         caller: Arc<str>,
         /// Sends the answer.
         reply: TriggerReply,
+    },
+    /// Call of a service of rviz's that loads or saves a file.
+    FilePath {
+        /// Whole name of the service.
+        service: Arc<str>,
+        /// Path of the file.
+        path: PathBuf,
+        /// Whole name of the calling node.
+        caller: Arc<str>,
+        /// Answers whether it was loaded or saved.
+        reply: Reply<bool>,
     },
     /// Call that sets parameters of a dynamic_reconfigure server.
     Reconfigure {

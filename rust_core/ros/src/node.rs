@@ -13,7 +13,8 @@ use crate::topic::{MessageCallback, Received, TopicSubscription, Topics};
 use crate::waiting::{ask_until_answered, check_master, wait_for_master};
 use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
-use rcs_messages::std_srvs::{SetBool, SetBoolRes, Trigger, TriggerRes};
+use rcs_messages::rviz::{SendFilePath, SendFilePathRes};
+use rcs_messages::std_srvs::{Empty, EmptyRes, SetBool, SetBoolRes, Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
 use rcs_process::lock;
 use std::collections::BTreeMap;
@@ -284,6 +285,30 @@ impl RosNode {
             |(success, message)| SetBoolRes { success, message },
         );
         Ok(service)
+    }
+
+    /// Offers a service of type `rviz/SendFilePath`, whose calls are [`ServiceCall::FilePath`]s, until
+    /// [`stop_serving`](Self::stop_serving) or the node's end. Returns the service's whole name.
+    pub fn serve_file_path(&self, name: &str) -> Result<Arc<str>, NodeError> {
+        let service: Arc<str> = self.resolve(name)?.into();
+        let own_name = Arc::clone(&service);
+        self.serve_queued::<SendFilePath, _>(
+            &service,
+            move |caller, request, reply| ServiceCall::FilePath {
+                service: Arc::clone(&own_name),
+                path: request.path.into(),
+                caller,
+                reply,
+            },
+            |success| SendFilePathRes { success },
+        );
+        Ok(service)
+    }
+
+    /// Offers a service of type `std_srvs/Empty` that succeeds and does nothing, until the node's end.
+    pub fn serve_nothing(&self, name: &str) -> Result<(), NodeError> {
+        self.serve::<Empty>(&self.resolve(name)?, |_, _| Ok(EmptyRes {}));
+        Ok(())
     }
 
     /// Offers a service by its whole name, whose calls are queued. `queued` makes the call of a caller, `response` what

@@ -4,6 +4,7 @@
 //! except for the Time panel's synchronization. Of the mouse tools only the first counts.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
 use crate::error::{ConfigError, MAX_FILE_BYTES};
@@ -37,6 +38,8 @@ use crate::{time_panel, unknown_displays};
 pub struct Config {
     /// Name of the file, for messages.
     pub source: String,
+    /// The text that was read.
+    pub text: Arc<str>,
     /// The settings of the whole scene.
     pub global: GlobalOptions,
     /// `true` unless the root of the tree of displays is unticked.
@@ -202,7 +205,8 @@ pub fn parse(text: &str, source_name: &str) -> Result<Config, ConfigError> {
     report.with_notes(true, || views.finish());
     manager.finish();
 
-    Ok(Config { source: source_name.to_owned(), global, enabled, displays, view, findings: report.into_findings() })
+    let (source, text, findings) = (source_name.to_owned(), text.into(), report.into_findings());
+    Ok(Config { source, text, global, enabled, displays, view, findings })
 }
 
 /// The mouse tool with which rviz shows all controls.

@@ -99,6 +99,11 @@ fn yaml_text(text: &str) -> String {
     if begins_well && !is_word && !text.ends_with(' ') && text.chars().all(is_plain) {
         return text.to_owned();
     }
+    quoted(text)
+}
+
+/// A text in double quotes.
+pub(crate) fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
         match c {

@@ -35,6 +35,7 @@ mod plugin_displays;
 mod problems;
 mod qt_value;
 mod report;
+mod save;
 mod section;
 mod time_panel;
 mod unknown_displays;

@@ -133,8 +133,8 @@ fn answer(node: &RosNode, call: ServiceCall) {
             print_line(&format!("set {service} {value} by {caller}"));
             reply.send(true, format!("received by {}", node.name()));
         }
-        // It has no such server.
-        ServiceCall::Reconfigure { .. } => {}
+        // It has no such server or service.
+        ServiceCall::Reconfigure { .. } | ServiceCall::FilePath { .. } => {}
     }
 }
 

@@ -55,6 +55,7 @@ mod projector_verify;
 mod recorded;
 mod reference_names;
 mod render;
+mod rviz_services;
 mod samples;
 mod settings;
 mod setup;

@@ -26,6 +26,7 @@ use rcs_messages::std_msgs::Header;
 use rcs_render::Orientation;
 use rcs_ros::settings::NamedValues;
 use rcs_ros::{RosNode, TriggerReply};
+use rcs_rviz_config::CameraPubSettings;
 use rcs_scene::{DepthImage, DisplayId, DisplayMask, Image, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
@@ -150,6 +151,25 @@ impl CameraPublisher {
                 None => self.discard_last(),
             }
         }
+    }
+
+    /// Forgets what services have changed in its settings.
+    pub(crate) fn discard_changes(&mut self) {
+        self.settings.discard_changes();
+    }
+
+    /// Whether services have changed its settings since they were last saved.
+    pub(crate) fn is_unsaved(&self) -> bool {
+        self.settings.is_unsaved()
+    }
+
+    pub(crate) fn set_saved(&mut self, is_saved: bool) {
+        self.settings.set_saved(is_saved);
+    }
+
+    /// Its settings as they are now, to be saved.
+    pub(crate) fn current_settings(&self) -> CameraPubSettings {
+        self.settings.current_settings()
     }
 
     pub(super) fn id(&self) -> &str {

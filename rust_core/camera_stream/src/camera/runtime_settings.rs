@@ -10,6 +10,7 @@ use rcs_displays::{CameraView, SceneState};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::settings::{accepted, NamedValues, SettingGroup};
 use rcs_ros::{ParameterValue, ReconfigureServer, RosNode};
+use rcs_rviz_config::CameraPubSettings;
 
 use super::plan::CameraPlan;
 use super::reconfigurable::{CameraParameters, Switch};
@@ -30,6 +31,8 @@ pub(super) struct RuntimeSettings {
     has_changed: bool,
     /// The camera's own blackout, as the server has it.
     is_black: bool,
+    /// Whether what a user has changed was saved.
+    is_saved: bool,
 }
 
 impl RuntimeSettings {
@@ -40,7 +43,7 @@ impl RuntimeSettings {
         let server = ros.serve_reconfigure(&format!("~{id}"), current.groups(&current, switches, is_black));
         let server = server.map_err(|error| log::error!("{error}")).ok();
         let (in_file, switches) = (current.clone(), Arc::clone(switches));
-        Self { id, view, in_file, current, switches, server, has_changed: true, is_black }
+        Self { id, view, in_file, current, switches, server, has_changed: true, is_black, is_saved: true }
     }
 
     /// Identifies the camera when the config is read again.
@@ -80,6 +83,7 @@ impl RuntimeSettings {
         caller: &str,
     ) -> Option<Values> {
         let (name, server) = (&self.view.name, self.server.as_ref()?);
+        let before = self.current.clone();
         for (setting, value) in accepted(server.groups(), request) {
             if let (BLACKOUT, ParameterValue::Bool(is_black)) = (setting.as_str(), &value) {
                 if let Err(error) = control.set_camera_blackout(name, *is_black, caller) {
@@ -91,7 +95,29 @@ impl RuntimeSettings {
         }
         self.is_black = control.of_camera(name).is_switched_off;
         self.has_changed = true;
+        self.is_saved &= self.current == before;
         self.publish(ros)
+    }
+
+    /// Whether a user's values differ from the config's and were not saved.
+    pub(super) fn is_unsaved(&self) -> bool {
+        !self.is_saved && self.current != self.in_file
+    }
+
+    pub(super) fn set_saved(&mut self, is_saved: bool) {
+        self.is_saved = is_saved;
+    }
+
+    /// Forgets a user's values.
+    pub(super) fn discard_changes(&mut self) {
+        (self.current, self.has_changed, self.is_saved) = (self.in_file.clone(), true, true);
+    }
+
+    /// The camera's settings with the values of the next frame.
+    pub(super) fn current_settings(&self) -> CameraPubSettings {
+        let mut settings = self.view.settings.clone();
+        self.current.write_to(&mut settings);
+        settings
     }
 
     fn publish(&mut self, ros: &RosNode) -> Option<Values> {

@@ -14,13 +14,11 @@ use crate::runtime::shared::NodeState;
 pub(crate) struct PageOperator {
     shared: Arc<NodeState>,
     nudging: Arc<Nudging>,
-    /// File name of the config.
-    config: String,
 }
 
 impl PageOperator {
-    pub(super) fn new(shared: &Arc<NodeState>, config: String) -> Self {
-        Self { shared: Arc::clone(shared), nudging: Nudging::new(shared), config }
+    pub(super) fn new(shared: &Arc<NodeState>) -> Self {
+        Self { shared: Arc::clone(shared), nudging: Nudging::new(shared) }
     }
 
     /// Blacks out all cameras or a single one, or releases them. All: releases all blackouts.
@@ -95,7 +93,7 @@ impl Operator for PageOperator {
     }
 
     fn state(&self) -> String {
-        state::state(&self.shared, &self.config, &self.nudging).to_string()
+        state::state(&self.shared, &self.nudging).to_string()
     }
 
     fn log_after(&self, id: u64) -> Vec<LogLine> {

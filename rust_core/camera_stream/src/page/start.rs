@@ -1,7 +1,6 @@
 //! Starts the page's server, and tells the operator its address.
 
 use std::net::{IpAddr, SocketAddr};
-use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
@@ -19,7 +18,7 @@ const TOKEN_FILE: &str = "rviz_camera_stream/web_token";
 ///
 /// # Errors
 /// One line: no token, or an address that cannot be listened at.
-pub(crate) fn start(options: &WebOptions, config: &Path, shared: &Arc<NodeState>) -> Result<Server> {
+pub(crate) fn start(options: &WebOptions, shared: &Arc<NodeState>) -> Result<Server> {
     let option = &options.option;
     let file = rcs_ros::ros_folder()
         .with_context(|| format!("{option}: no folder for the token; set ROS_HOME"))?
@@ -27,8 +26,7 @@ pub(crate) fn start(options: &WebOptions, config: &Path, shared: &Arc<NodeState>
     let token = Token::load_or_create(&file).with_context(|| format!("{option}: no token"))?;
     let names = rcs_ros::host_names();
     let access = Access::new(token, names.iter().chain(&options.hosts).cloned());
-    let name = config.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let operator = Arc::new(PageOperator::new(shared, name));
+    let operator = Arc::new(PageOperator::new(shared));
     let pages = shared.page.pages();
     let server = Server::start(options.address, access.clone(), operator, pages.clone(), Limits::default());
     let server = server.with_context(|| {

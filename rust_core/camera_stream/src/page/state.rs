@@ -9,8 +9,8 @@ use crate::camera::output::CameraPublisher;
 use crate::runtime::shared::NodeState;
 use crate::scene::status_tree::path_text;
 
-/// The whole state of a node with a config of this file name.
-pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Value {
+/// The whole state of a node.
+pub(super) fn state(shared: &NodeState, nudging: &Nudging) -> Value {
     // Before the state is read, so that a change meanwhile makes an answer void.
     let (clock_ms, number, control) = (rcs_web::clock_ms(), shared.control.number(), shared.control.state());
     let statuses = shared.page.statuses();
@@ -35,7 +35,7 @@ pub(super) fn state(shared: &NodeState, config: &str, nudging: &Nudging) -> Valu
         "number": number,
         "clock_ms": clock_ms,
         "node": shared.ros.name(),
-        "config": config,
+        "config": shared.config_name(),
         "version": env!("CARGO_PKG_VERSION"),
         "time": stamp_nanos(shared.ros.now()) as f64 * 1e-9,
         "blackout": by(control.blackout),

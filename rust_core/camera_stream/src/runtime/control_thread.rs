@@ -9,19 +9,16 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use anyhow::{anyhow, Context, Result};
-use rcs_logging::one_line;
+use anyhow::{anyhow, Result};
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_process::join_within;
 use rcs_ros::{NodeError, RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 
-use crate::camera::plan;
-use crate::log_findings;
 use crate::options::Options;
 use crate::runtime::activity::Busy;
-use crate::runtime::config_reader::{ConfigRead, ConfigReader};
-use crate::runtime::shared::{NodeState, Reload};
+use crate::runtime::config_control::ConfigControl;
+use crate::runtime::shared::NodeState;
 use crate::runtime::watchdog::Task;
 
 /// The longest sleep: signals set a flag only.
@@ -32,24 +29,12 @@ const REPEAT_SLEEP: Duration = Duration::from_millis(10);
 const REPEAT_AFTER: Duration = Duration::from_millis(50);
 /// Busy time of the scene's thread that is a status.
 const REPORT_AFTER: Duration = Duration::from_secs(1);
-/// Time that a caller of `reload_config` waits for the scene's thread.
-const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
-/// The answer for a caller whose config is not the newest.
-const READ_AGAIN: &str = "the config was read again since";
-/// Time that a caller waits for the config to be read.
-const READ_PATIENCE: Duration = Duration::from_secs(1);
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
 pub(crate) struct ControlThread {
     shared: Arc<NodeState>,
-    /// As it was last read.
-    config: Config,
-    reader: ConfigReader,
-    /// The caller of `reload_config` for whom the config is being read.
-    reload_reply: Option<TriggerReply>,
+    config: ConfigControl,
     services: Services,
-    /// Latest time of an answer to the caller of `reload_config`.
-    answer_reload_at: Option<Instant>,
     /// Restarts of the master that were noticed.
     master_restarts: u64,
     task: Arc<Task>,
@@ -62,16 +47,23 @@ struct Services {
     pause: Arc<str>,
     test_image: Arc<str>,
     is_idle: Arc<str>,
+    load_discarding: Arc<str>,
+    save: Arc<str>,
 }
 
 impl Services {
     fn serve(ros: &RosNode) -> Result<Self, NodeError> {
+        ros.serve_file_path("~load_config")?;
+        // There are no shaders.
+        ros.serve_nothing("~reload_shaders")?;
         Ok(Self {
             reload: ros.serve_trigger("~reload_config")?,
             blackout: ros.serve_set_bool("~blackout")?,
             pause: ros.serve_set_bool("~pause")?,
             test_image: ros.serve_trigger("~test_picture")?,
             is_idle: ros.serve_trigger("~is_idle")?,
+            load_discarding: ros.serve_file_path("~load_config_discarding_changes")?,
+            save: ros.serve_file_path("~save_config")?,
         })
     }
 }
@@ -82,15 +74,10 @@ impl ControlThread {
     /// # Errors
     /// One line that names what failed.
     pub(crate) fn start(options: &Options, file: &Path, config: &Config, shared: &Arc<NodeState>) -> Result<Self> {
-        let calls = Arc::clone(shared.ros.calls());
-        let reader = ConfigReader::start(file.to_owned(), options.node.watches_config, move || calls.wake());
         Ok(Self {
             shared: Arc::clone(shared),
-            config: config.clone(),
-            reader: reader.context("cannot start the thread that reads the config")?,
-            reload_reply: None,
+            config: ConfigControl::start(file, config, options.node.watches_config, shared)?,
             services: Services::serve(&shared.ros)?,
-            answer_reload_at: None,
             master_restarts: 0,
             task: Task::watched("answering calls"),
         })
@@ -108,7 +95,7 @@ impl ControlThread {
             self.tell_blackout_anew();
             let busy = shared.activity.busy_for(REPEAT_AFTER);
             self.repeat_frames(busy.as_ref());
-            self.answer_late_reload();
+            self.config.answer_late();
             rcs_logging::report_suppressed();
             let sleep = if busy.is_some() { REPEAT_SLEEP } else { LONGEST_SLEEP };
             self.task.wait_for_work();
@@ -120,7 +107,7 @@ impl ControlThread {
             for call in calls {
                 self.answer(call);
             }
-            self.take_config();
+            self.config.take();
         }
         shared.end();
         // A thread that still draws ends with the process.
@@ -153,7 +140,9 @@ impl ControlThread {
 
     fn answer(&mut self, call: ServiceCall) {
         match call {
-            ServiceCall::Trigger { service, reply, .. } if service == self.services.reload => self.reload(reply),
+            ServiceCall::Trigger { service, reply, .. } if service == self.services.reload => {
+                self.config.reload(reply);
+            }
             ServiceCall::Trigger { service, caller, reply } if service == self.services.test_image => {
                 let test = self.shared.control.next_test_image(&caller);
                 self.apply_control();
@@ -161,6 +150,12 @@ impl ControlThread {
             }
             ServiceCall::Trigger { service, reply, .. } if service == self.services.is_idle => self.tell_idle(reply),
             ServiceCall::SetBool { service, value, caller, reply } => self.switch(&service, value, &caller, reply),
+            ServiceCall::FilePath { service, path, reply, .. } if service == self.services.save => {
+                self.config.save(path, reply);
+            }
+            ServiceCall::FilePath { service, path, reply, .. } => {
+                self.config.load(path, service == self.services.load_discarding, reply);
+            }
             ServiceCall::Trigger { service, reply, .. } => {
                 match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
                     Some(camera) => camera.trigger(reply),
@@ -222,81 +217,6 @@ impl ControlThread {
             if let Err(error) = camera.apply_control() {
                 camera.record_error(&error);
             }
-        }
-    }
-
-    /// Has the config read again for the caller of a service, who is answered when it is applied.
-    fn reload(&mut self, reply: TriggerReply) {
-        if let Some(obsolete) = self.reload_reply.replace(reply) {
-            obsolete.send(true, READ_AGAIN);
-        }
-        self.answer_reload_at = Some(Instant::now() + READ_PATIENCE);
-        self.reader.request();
-    }
-
-    /// Hands over a config that was read. An error is answered to the caller, and logged if the file had changed.
-    fn take_config(&mut self) {
-        let Some(ConfigRead { config, has_changed }) = self.reader.take() else { return };
-        let reply = self.reload_reply.take();
-        match config.map_err(anyhow::Error::from).and_then(|config| self.check(config)) {
-            Ok(Some(config)) => {
-                self.answer_reload_at = reply.as_ref().map(|_| Instant::now() + RELOAD_PATIENCE);
-                self.hand_over(Reload { config, reply });
-            }
-            Ok(None) => {
-                if let Some(reply) = reply {
-                    reply.send(true, "nothing changed");
-                }
-            }
-            Err(error) => {
-                let error = one_line(&error);
-                if has_changed {
-                    log::warn!("the config changed but cannot be read, so the previous one is kept: {error}");
-                }
-                if let Some(reply) = reply {
-                    reply.send(false, error);
-                }
-            }
-        }
-    }
-
-    /// A config that was read; `None` if it is the same as before.
-    ///
-    /// # Errors
-    /// A camera's topic is no valid name; nothing has changed then.
-    fn check(&mut self, config: Config) -> Result<Option<Config>> {
-        self.shared.request_retry();
-        self.shared.ros.events().wake();
-        plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
-        if config == self.config {
-            return Ok(None);
-        }
-        log_findings(&config, &self.config.findings);
-        self.config = config.clone();
-        Ok(Some(config))
-    }
-
-    /// Hands another config to the scene's thread.
-    fn hand_over(&mut self, reload: Reload) {
-        let obsolete = self.shared.request_reload(reload);
-        if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
-            reply.send(true, READ_AGAIN);
-        }
-        self.shared.ros.events().wake();
-    }
-
-    /// Answers the caller of `reload_config` while the config is still being read, or the scene's thread busy.
-    fn answer_late_reload(&mut self) {
-        if self.answer_reload_at.is_none_or(|at| Instant::now() < at) {
-            return;
-        }
-        self.answer_reload_at = None;
-        let source = &self.config.source;
-        if let Some(reply) = self.reload_reply.take() {
-            reply.send(false, format!("{source}: still being read; it is applied afterwards"));
-        }
-        if let Some(reply) = self.shared.take_reload_reply() {
-            reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
         }
     }
 }

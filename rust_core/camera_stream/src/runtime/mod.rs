@@ -13,6 +13,7 @@
 //! image is published with a new stamp. The control thread answers calls that must not wait for a frame.
 
 mod activity;
+mod config_control;
 mod config_reader;
 mod control_thread;
 mod diagnostics;
@@ -52,10 +53,10 @@ pub(crate) fn run(words: &[OsString], file: &Path, config: &Config) -> Result<()
     log::info!("options: {}", given.command_line);
     let options = Options::of(&given, &config_names(config))?;
     rcs_process::trim_regularly().context("cannot start the thread that gives memory back")?;
-    let shared = Arc::new(NodeState::new(ros, options.node.light.blackout));
+    let shared = Arc::new(NodeState::new(ros, file, options.node.light.blackout));
     let scene = SceneThread::start(&options, config, &shared)?;
     let control = ControlThread::start(&options, file, config, &shared)?;
-    let _page = options.web.as_ref().map(|web| page::start(web, file, &shared)).transpose()?;
+    let _page = options.web.as_ref().map(|web| page::start(web, &shared)).transpose()?;
     run_threads(scene, control, &end)?;
     shared.ros.shutdown();
     Ok(())

@@ -169,7 +169,7 @@ impl SceneThread {
 
     /// Applies another config. Only what differs changes: subscriptions, publishers and services that are kept are not
     /// touched, and displays that are kept show what they did.
-    fn reload(&mut self, Reload { config, reply }: Reload) {
+    fn reload(&mut self, Reload { config, reply, discards_changes }: Reload) {
         let shared = Arc::clone(&self.shared);
         shared.activity.begin(SceneStep::Config);
         let ros = &shared.ros;
@@ -183,6 +183,7 @@ impl SceneThread {
         self.subscriptions.update(ros, &self.scene);
         {
             let mut cameras = shared.cameras();
+            cameras.iter_mut().filter(|_| discards_changes).for_each(CameraPublisher::discard_changes);
             let known = std::mem::take(&mut *cameras);
             self.windows.clear_those_without(&plans);
             *cameras = rearrange(&self.context, plans, known, &config, &self.scene, |camera| self.windows.of(camera));

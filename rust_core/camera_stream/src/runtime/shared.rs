@@ -1,14 +1,16 @@
 //! The state that the scene's thread and the control thread share.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use rcs_light::Pulse;
 use rcs_process::lock;
-use rcs_ros::{RosNode, TriggerReply};
+use rcs_ros::RosNode;
 use rcs_rviz_config::Config;
 
 use super::activity::Activity;
+use super::config_control::ConfigReply;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
 use crate::camera::output::CameraPublisher;
@@ -28,6 +30,7 @@ pub(crate) struct NodeState {
     cameras: Mutex<Vec<CameraPublisher>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
+    config_file: Mutex<PathBuf>,
 }
 
 /// Requests of the control thread to the scene's thread.
@@ -43,19 +46,32 @@ struct Requests {
 pub(super) struct Reload {
     pub(super) config: Config,
     /// Answers who asked for it; `None` if the file changed, or if the answer could not wait.
-    pub(super) reply: Option<TriggerReply>,
+    pub(super) reply: Option<ConfigReply>,
+    /// Whether the cameras forget what services have changed.
+    pub(super) discards_changes: bool,
 }
 
 impl NodeState {
-    /// Without cameras. `is_black`: they start with a blackout.
-    pub(super) fn new(ros: Arc<RosNode>, is_black: bool) -> Self {
+    /// Without cameras, of the config in a file. `is_black`: they start with a blackout.
+    pub(super) fn new(ros: Arc<RosNode>, config_file: &Path, is_black: bool) -> Self {
         let control = Arc::new(Control::start(&ros, is_black));
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
         let (page, cameras, requests) = (PageStatuses::new(), Mutex::default(), Mutex::default());
         let pulse = Pulse::start(Instant::now());
-        Self { ros, activity, control, pulse, page, cameras, diagnostics, requests }
+        let config_file = Mutex::new(config_file.to_owned());
+        Self { ros, activity, control, pulse, page, cameras, diagnostics, requests, config_file }
+    }
+
+    /// The config's file was exchanged for another.
+    pub(super) fn set_config_file(&self, file: &Path) {
+        file.clone_into(&mut lock(&self.config_file));
+    }
+
+    /// The config's name without its folder.
+    pub(crate) fn config_name(&self) -> String {
+        lock(&self.config_file).file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
@@ -73,7 +89,7 @@ impl NodeState {
     }
 
     /// The reply of a config that is not applied yet, for an earlier answer.
-    pub(super) fn take_reload_reply(&self) -> Option<TriggerReply> {
+    pub(super) fn take_reload_reply(&self) -> Option<ConfigReply> {
         lock(&self.requests).reload.as_mut()?.reply.take()
     }
 
