@@ -35,7 +35,7 @@ use crate::doctor::launch::{node_arguments, restart};
 use crate::doctor::Verdict;
 use crate::offline::{BagSection, RenderJob, RenderTarget};
 use crate::options::config_file::find_config;
-use crate::options::Options;
+use crate::options::{rviz_arguments, Options};
 use crate::safety::names::{ConfigNames, ForCamera};
 use crate::scene::SceneState;
 
@@ -51,7 +51,7 @@ pub fn main() -> ExitCode {
     if let Some(status) = rcs_window::run_black_window() {
         return status;
     }
-    let words = own_arguments();
+    let (words, of_qt) = rviz_arguments::understood(own_arguments());
     let mut cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
         Err(error) => {
@@ -71,6 +71,9 @@ pub fn main() -> ExitCode {
     let flush = is_node.then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
         rcs_logging::start(cli.is_debug());
+    }
+    if !of_qt.is_empty() {
+        log::warn!("Qt's arguments have no effect, as there is no window of Qt: {}", of_qt.join(" "));
     }
     let is_node = cli.command.is_none();
     run(&words, &mut cli).unwrap_or_else(|error| {

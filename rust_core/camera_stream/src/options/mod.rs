@@ -7,6 +7,7 @@
 pub(crate) mod arguments;
 pub(crate) mod config_file;
 pub(crate) mod prediction;
+pub(crate) mod rviz_arguments;
 mod web;
 
 use std::path::{Path, PathBuf};
