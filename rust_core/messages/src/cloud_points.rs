@@ -84,11 +84,9 @@ impl PointCloud2 {
     fn number(&self, point: &[u8], at: NumberField) -> f64 {
         let bytes = point.get(at.offset..).unwrap_or_default();
         if at.is_double {
-            let read = if self.is_bigendian { f64::from_be_bytes } else { f64::from_le_bytes };
-            bytes.first_chunk().map_or(f64::NAN, |bytes| read(*bytes))
+            bytes.first_chunk().map_or(f64::NAN, |bytes| f64::from_le_bytes(*bytes))
         } else {
-            let read = if self.is_bigendian { f32::from_be_bytes } else { f32::from_le_bytes };
-            bytes.first_chunk().map_or(f64::NAN, |bytes| f64::from(read(*bytes)))
+            bytes.first_chunk().map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(*bytes)))
         }
     }
 }
@@ -112,11 +110,9 @@ mod tests {
         let mut data = Vec::new();
         for number in 0..12_u8 {
             let (single, double) = (f32::from(number), f64::from(number));
-            match (size, is_bigendian) {
-                (8, false) => data.extend(double.to_le_bytes()),
-                (8, true) => data.extend(double.to_be_bytes()),
-                (_, false) => data.extend(single.to_le_bytes()),
-                (_, true) => data.extend(single.to_be_bytes()),
+            match size {
+                8 => data.extend(double.to_le_bytes()),
+                _ => data.extend(single.to_le_bytes()),
             }
             if number == 5 || number == 11 {
                 data.extend([0; 4]);
@@ -126,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_read_row_by_row_in_either_type_and_order() {
+    fn points_are_read_row_by_row_as_little_endian_whatever_the_flag_says() {
         for datatype in [PointField::FLOAT32, PointField::FLOAT64] {
             for is_bigendian in [false, true] {
                 let points: Vec<[f64; 3]> = cloud(datatype, is_bigendian).positions().unwrap().collect();

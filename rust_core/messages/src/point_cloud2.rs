@@ -37,7 +37,7 @@ pub struct PointCloud2 {
     pub width: u32,
     /// Channels of a point.
     pub fields: Vec<PointField>,
-    /// `true` if the numbers are big endian.
+    /// Claims big-endian numbers. Clouds are read as little endian all the same, as by rviz.
     pub is_bigendian: bool,
     /// Bytes from one point to the next.
     pub point_step: u32,

@@ -59,7 +59,7 @@ fn bytes(cloud: &PointBuffer) -> Vec<u8> {
 }
 
 fn packed(bytes: &Arc<Vec<u8>>, style: PointStyle) -> Option<Geometry> {
-    let layout = PositionLayout::new([0, 4, 8], false);
+    let layout = PositionLayout::new([0, 4, 8]);
     let colors = PackedColors::Rgb { offset: 12 };
     PackedPoints::new(Arc::clone(bytes) as SharedBytes, 16, layout, colors, look(style))
         .map(Arc::new)

@@ -40,7 +40,7 @@ fn bytes(count: usize, stride: usize) -> Vec<u8> {
 
 fn packed(count: usize, stride: usize, colors: PackedColors, style: PointStyle) -> Arc<PackedPoints> {
     let look = PointLook { style, alpha: 1.0, blended: false, auto_size: false };
-    let positions = PositionLayout::new([POSITION, POSITION + 4, POSITION + 8], false);
+    let positions = PositionLayout::new([POSITION, POSITION + 4, POSITION + 8]);
     Arc::new(PackedPoints::new(Arc::new(bytes(count, stride)), stride, positions, colors, look).unwrap())
 }
 

@@ -120,7 +120,7 @@ pub struct PackedPoints {
 
 impl PackedPoints {
     /// Points of `stride` bytes. `None` unless they can be a vertex buffer within WebGL 2's limits: x, y and z
-    /// consecutive and little endian, the stride and all offsets multiples of four.
+    /// consecutive, the stride and all offsets multiples of four.
     pub fn new(
         bytes: SharedBytes,
         stride: usize,
@@ -250,22 +250,21 @@ mod tests {
         let style = PointStyle::Points { diameter_px: 1.0 };
         let look = PointLook { style, alpha: 1.0, blended: false, auto_size: false };
         let rgb = |offset| PackedColors::Rgb { offset };
-        let is_packed = |len: usize, stride, [x, y, z]: [usize; 3], is_big_endian, colors| {
-            let positions = PositionLayout::new([x, y, z], is_big_endian);
+        let is_packed = |len: usize, stride, offsets, colors| {
+            let positions = PositionLayout::new(offsets);
             PackedPoints::new(Arc::new(vec![0; len]), stride, positions, colors, look).is_some()
         };
-        assert!(is_packed(0, 16, [0, 4, 8], false, rgb(12)));
-        assert!(is_packed(64, 32, [4, 8, 12], false, rgb(28)));
-        assert!(is_packed(504, 252, [240, 244, 248], false, PackedColors::Uniform([9; 4])));
-        assert!(!is_packed(64, 32, [0, 4, 8], true, rgb(12)), "big endian");
-        assert!(!is_packed(64, 32, [0, 8, 4], false, rgb(12)), "z before y");
-        assert!(!is_packed(44, 22, [0, 4, 8], false, rgb(12)), "the stride");
-        assert!(!is_packed(64, 32, [2, 6, 10], false, rgb(16)), "the position's offset");
-        assert!(!is_packed(64, 32, [0, 4, 8], false, rgb(13)), "the colour's offset");
-        assert!(!is_packed(64, 32, [0, 4, 8], false, rgb(32)), "the colour is in the next point");
-        assert!(!is_packed(512, 256, [0, 4, 8], false, rgb(12)), "too large for WebGL 2");
-        assert!(!is_packed(65, 32, [0, 4, 8], false, rgb(12)), "half a point");
-        assert!(!is_packed(0, 0, [0, 4, 8], false, rgb(12)));
+        assert!(is_packed(0, 16, [0, 4, 8], rgb(12)));
+        assert!(is_packed(64, 32, [4, 8, 12], rgb(28)));
+        assert!(is_packed(504, 252, [240, 244, 248], PackedColors::Uniform([9; 4])));
+        assert!(!is_packed(64, 32, [0, 8, 4], rgb(12)), "z before y");
+        assert!(!is_packed(44, 22, [0, 4, 8], rgb(12)), "the stride");
+        assert!(!is_packed(64, 32, [2, 6, 10], rgb(16)), "the position's offset");
+        assert!(!is_packed(64, 32, [0, 4, 8], rgb(13)), "the colour's offset");
+        assert!(!is_packed(64, 32, [0, 4, 8], rgb(32)), "the colour is in the next point");
+        assert!(!is_packed(512, 256, [0, 4, 8], rgb(12)), "too large for WebGL 2");
+        assert!(!is_packed(65, 32, [0, 4, 8], rgb(12)), "half a point");
+        assert!(!is_packed(0, 0, [0, 4, 8], rgb(12)));
     }
 
     #[test]
@@ -279,7 +278,7 @@ mod tests {
         let bytes: Vec<u8> = positions.iter().enumerate().flat_map(point).collect();
         let look =
             PointLook { style: PointStyle::FlatSquares { side_m: 0.1 }, alpha: 1.0, blended: false, auto_size: true };
-        let layout = PositionLayout::new([0, 4, 8], false);
+        let layout = PositionLayout::new([0, 4, 8]);
         let packed = PackedPoints::new(Arc::new(bytes), 16, layout, PackedColors::Rgb { offset: 12 }, look).unwrap();
         assert_eq!((packed.count(), packed.finite_count()), (4, 2));
         assert_eq!(packed.bounds(), Some(Aabb::new([1.0, 2.0, -6.0].into(), [4.0, 5.0, 3.0].into())));

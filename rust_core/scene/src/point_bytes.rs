@@ -7,20 +7,18 @@ pub const POINTS_PER_SHARE: usize = 8192;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PositionLayout {
     offsets: [usize; 3],
-    /// x, y and z are consecutive and little endian.
+    /// x, y and z are consecutive.
     is_plain: bool,
-    is_big_endian: bool,
 }
 
 impl PositionLayout {
-    /// Layout of 32-bit floats at the offsets of x, y and z.
-    pub fn new(offsets: [usize; 3], is_big_endian: bool) -> Self {
+    /// Layout of little-endian 32-bit floats at the offsets of x, y and z.
+    pub fn new(offsets: [usize; 3]) -> Self {
         let [x, y, z] = offsets;
-        let is_triple = Some(y) == x.checked_add(4) && Some(z) == x.checked_add(8);
-        Self { offsets, is_plain: is_triple && !is_big_endian, is_big_endian }
+        Self { offsets, is_plain: Some(y) == x.checked_add(4) && Some(z) == x.checked_add(8) }
     }
 
-    /// Offset of x if y and z follow it and all are little endian.
+    /// Offset of x if y and z follow it.
     pub fn plain_offset(&self) -> Option<usize> {
         self.is_plain.then_some(self.offsets[0])
     }
@@ -33,15 +31,7 @@ impl PositionLayout {
             let [x, y, z] = bytemuck::cast::<[u8; 12], [u32; 3]>(bytes_at(point, x));
             [little_endian(x), little_endian(y), little_endian(z)]
         } else {
-            let read = |offset| {
-                let bytes = bytes_at(point, offset);
-                if self.is_big_endian {
-                    f32::from_be_bytes(bytes)
-                } else {
-                    f32::from_le_bytes(bytes)
-                }
-            };
-            [read(x), read(y), read(z)]
+            [x, y, z].map(|offset| f32::from_le_bytes(bytes_at(point, offset)))
         }
     }
 }

@@ -37,6 +37,7 @@ mod tests {
     use super::*;
     use crate::framework::display::Display;
     use crate::framework::test_world::TestWorld;
+    use crate::Level;
 
     /// Three points with a colour, the second one without a finite position.
     fn cloud() -> PointCloud2 {
@@ -85,6 +86,29 @@ mod tests {
             assert_eq!(status, "Showing 2 points, 1 without a finite position left out");
             assert_eq!(status, other_status);
         }
+    }
+
+    #[test]
+    fn what_is_drawn_otherwise_than_the_message_says_has_a_warning() {
+        let statuses = |change: fn(&mut PointCloud2)| {
+            let mut changed = cloud();
+            change(&mut changed);
+            let world = TestWorld::at(Time::ZERO);
+            let mut display = create(0, &CloudSettings::default());
+            display.take(&AnyMessage::PointCloud2(Arc::new(changed)), &world.get());
+            display.update(&world.get());
+            let worst = display.statuses().worst().map(|(name, status)| (status.level, name.to_owned()));
+            (worst.unwrap(), display.drawables().len())
+        };
+        assert_eq!(statuses(|_| {}).0 .0, Level::Ok);
+        assert_eq!(statuses(|cloud| cloud.is_bigendian = true), ((Level::Warn, "Message".to_owned()), 1));
+        let nowhere = |cloud: &mut PointCloud2| cloud.set_data([0xff; 48].to_vec());
+        assert_eq!(statuses(nowhere), ((Level::Warn, "Points".to_owned()), 1));
+        let without_step = |cloud: &mut PointCloud2| {
+            cloud.point_step = 0;
+            cloud.set_data(Vec::new());
+        };
+        assert_eq!(statuses(without_step), ((Level::Error, "Message".to_owned()), 0));
     }
 
     #[test]

@@ -112,8 +112,8 @@ impl Clouds {
     /// Makes the drawables of a cloud, for [`update`](Self::update); `None`, with a status, for an invalid one. Where
     /// only one is shown, the one before is removed.
     pub(crate) fn decode(&mut self, placed: PlacedCloud, statuses: &mut Statuses) -> Option<Decoded> {
-        let layout = match CloudLayout::of(&placed.cloud) {
-            Ok(layout) => layout,
+        let (layout, transformer) = match CloudLayout::colored(&placed.cloud, &self.settings) {
+            Ok(colored) => colored,
             Err(error) => {
                 statuses.set(Level::Error, "Message", format!("{error}. Dropping message."));
                 return None;
@@ -122,7 +122,6 @@ impl Clouds {
         if self.keeps_one() {
             self.clear();
         }
-        let transformer = layout.fitting_transformer(self.settings.color_transformer);
         if let Some(before) = self.settings.color_transformer.replace(transformer).filter(|one| *one != transformer) {
             let (before, now) = (before.name(), transformer.name());
             let text =
@@ -135,8 +134,14 @@ impl Clouds {
             0 => String::new(),
             _ => format!(", {non_finite_count} without a finite position left out"),
         };
-        statuses.set(Level::Ok, "Points", format!("Showing {shown_count} points{left_out}"));
-        statuses.remove("Message");
+        let level = if shown_count == 0 && non_finite_count > 0 { Level::Warn } else { Level::Ok };
+        statuses.set(level, "Points", format!("Showing {shown_count} points{left_out}"));
+        if placed.cloud.is_bigendian {
+            let text = "is_bigendian is set, but the numbers are read as little endian, as by rviz";
+            statuses.set(Level::Warn, "Message", text);
+        } else {
+            statuses.remove("Message");
+        }
         let source = (!self.keeps_one()).then_some(placed);
         Some(Decoded { drawables, transformer, source })
     }
@@ -160,7 +165,7 @@ impl Clouds {
         let look = PointLook { style, alpha: settings.alpha, blended, auto_size: self.auto_size };
         let at_cloud = |geometry| drawable(self.display, placed.fixed_from_cloud.to_homogeneous(), geometry);
         if self.packs_points && !blended && self.non_finite == NonFinite::LeftOut {
-            let positions = layout.positions(placed.cloud.is_bigendian);
+            let positions = layout.positions();
             let pack = |colors| PackedPoints::new(placed.cloud.clone(), layout.point_step, positions, colors, look);
             if let Some(packed) = coloring.packed_colors(layout).and_then(pack) {
                 let non_finite_count = packed.count() - packed.finite_count();
@@ -199,8 +204,8 @@ impl Clouds {
         let mut shown = std::mem::take(&mut self.shown);
         for ReceivedCloud { decoded, .. } in &mut shown {
             let Some(source) = decoded.source.as_ref().filter(|_| decoded.transformer != transformer) else { continue };
-            let Ok(layout) = CloudLayout::of(&source.cloud) else { continue };
-            if layout.fitting_transformer(Some(transformer)) == transformer {
+            let Ok((layout, fitting)) = CloudLayout::colored(&source.cloud, &self.settings) else { continue };
+            if fitting == transformer {
                 decoded.drawables = self.draw(source, &layout, transformer).0;
                 decoded.transformer = transformer;
             }

@@ -25,7 +25,7 @@ pub(crate) struct Coloring<'a> {
 const WHITE: [u8; 4] = [255; 4];
 
 impl<'a> Coloring<'a> {
-    /// `transformer` fits the cloud, see [`CloudLayout::fitting_transformer`].
+    /// `transformer` fits the cloud, see [`CloudLayout::colored`].
     pub(crate) fn new(
         settings: &'a CloudSettings,
         transformer: ColorTransformer,
@@ -34,8 +34,8 @@ impl<'a> Coloring<'a> {
         Self { settings, transformer, fixed_from_cloud }
     }
 
-    /// The rule by which a renderer can colour points that are little endian; `None` if all values must be known first,
-    /// or if it has no such rule.
+    /// The rule by which a renderer can colour points; `None` if all values must be known first, or if it has no such
+    /// rule.
     pub(crate) fn packed_colors(&self, layout: &CloudLayout) -> Option<PackedColors> {
         match self.transformer {
             ColorTransformer::FlatColor => Some(PackedColors::Uniform(self.flat_color())),
@@ -62,22 +62,16 @@ impl<'a> Coloring<'a> {
     }
 
     /// Colours points by their bytes and by their positions in the cloud's frame.
-    pub(crate) fn prepare(
-        &self,
-        layout: &CloudLayout,
-        big_endian: bool,
-        points: &PointBytes<'_>,
-        positions: &[[f32; 3]],
-    ) -> PointColor {
+    pub(crate) fn prepare(&self, layout: &CloudLayout, points: &PointBytes<'_>, positions: &[[f32; 3]]) -> PointColor {
         match self.transformer {
             ColorTransformer::FlatColor => PointColor::Uniform(self.flat_color()),
             ColorTransformer::AxisColor => {
                 PointColor::PerPoint(by_axis(&self.settings.axis_color, self.axis_rainbow(), positions))
             }
-            ColorTransformer::Intensity => by_intensity(&self.settings.intensity, layout, big_endian, points),
+            ColorTransformer::Intensity => by_intensity(&self.settings.intensity, layout, points),
             // rviz's way over floats ends at the same bytes.
-            ColorTransformer::Rgb8 => packed(layout, big_endian, points, |rgb| rgb),
-            ColorTransformer::Mono8 => packed(layout, big_endian, points, |rgb| {
+            ColorTransformer::Rgb8 => packed(layout, points, |rgb| rgb),
+            ColorTransformer::Mono8 => packed(layout, points, |rgb| {
                 let [r, g, b] = rgb;
                 let share = |byte: u8| f64::from(f32::from(byte) / 255.0);
                 let grey = (0.2989 * share(r) + 0.5870 * share(g) + 0.1140 * share(b)) as f32;
@@ -87,7 +81,7 @@ impl<'a> Coloring<'a> {
             ColorTransformer::Rgbf32 => {
                 let channels = ["r", "g", "b"].map(|name| layout.channel(name));
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
-                let float = |channel: &CloudChannel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
+                let float = |channel: &CloudChannel, point: &[u8]| f32::from_bits(channel.bits(point));
                 let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
                 PointColor::PerPoint(points.map(|point| color(point).to_rgba8()))
             }
@@ -96,15 +90,10 @@ impl<'a> Coloring<'a> {
 }
 
 /// Colours of a packed channel, with a function of red, green and blue.
-fn packed(
-    layout: &CloudLayout,
-    big_endian: bool,
-    points: &PointBytes<'_>,
-    map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send,
-) -> PointColor {
+fn packed(layout: &CloudLayout, points: &PointBytes<'_>, map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send) -> PointColor {
     let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
     PointColor::PerPoint(points.map(|point| {
-        let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes();
+        let [a, r, g, b] = channel.bits(point).to_be_bytes();
         let [r, g, b] = map([r, g, b]);
         [r, g, b, if has_alpha { a } else { 255 }]
     }))
@@ -131,16 +120,9 @@ fn bounds(values: &[f32], outermost: f32) -> (f32, f32) {
     values.par_chunks(POINTS_PER_SHARE).map(of_share).reduce(|| (start, false), join).0
 }
 
-fn by_intensity(
-    settings: &IntensitySettings,
-    layout: &CloudLayout,
-    big_endian: bool,
-    points: &PointBytes<'_>,
-) -> PointColor {
-    let named = layout.channel(&settings.channel_name);
-    let other_name = if settings.channel_name == "intensity" { layout.channel("intensities") } else { None };
-    let Some(channel) = named.or(other_name) else { return PointColor::Uniform(WHITE) };
-    let values = points.map(|point| channel.value(point, big_endian));
+fn by_intensity(settings: &IntensitySettings, layout: &CloudLayout, points: &PointBytes<'_>) -> PointColor {
+    let Some(channel) = layout.intensity(&settings.channel_name) else { return PointColor::Uniform(WHITE) };
+    let values = points.map(|point| channel.value(point));
     let (min, max) = if settings.auto_bounds {
         let outermost = 999_999.0;
         let (min, max) = bounds(&values, outermost);

@@ -2,7 +2,7 @@
 
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
-use rcs_rviz_config::ColorTransformer;
+use rcs_rviz_config::{CloudSettings, ColorTransformer};
 use rcs_scene::{bytes_at, PositionLayout};
 use thiserror::Error;
 
@@ -16,10 +16,10 @@ pub(crate) enum LayoutError {
     #[error("No position transformer available for cloud: channel {name} has datatype {datatype}, not FLOAT32")]
     PositionType { name: &'static str, datatype: u8 },
     #[error("Channel {name} at offset {offset} reaches past point_step ({point_step})")]
-    FieldOutside { name: String, offset: u32, point_step: u32 },
+    FieldOutside { name: String, offset: usize, point_step: usize },
 }
 
-/// A channel whose bytes lie inside of every point.
+/// A channel of a cloud; its bytes need not lie inside of a point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct CloudChannel {
     pub(crate) name: String,
@@ -30,12 +30,11 @@ pub(crate) struct CloudChannel {
 impl CloudChannel {
     /// Value of a point as a float, integers unsigned, as in rviz; 0 for an unknown datatype.
     #[inline]
-    pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
+    pub(crate) fn value(&self, point: &[u8]) -> f32 {
         macro_rules! read {
-            ($type:ty) => {{
-                let bytes = bytes_at(point, self.offset);
-                (if big_endian { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) }) as f32
-            }};
+            ($type:ty) => {
+                <$type>::from_le_bytes(bytes_at(point, self.offset)) as f32
+            };
         }
         match self.datatype {
             PointField::INT8 | PointField::UINT8 => read!(u8),
@@ -48,13 +47,8 @@ impl CloudChannel {
     }
 
     #[inline(always)]
-    pub(crate) fn bits(&self, point: &[u8], big_endian: bool) -> u32 {
-        let bytes = bytes_at(point, self.offset);
-        if big_endian {
-            u32::from_be_bytes(bytes)
-        } else {
-            u32::from_le_bytes(bytes)
-        }
+    pub(crate) fn bits(&self, point: &[u8]) -> u32 {
+        u32::from_le_bytes(bytes_at(point, self.offset))
     }
 }
 
@@ -76,7 +70,8 @@ pub(crate) struct CloudLayout {
 }
 
 impl CloudLayout {
-    pub(crate) fn of(cloud: &PointCloud2) -> Result<Self, LayoutError> {
+    /// Layout of a cloud whose x, y and z lie inside of a point.
+    pub(super) fn of(cloud: &PointCloud2) -> Result<Self, LayoutError> {
         let (width, height, point_step) = (cloud.width, cloud.height, cloud.point_step);
         let channels: Vec<CloudChannel> = cloud
             .fields
@@ -98,22 +93,53 @@ impl CloudLayout {
         if position[0].datatype != PointField::FLOAT32 {
             return Err(LayoutError::PositionType { name: "x", datatype: position[0].datatype });
         }
-        let outside = |channel: &&CloudChannel| channel.offset + size_of(channel.datatype) > point_step as usize;
-        if let Some(channel) = channels.iter().find(outside).filter(|_| actual > 0) {
-            return Err(LayoutError::FieldOutside {
-                name: channel.name.clone(),
-                offset: channel.offset as u32,
-                point_step,
-            });
+        let point_count = width as usize * height as usize;
+        let layout = Self { position, point_step: point_step as usize, point_count, channels };
+        layout.position.iter().try_for_each(|channel| layout.check_within(channel, 4))?;
+        Ok(layout)
+    }
+
+    /// Layout of a cloud with the colour transformer that rviz uses. Only the channels that are read must lie inside of
+    /// a point.
+    pub(crate) fn colored(
+        cloud: &PointCloud2,
+        settings: &CloudSettings,
+    ) -> Result<(Self, ColorTransformer), LayoutError> {
+        let layout = Self::of(cloud)?;
+        let transformer = layout.fitting_transformer(settings.color_transformer);
+        let check = |channel: Option<&CloudChannel>, len: fn(u8) -> usize| {
+            channel.map_or(Ok(()), |channel| layout.check_within(channel, len(channel.datatype)))
+        };
+        match transformer {
+            ColorTransformer::FlatColor | ColorTransformer::AxisColor => {}
+            ColorTransformer::Intensity => check(layout.intensity(&settings.intensity.channel_name), size_of)?,
+            ColorTransformer::Rgb8 | ColorTransformer::Mono8 => {
+                check(layout.packed_color().map(|(channel, _)| channel), |_| 4)?;
+            }
+            ColorTransformer::Rgbf32 => {
+                ["r", "g", "b"].iter().try_for_each(|name| check(layout.channel(name), |_| 4))?;
+            }
         }
-        // A point step of 0 has no data, and no points either.
-        let point_count = actual.checked_div(point_step as usize).unwrap_or(0);
-        Ok(Self { position, point_step: point_step as usize, point_count, channels })
+        Ok((layout, transformer))
+    }
+
+    fn check_within(&self, channel: &CloudChannel, len: usize) -> Result<(), LayoutError> {
+        let (offset, point_step) = (channel.offset, self.point_step);
+        if self.point_count == 0 || offset + len <= point_step {
+            return Ok(());
+        }
+        Err(LayoutError::FieldOutside { name: channel.name.clone(), offset, point_step })
     }
 
     /// Layout of a position in a point's bytes.
-    pub(super) fn positions(&self, is_big_endian: bool) -> PositionLayout {
-        PositionLayout::new(self.position.each_ref().map(|channel| channel.offset), is_big_endian)
+    pub(super) fn positions(&self) -> PositionLayout {
+        PositionLayout::new(self.position.each_ref().map(|channel| channel.offset))
+    }
+
+    /// Channel of the intensity, by the name in the settings.
+    pub(super) fn intensity(&self, name: &str) -> Option<&CloudChannel> {
+        let other_name = if name == "intensity" { self.channel("intensities") } else { None };
+        self.channel(name).or(other_name)
     }
 
     pub(crate) fn channel(&self, name: &str) -> Option<&CloudChannel> {
@@ -135,7 +161,7 @@ impl CloudLayout {
     }
 
     /// Colour transformer that rviz uses: the chosen one if it fits, else RGB8 if that fits, else Intensity.
-    pub(crate) fn fitting_transformer(&self, chosen: Option<ColorTransformer>) -> ColorTransformer {
+    pub(super) fn fitting_transformer(&self, chosen: Option<ColorTransformer>) -> ColorTransformer {
         let packed = self.packed_color().is_some_and(|(channel, _)| {
             matches!(channel.datatype, PointField::INT32 | PointField::UINT32 | PointField::FLOAT32)
         });

@@ -27,7 +27,7 @@ pub(crate) fn read(
     non_finite: NonFinite,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
-    let place = layout.positions(cloud.is_bigendian);
+    let place = layout.positions();
     let shown_in = |points: &[u8]| {
         points.chunks_exact(point_step).filter(|point| has_finite_position(&place.in_point(point))).count()
     };
@@ -43,7 +43,7 @@ pub(crate) fn read(
     }
     let points = PointBytes { data, point_step, positions: place, shown: &shown, is_all_shown };
     let mut positions = points.map(|point| place.in_point(point));
-    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions) {
+    let colors = match coloring.prepare(layout, &points, &positions) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
@@ -87,9 +87,8 @@ mod tests {
     }
 
     fn read_as(cloud: &PointCloud2, transformer: ColorTransformer) -> Result<PointBuffer, LayoutError> {
-        let layout = CloudLayout::of(cloud)?;
-        let transformer = layout.fitting_transformer(Some(transformer));
-        let settings = CloudSettings::default();
+        let settings = CloudSettings { color_transformer: Some(transformer), ..CloudSettings::default() };
+        let (layout, transformer) = CloudLayout::colored(cloud, &settings)?;
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
         Ok(read(cloud, &layout, &coloring, NonFinite::LeftOut).0)
@@ -124,15 +123,49 @@ mod tests {
     }
 
     #[test]
-    fn big_endian_numbers_are_read_as_such() {
-        let mut big = cloud(&[([0.0; 3], 0), ([0.0; 3], 0)]);
-        let mut data = big.data().to_vec();
-        data[4..8].copy_from_slice(&1.5_f32.to_be_bytes());
-        data[16..20].copy_from_slice(&0x00_0a_14_1e_u32.to_be_bytes());
-        big.set_data(data);
-        big.is_bigendian = true;
-        let buffer = read_as(&big, ColorTransformer::Rgb8).unwrap();
-        assert_eq!((buffer.positions[0], buffer.colors.get(0)), ([1.5, 0.0, 0.0], [10, 20, 30, 255]));
+    fn the_flag_of_big_endian_numbers_changes_nothing() {
+        let little = cloud(&[([1.5, 0.0, 0.0], 0x00_0a_14_1e), ([0.0, 2.5, -3.0], 7)]);
+        let mut flagged = little.clone();
+        flagged.is_bigendian = true;
+        for transformer in [ColorTransformer::Rgb8, ColorTransformer::AxisColor] {
+            assert_eq!(read_as(&flagged, transformer).unwrap(), read_as(&little, transformer).unwrap());
+        }
+    }
+
+    #[test]
+    fn only_the_fields_that_are_read_must_lie_in_a_point() {
+        use ColorTransformer::{AxisColor, FlatColor, Intensity, Mono8, Rgb8, Rgbf32};
+        let good = cloud(&[([0.0; 3], 0), ([1.0; 3], 0)]);
+        let with = |name: &str, offset, datatype| {
+            let mut cloud = good.clone();
+            cloud.fields.retain(|field| field.name != name);
+            cloud.fields.push(PointField { count: 0, ..field(name, offset, datatype) });
+            cloud
+        };
+        let mut floats = with("g", 17, PointField::FLOAT32);
+        floats.fields.extend(["r", "b"].map(|name| field(name, 16, PointField::FLOAT32)));
+        for (cloud, name, readers) in [
+            (with("_", 20, PointField::UINT8), "_", &[][..]),
+            (with("ring", u32::MAX, PointField::FLOAT64), "ring", &[]),
+            (with("intensity", 13, PointField::FLOAT64), "intensity", &[Intensity]),
+            (with("intensity", 12, PointField::FLOAT64), "intensity", &[]),
+            (with("intensities", 20, PointField::UINT8), "intensities", &[Intensity]),
+            (with("rgb", 17, PointField::UINT32), "rgb", &[Rgb8, Mono8]),
+            (with("rgba", 20, PointField::UINT32), "rgba", &[Rgb8, Mono8]),
+            (floats, "g", &[Rgbf32]),
+            (with("y", 17, PointField::UINT8), "y", &[FlatColor, AxisColor, Intensity, Rgb8, Mono8]),
+        ] {
+            for transformer in [FlatColor, AxisColor, Intensity, Rgb8, Mono8, Rgbf32] {
+                // Without r, g and b another transformer takes its place.
+                if transformer == Rgbf32 && name != "g" {
+                    continue;
+                }
+                let error = read_as(&cloud, transformer).err().map(|error| error.to_string());
+                let is_refused = error.as_ref().is_some_and(|text| text.starts_with(&format!("Channel {name} at ")));
+                let expected = readers.contains(&transformer);
+                assert_eq!((is_refused, error.is_some()), (expected, expected), "{name} {transformer:?} {error:?}");
+            }
+        }
     }
 
     #[test]
