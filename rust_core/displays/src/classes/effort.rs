@@ -17,6 +17,7 @@ use rcs_scene::{rainbow, Blending, DisplayId, Drawable, Geometry, Material, Ribb
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
+use crate::framework::world::all_finite;
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts};
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
 use crate::{Level, StatusText, Statuses, World};
@@ -86,12 +87,13 @@ impl EffortDisplay {
                 self.statuses.set(Level::Error, name, StatusText::about_frame(text));
                 continue;
             };
-            if effort.is_finite() {
+            let is_finite = all_finite(&[effort]);
+            if is_finite {
                 self.statuses.set(Level::Ok, name, "");
             } else {
                 self.statuses.set(Level::Error, name, format!("Invalid effort: {effort}"));
             }
-            if joint.enabled && effort.is_finite() {
+            if joint.enabled && is_finite {
                 let fixed_from_circle = fixed_from_link * joint.link_from_circle;
                 visual.insert(name.clone(), circle(self.display, &self.settings, joint, effort, &fixed_from_circle));
             } else {

@@ -8,10 +8,12 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 use rcs_messages::geometry_msgs::Point;
 use rcs_messages::nav_msgs::GridCells;
+use rcs_messages::point_xyz;
 use rcs_rviz_config::PlainColorSettings;
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointColors, PointStyle, Points, Rgba};
 
 use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::world::all_finite;
 use crate::parts::bounds::middle;
 use crate::parts::cloud::max_points;
 use crate::parts::solids::drawable;
@@ -48,7 +50,7 @@ impl MessageVisual for GridCellsVisual {
     type Message = GridCells;
 
     fn draw(&mut self, cells: &GridCells, fixed_from_cells: &Isometry3<f64>) -> DrawResult {
-        let is_finite = |cell: &Point| [cell.x, cell.y, cell.z].iter().all(|value| value.is_finite());
+        let is_finite = |cell: &Point| all_finite(&point_xyz(cell));
         let size_m = [cells.cell_width, cells.cell_height];
         if !size_m.iter().all(|side| side.is_finite()) || !cells.cells.iter().all(is_finite) {
             return Err(InvalidFloats);
@@ -98,7 +100,8 @@ mod tests {
         let mut visual = visual(1.0);
         assert_eq!(count(&mut visual, &cells(0.1, 0.2, 1.0)), Ok(1));
         assert_eq!(visual.fault(&cells(0.1, 0.2, 1.0)), None);
-        for (width, height, x) in [(0.1, 0.2, f64::NAN), (f32::INFINITY, 0.2, 1.0), (0.1, f32::NAN, 1.0)] {
+        let nan = f32::NAN;
+        for (width, height, x) in [(0.1, 0.2, f64::NAN), (0.1, 0.2, 1e39), (f32::INFINITY, 0.2, 1.0), (0.1, nan, 1.0)] {
             assert_eq!(count(&mut visual, &cells(width, height, x)), Err(InvalidFloats));
         }
         assert_eq!(visual.instead(&[]).map(|left| left.len()), Some(0), "nothing stays");

@@ -6,11 +6,12 @@
 use nalgebra::{Isometry3, Quaternion, Vector3};
 use rcs_messages::geometry_msgs::Twist;
 use rcs_messages::nav_msgs::Odometry;
-use rcs_messages::PlainTransform;
+use rcs_messages::{translation_xyz, PlainTransform};
 use rcs_rviz_config::OdometrySettings;
 use rcs_scene::DisplayId;
 
 use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::world::all_finite;
 use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
 use crate::parts::pose_symbol::PoseSymbol;
 
@@ -81,7 +82,7 @@ fn angle_rad(a: &PlainTransform, b: &PlainTransform) -> f32 {
 }
 
 fn is_finite(twist: &Twist) -> bool {
-    [&twist.linear, &twist.angular].iter().all(|v| v.x.is_finite() && v.y.is_finite() && v.z.is_finite())
+    [&twist.linear, &twist.angular].iter().all(|vector| all_finite(&translation_xyz(vector)))
 }
 
 #[cfg(test)]
@@ -140,11 +141,13 @@ mod tests {
     #[test]
     fn numbers_that_are_none_change_nothing() {
         let mut display = display(0);
-        let spoil: [fn(&mut Odometry); 4] = [
+        let spoil: [fn(&mut Odometry); 6] = [
             |m| m.pose.pose.position.y = f64::NAN,
             |m| m.pose.pose.orientation.x = f64::INFINITY,
             |m| m.pose.covariance[35] = f64::NAN,
+            |m| m.pose.covariance[21] = f64::MAX,
             |m| m.twist.twist.angular.z = f64::NEG_INFINITY,
+            |m| m.twist.twist.linear.x = -1e39,
         ];
         for spoil in spoil {
             let mut message = odometry(0.0, 0.0);

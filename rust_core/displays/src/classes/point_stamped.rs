@@ -9,6 +9,7 @@ use rcs_rviz_config::PointStampedSettings;
 use rcs_scene::{DisplayId, Material, Rgba};
 
 use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::world::all_finite;
 use crate::parts::solids::solid;
 use crate::SolidShape;
 
@@ -33,7 +34,7 @@ impl MessageVisual for PointStampedVisual {
 
     fn draw(&mut self, message: &PointStamped, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
         let point = point_xyz(&message.point);
-        if point.iter().any(|coordinate| !coordinate.is_finite()) {
+        if !all_finite(&point) {
             return Err(InvalidFloats);
         }
         let frame_from_sphere = Translation3::from(point).to_homogeneous()

@@ -150,12 +150,17 @@ pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<
     })
 }
 
+/// `true` if none is NaN or, in single precision, infinite: as rviz's `validateFloats` takes them.
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    values.iter().all(|&value| (value as f32).is_finite())
+}
+
 /// A pose as rviz reads it: the quaternion is normalised; one of zero length is no rotation.
 ///
-/// `None` when a number is NaN or infinite.
+/// `None` unless all numbers are [finite](all_finite).
 pub(crate) fn isometry(pose: &PlainTransform) -> Option<Isometry3<f64>> {
     let [x, y, z, w] = pose.rotation_xyzw;
-    if pose.translation.iter().chain(&pose.rotation_xyzw).any(|value| !value.is_finite()) {
+    if !all_finite(&pose.translation) || !all_finite(&pose.rotation_xyzw) {
         return None;
     }
     let rotation = nalgebra::UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9).unwrap_or_default();

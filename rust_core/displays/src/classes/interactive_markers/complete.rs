@@ -6,6 +6,7 @@ use rcs_messages::{point_xyz, quaternion_xyzw, translation_xyz, PlainTransform};
 
 use super::handles;
 use crate::classes::marker::{is_finite_color, is_unit_quaternion};
+use crate::framework::world::all_finite;
 
 /// Completes a marker. Without `translucent` all visible markers of its controls become opaque.
 pub(super) fn complete(marker: &mut InteractiveMarker, translucent: bool) {
@@ -56,13 +57,9 @@ fn normalize(orientation: &mut Quaternion) {
     }
 }
 
-fn are_finite(values: &[f64]) -> bool {
-    values.iter().all(|value| value.is_finite())
-}
-
 pub(super) fn is_finite_pose(pose: &Pose) -> bool {
     let PlainTransform { translation, rotation_xyzw } = PlainTransform::from(pose);
-    are_finite(&translation) && are_finite(&rotation_xyzw)
+    all_finite(&translation) && all_finite(&rotation_xyzw)
 }
 
 /// `true` for a rotation and for all zeros, which is unset.
@@ -76,13 +73,13 @@ pub(super) fn is_finite(marker: &InteractiveMarker) -> bool {
     is_finite_pose(&marker.pose)
         && marker.scale.is_finite()
         && marker.controls.iter().all(|control| {
-            are_finite(&quaternion_xyzw(&control.orientation)) && control.markers.iter().all(is_finite_marker)
+            all_finite(&quaternion_xyzw(&control.orientation)) && control.markers.iter().all(is_finite_marker)
         })
 }
 
 fn is_finite_marker(marker: &Marker) -> bool {
     is_finite_pose(&marker.pose)
-        && are_finite(&translation_xyz(&marker.scale))
+        && all_finite(&translation_xyz(&marker.scale))
         && is_finite_color(&marker.color)
-        && marker.points.iter().all(|point| are_finite(&point_xyz(point)))
+        && marker.points.iter().all(|point| all_finite(&point_xyz(point)))
 }

@@ -10,7 +10,8 @@ use rcs_messages::geometry_msgs::Pose;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{quaternion_xyzw, PlainTransform};
 
-use super::message_fields::{all_finite, is_finite_color, is_unit_quaternion, position, scale};
+use super::message_fields::{is_finite_color, is_unit_quaternion, position, scale};
+use crate::framework::world::all_finite;
 use crate::Level;
 
 /// White space of C's `isspace`; text of nothing else is empty.

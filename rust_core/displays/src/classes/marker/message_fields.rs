@@ -21,11 +21,6 @@ pub(super) fn scale(marker: &Marker) -> [f64; 3] {
     translation_xyz(&marker.scale)
 }
 
-/// `true` if none is NaN or, in single precision, infinite.
-pub(super) fn all_finite(values: &[f64]) -> bool {
-    values.iter().all(|&value| (value as f32).is_finite())
-}
-
 /// Tolerance of a quaternion's squared length.
 const QUATERNION_TOLERANCE: f64 = 10e-3;
 

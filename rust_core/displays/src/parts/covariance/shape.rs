@@ -8,20 +8,19 @@ use rcs_messages::geometry_msgs::PoseWithCovariance;
 use rcs_messages::PlainTransform;
 
 use super::principal_axes;
-use crate::framework::world::isometry;
+use crate::framework::world::{all_finite, isometry};
 
 /// Thickness of flat shapes, in metres.
 pub(super) const FLAT_M: f64 = 0.001;
 
-/// A covariance without NaN and infinity.
+/// A covariance of finite numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Covariance([f64; 36]);
 
-/// Pose in the message's frame and its covariance; `None` when a number is NaN or infinite.
+/// Pose in the message's frame and its covariance; `None` unless all numbers are [finite](all_finite).
 pub(crate) fn uncertain_pose(message: &PoseWithCovariance) -> Option<(Isometry3<f64>, Covariance)> {
     let pose = isometry(&PlainTransform::from(&message.pose))?;
-    let finite = message.covariance.iter().all(|value| value.is_finite());
-    finite.then_some((pose, Covariance(message.covariance)))
+    all_finite(&message.covariance).then_some((pose, Covariance(message.covariance)))
 }
 
 #[derive(Clone, Debug, PartialEq)]

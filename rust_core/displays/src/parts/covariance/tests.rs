@@ -79,10 +79,15 @@ fn a_negative_variance_keeps_the_sizes_of_the_covariance_before_it() {
 }
 
 #[test]
-fn what_is_switched_off_or_too_large_is_not_drawn() {
+fn what_is_switched_off_or_too_large_for_single_precision_is_not_drawn() {
     let good = message([0.04, 0.04, 0.04, 0.01, 0.01, 0.01]);
     let hidden = CovarianceSettings { position: None, orientation: None };
     assert_eq!(drawn(&hidden, &mut CovarianceScales::default(), &good).len(), 0);
-    let huge = message([1e200, 1.0, 1.0, 1.0, 1.0, 1.0]);
-    assert_eq!(drawn(&CovarianceSettings::default(), &mut CovarianceScales::default(), &huge).len(), 3);
+    for i in 0..6 {
+        let mut variances = [1.0; 6];
+        for (variance, is_drawn) in [(3.4e38, true), (3.5e38, false), (f64::MAX, false), (f64::INFINITY, false)] {
+            variances[i] = variance;
+            assert_eq!(uncertain_pose(&message(variances)).is_some(), is_drawn, "{variances:?}");
+        }
+    }
 }

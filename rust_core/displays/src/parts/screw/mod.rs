@@ -8,12 +8,13 @@ mod visual;
 
 use std::marker::PhantomData;
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use rcs_messages::{geometry_msgs, translation_xyz, TypedMessage};
 use rcs_rviz_config::ScrewSettings;
 use rcs_scene::DisplayId;
 
 use crate::framework::message_display::{DrawResult, InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::world::all_finite;
 use visual::ScrewStyle;
 
 /// A message of a linear and an angular vector.
@@ -38,10 +39,10 @@ impl<M: ScrewMessage> MessageVisual for ScrewVisual<M> {
 
     fn draw(&mut self, message: &M, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
         let (linear, angular) = message.parts();
-        let [linear, angular] = [linear, angular].map(|vector| Vector3::from(translation_xyz(vector)));
-        if !linear.iter().chain(&angular).all(|value| value.is_finite()) {
+        let [linear, angular] = [linear, angular].map(translation_xyz);
+        if !all_finite(&linear) || !all_finite(&angular) {
             return Err(InvalidFloats);
         }
-        Ok(Some(self.style.drawables(self.display, fixed_from_frame, linear, angular)))
+        Ok(Some(self.style.drawables(self.display, fixed_from_frame, linear.into(), angular.into())))
     }
 }
