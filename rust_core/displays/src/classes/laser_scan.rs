@@ -8,6 +8,7 @@
 //! rviz accepts a scan as soon as its first ray can be placed, and loses it where the last one cannot be yet; here a
 //! scan waits for both.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
@@ -22,6 +23,7 @@ use crate::framework::world::stamp;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::{Level, StatusText, Statuses, World};
 
+const SCAN: &str = "Scan";
 const SCAN_TIME: &str = "Scan Time";
 /// Duration from which a scan has that status.
 const LONG_SCAN_SECS: f64 = 2.0;
@@ -56,6 +58,10 @@ impl CloudSource for LaserScanSource {
         } else {
             statuses.remove(SCAN_TIME);
         }
+        match fault(scan) {
+            Some(text) => statuses.set(Level::Warn, SCAN, text),
+            None => statuses.remove(SCAN),
+        }
     }
 
     fn place(scan: &Arc<LaserScan>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
@@ -69,6 +75,24 @@ impl CloudSource for LaserScanSource {
         };
         let cloud = Arc::new(project(scan, &first, &last));
         Ok(PlacedCloud { cloud, fixed_from_cloud: Isometry3::identity() })
+    }
+}
+
+/// Fault by which no ray is seen, or all in one place; rviz says nothing of it.
+fn fault(scan: &LaserScan) -> Option<String> {
+    let LaserScan { angle_min, angle_increment, range_min, range_max, ranges, .. } = scan;
+    if ranges.is_empty() {
+        None
+    } else if !angle_min.is_finite() || !angle_increment.is_finite() {
+        Some(format!("Rays have no direction: angle_min is {angle_min} and angle_increment {angle_increment}"))
+    } else if ranges.len() > 1 && *angle_increment == 0.0 {
+        Some(format!("All {} rays have one direction: angle_increment is 0", ranges.len()))
+    } else if range_min.partial_cmp(range_max) != Some(Ordering::Less) {
+        Some(format!("No range is shown: range_min is {range_min} and range_max {range_max}"))
+    } else if ranges.iter().all(|range| range.is_nan()) {
+        Some(format!("No range is shown: all {} are NaN", ranges.len()))
+    } else {
+        None
     }
 }
 
@@ -275,8 +299,37 @@ mod tests {
             let statuses = bench.display.statuses();
             assert_eq!(statuses.level(), Level::Error, "{statuses:?}");
         }
-        assert!(bench.show(Some(scan(10, &[1.0, 1.0]))).is_some());
+        assert!(bench.show(Some(LaserScan { angle_increment: 0.1, ..scan(10, &[1.0, 1.0]) })).is_some());
         assert_eq!(bench.display.statuses().level(), Level::Ok);
+    }
+
+    #[test]
+    fn a_scan_whose_rays_cannot_be_seen_is_a_warning() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        let good = LaserScan { angle_increment: 0.1, range_max: f32::INFINITY, ..scan(10, &[1.0, 2.0]) };
+        let mut said = |scan: LaserScan| {
+            let count = bench.show(Some(scan)).unwrap().positions.len();
+            let text = |name| bench.display.statuses().get(name).map_or(String::new(), |status| status.text.clone());
+            (count, bench.display.statuses().level(), text("Scan").split(':').next().map(str::to_owned).unwrap())
+        };
+        let warned = |count: usize, text: &str| (count, Level::Warn, text.to_owned());
+        let fine = |count: usize| (count, Level::Ok, String::new());
+        assert_eq!(said(good.clone()), fine(2));
+        for angle in [f32::NAN, f32::INFINITY] {
+            assert_eq!(said(LaserScan { angle_min: angle, ..good.clone() }).2, "Rays have no direction");
+            assert_eq!(said(LaserScan { angle_increment: angle, ..good.clone() }).2, "Rays have no direction");
+        }
+        let all_ahead = LaserScan { angle_increment: 0.0, ..good.clone() };
+        assert_eq!(said(all_ahead), warned(2, "All 2 rays have one direction"));
+        for [range_min, range_max] in [[0.0, 0.0], [5.0, 1.0], [f32::NAN, 9.0], [0.0, f32::NAN], [f32::INFINITY; 2]] {
+            let limited = LaserScan { range_min, range_max, ..good.clone() };
+            assert_eq!(said(limited), warned(0, "No range is shown"), "{range_min} {range_max}");
+        }
+        assert_eq!(said(LaserScan { ranges: vec![f32::INFINITY; 2], ..good.clone() }), fine(0), "nothing is in reach");
+        assert_eq!(said(LaserScan { ranges: vec![f32::NAN; 2], ..good.clone() }), warned(0, "No range is shown"));
+        assert_eq!(said(LaserScan { ranges: vec![], ..LaserScan { angle_min: f32::NAN, ..good.clone() } }), fine(0));
+        assert_eq!(said(good), fine(2));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! A cone stands where its frame was at the message's stamp. A measurement out of the sensor's range shows nothing,
 //! except that a sensor of one fixed distance shows that distance for minus infinity ("something is there").
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
@@ -63,6 +64,17 @@ impl MessageVisual for RangeVisual {
     fn draw(&mut self, message: &Range, fixed_from_frame: &Isometry3<f64>) -> DrawResult {
         Ok(Some(self.cone(message, fixed_from_frame).into_iter().collect()))
     }
+
+    fn fault(&self, range: &Range) -> Option<String> {
+        let Range { min_range, max_range, field_of_view, .. } = range;
+        if min_range.partial_cmp(max_range).is_none_or(Ordering::is_gt) {
+            Some(format!("No range is shown: min_range is {min_range} and max_range {max_range}."))
+        } else if *field_of_view == 0.0 || !field_of_view.is_finite() {
+            Some(format!("Field of view is {field_of_view}, cones will be invisible."))
+        } else {
+            None
+        }
+    }
 }
 
 #[cfg(test)]
@@ -82,5 +94,23 @@ mod tests {
             assert_eq!(shown(0.5, 0.5, range), expected, "{range}");
         }
         assert_eq!(shown(0.1, 3.0, yes), None);
+    }
+
+    #[test]
+    fn a_sensor_without_limits_or_field_of_view_is_an_error() {
+        let visual = RangeVisual { display: 0, material: Arc::new(Material::lit(Rgba::from_rgb8([0; 3], 1.0))) };
+        let fault = |min_range, max_range, field_of_view| {
+            let text = visual.fault(&Range { min_range, max_range, field_of_view, range: 1.0, ..Range::default() });
+            text.map(|text| text.split([':', ',']).next().map(str::to_owned).unwrap())
+        };
+        for (min_range, max_range) in [(0.1, 3.0), (0.5, 0.5), (0.0, f32::INFINITY), (f32::NEG_INFINITY, 9.0)] {
+            assert_eq!(fault(min_range, max_range, 0.2), None, "{min_range} {max_range}");
+        }
+        for (min_range, max_range) in [(3.0, 0.1), (f32::NAN, 3.0), (0.1, f32::NAN)] {
+            assert_eq!(fault(min_range, max_range, 0.2).as_deref(), Some("No range is shown"));
+        }
+        for (field_of_view, text) in [(0.0, "Field of view is 0"), (f32::NAN, "Field of view is NaN")] {
+            assert_eq!(fault(0.1, 3.0, field_of_view).as_deref(), Some(text));
+        }
     }
 }

@@ -153,7 +153,12 @@ impl DepthCloudDisplay {
         }
         if self.settings.auto_size {
             let size = self.settings.auto_size_factor / info.K[0] as f32 * info.binning_x.max(1) as f32;
-            self.clouds.set_auto_size(if size.is_finite() { size.max(MIN_AUTO_SIZE) } else { MIN_AUTO_SIZE });
+            let is_size = size.is_finite() && size > 0.0;
+            if !is_size {
+                let text = format!("K[0] of the CameraInfo is {}, by which Auto Size finds no size", info.K[0]);
+                self.statuses.set(Level::Warn, "Message", text);
+            }
+            self.clouds.set_auto_size(if is_size { size.max(MIN_AUTO_SIZE) } else { MIN_AUTO_SIZE });
         }
         let shadows = if self.settings.occlusion_compensation {
             let place = world.fixed_from_header(&depth.header);

@@ -8,6 +8,7 @@ use rcs_messages::sensor_msgs::{CameraInfo, PointField};
 use rcs_messages::{Image, PointCloud2};
 use rcs_transforms::Time;
 
+use crate::framework::world::all_finite;
 use crate::parts::cloud::one_row;
 use crate::parts::encoding::PixelFormat;
 
@@ -163,6 +164,10 @@ impl Rays {
                 depth.width, depth.height
             ));
         }
+        let [fx, _, cx, _, _, fy, cy, ..] = info.P;
+        if fx == 0.0 || fy == 0.0 || !all_finite(&[fx, fy, cx, cy]) {
+            return Err(format!("no pixel has a ray by the CameraInfo's P, with fx {fx}, fy {fy}, cx {cx}, cy {cy}"));
+        }
         // No memory for rows that the data do not have.
         let count = |side: u32| (side as usize).min(depth.data().len());
         let rays = |count: usize, center: f64, offset: u32, focal: f64, binning: u32| {
@@ -172,8 +177,8 @@ impl Rays {
             (0..count).map(|i| (i as f32 - center) * per_pixel).collect()
         };
         Ok(Self {
-            x: rays(count(width), info.P[2], info.roi.x_offset, info.P[0], bin_x),
-            y: rays(count(height), info.P[6], info.roi.y_offset, info.P[5], bin_y),
+            x: rays(count(width), cx, info.roi.x_offset, fx, bin_x),
+            y: rays(count(height), cy, info.roi.y_offset, fy, bin_y),
         })
     }
 }

@@ -125,6 +125,14 @@ fn points_are_as_large_as_their_pixels_unless_auto_size_is_off() {
     assert_eq!(drawn(settings.clone()), (true, PointStyle::FlatSquares { side_m: 3.0 }));
     let settings = DepthCloudSettings { auto_size: false, ..settings };
     assert_eq!(drawn(settings), (false, PointStyle::FlatSquares { side_m: 0.01 }));
+    for (focal, level) in [(2.0, Level::Ok), (0.0, Level::Warn), (-2.0, Level::Warn), (f64::NAN, Level::Warn)] {
+        let mut bench = Bench::new(DepthCloudSettings::default());
+        let mut info = info(2, 1);
+        info.K[0] = focal;
+        bench.info(info);
+        bench.depth(millimetres(&[1000, 1000]));
+        assert_eq!(bench.message_status().0, level, "{focal}");
+    }
 }
 
 #[test]
@@ -189,6 +197,17 @@ fn images_that_do_not_fit_are_errors_and_the_last_cloud_is_kept() {
         assert_eq!(bench.message_status(), (Level::Error, format!("Error updating depth cloud: {text}").as_str()));
         assert_eq!(bench.depths(), [1.0, 2.0]);
     }
+    for fault in [(0, 0.0), (5, 0.0), (0, f64::NAN), (2, f64::INFINITY), (6, f64::NAN)] {
+        let mut without_rays = info(2, 1);
+        without_rays.P[fault.0] = fault.1;
+        bench.info(without_rays);
+        bench.depth(millimetres(&[1, 2]));
+        bench.color(rgb([2, 1]));
+        let (level, text) = bench.message_status();
+        assert!(level == Level::Error && text.contains("no pixel has a ray by the CameraInfo's P"), "{fault:?} {text}");
+        assert_eq!(bench.depths(), [1.0, 2.0]);
+    }
+    bench.info(info(2, 1));
     let mut other = rgb([2, 1]);
     other.header.frame_id = "eye".to_owned();
     bench.depth(millimetres(&[3000, 0]));

@@ -76,14 +76,16 @@ pub(crate) fn create(display: DisplayId, settings: &MapSettings) -> MapDisplay {
 impl MapDisplay {
     fn take_map(&mut self, grid: &OccupancyGrid) {
         self.is_latest = false;
-        // rviz silently waits for a map with cells.
+        // rviz waits for a map with cells.
         if grid.data().is_empty() {
+            let (width, height) = (grid.info.width, grid.info.height);
+            self.statuses.set(Level::Warn, "Map", format!("Map of {width}x{height} cells has no data"));
             return;
         }
         match Map::new(grid) {
             Ok(map) => {
                 self.statuses.set(Level::Ok, "Message", "Map received");
-                match data_fault(grid) {
+                match data_fault(grid).or_else(|| size_fault(&map)) {
                     Some(fault) => self.statuses.set(Level::Error, "Map", fault),
                     None => self.statuses.set(Level::Ok, "Map", "Map OK"),
                 }
@@ -188,6 +190,11 @@ fn data_fault(grid: &OccupancyGrid) -> Option<String> {
     (u64::from(width) * u64::from(height) != actual as u64).then(|| {
         format!("Data size doesn't match width*height: width = {width}, height = {height}, data size = {actual}")
     })
+}
+
+/// Error for a map whose cells have no extent; rviz shows nothing, without a word.
+fn size_fault(map: &Map) -> Option<String> {
+    (map.size.min() == 0.0).then(|| "Map has a resolution of 0 m, its cells are invisible.".to_owned())
 }
 
 impl Display for MapDisplay {

@@ -86,6 +86,7 @@ fn a_map_is_as_large_as_its_cells_and_follows_its_frame() {
     assert_eq!((bench.corner(0.0, 0.0), bench.corner(1.0, 1.0)), ([0.0, 2.0, 0.0].into(), [1.0, 3.5, 0.0].into()));
     let meanwhile = grid(0, 0, &[]);
     assert!(!bench.map(meanwhile), "nothing has changed");
+    assert_eq!(bench.status("Map"), (Level::Warn, "Map of 0x0 cells has no data"));
     bench.place(5, 10.0);
     assert!(bench.map(grid(0, 0, &[])), "the frame has moved");
     assert_eq!(bench.corner(0.0, 0.0), [10.0, 2.0, 0.0].into());
@@ -174,6 +175,10 @@ fn a_bad_map_is_reported_and_the_last_good_one_stays() {
         assert!(!bench.change([0, 0], [1, 1], &[9]));
         assert_eq!(bench.sheet().cells.get(0, 0), 42);
     }
+    let mut flat = grid(1, 1, &[7]);
+    flat.info.resolution = 0.0;
+    assert!(bench.map(flat), "it takes the place of the last one, as in rviz");
+    assert_eq!(bench.status("Map"), (Level::Error, "Map has a resolution of 0 m, its cells are invisible."));
     assert!(bench.map(grid(2, 2, &[1])));
     let text = "Data size doesn't match width*height: width = 2, height = 2, data size = 1";
     assert_eq!(bench.status("Map"), (Level::Error, text));
