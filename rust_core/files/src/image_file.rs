@@ -1,13 +1,14 @@
 //! Writing images as PNG and JPEG files, by the name's extension, and reading their grey levels.
 
 use std::borrow::Cow;
-use std::io::BufReader;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::error::{ParameterError, ParameterErrorKind};
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageReader};
+use rcs_messages::as_motion_jpeg;
 use rcs_scene::{Encoding, Image};
 
 use crate::atomic_file::write_atomically;
@@ -108,7 +109,9 @@ pub fn is_image(path: &Path) -> bool {
 /// [`FileError`] with the file: it cannot be read, is no image, or too large.
 pub fn read_grey(path: &Path) -> Result<([u32; 2], Vec<u8>), FileError> {
     let failed = |error: ImageError| FileError::new(path, error);
-    let reader = ImageReader::new(BufReader::new(LIMITS.open(path)?)).with_guessed_format();
+    let mut bytes = Vec::new();
+    LIMITS.open(path)?.read_to_end(&mut bytes).map_err(|error| failed(error.into()))?;
+    let reader = ImageReader::new(Cursor::new(as_motion_jpeg(bytes))).with_guessed_format();
     let mut reader = reader.map_err(|error| failed(error.into()))?;
     reader.limits(LIMITS.of_decoder());
     let decoder = reader.into_decoder().map_err(failed)?;
@@ -264,6 +267,22 @@ mod tests {
             let error = write(&folder.path().join(name), &grey).unwrap_err();
             assert!(error.to_string().contains(".png, .jpg or .jpeg"), "{error}");
         }
+    }
+
+    /// As cameras send JPEG, and programs write it to files.
+    #[test]
+    fn a_jpeg_without_huffman_tables_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frame.jpg");
+        write(&path, &image(Encoding::Mono8, 16, &[90; 16])).unwrap();
+        let mut jpeg = std::fs::read(&path).unwrap();
+        while let Some(at) = jpeg.windows(2).position(|bytes| bytes == [0xff, 0xc4]) {
+            let len = usize::from(u16::from_be_bytes([jpeg[at + 2], jpeg[at + 3]]));
+            jpeg.drain(at..at + 2 + len);
+        }
+        std::fs::write(&path, jpeg).unwrap();
+        let (size_px, grey) = read_grey(&path).unwrap();
+        assert!(size_px == [16, 1] && grey.iter().all(|level| level.abs_diff(90) < 3), "{grey:?}");
     }
 
     #[test]

@@ -113,7 +113,8 @@ targets! {
 
 /// Whether a panic is one of the decoders of images, some of which panic on damaged ones. The node expects these.
 pub fn is_of_decoder(panic: &PanicHookInfo<'_>) -> bool {
-    const DECODERS: [&str; 8] = ["image", "zune-jpeg", "png", "tiff", "gif", "weezl", "fdeflate", "miniz_oxide"];
+    const DECODERS: [&str; 9] =
+        ["image", "image-webp", "zune-jpeg", "png", "tiff", "gif", "weezl", "fdeflate", "miniz_oxide"];
     // …/registry/src/INDEX/NAME-VERSION/src/…
     let file = panic.location().map(|location| location.file()).unwrap_or_default();
     let package = file.split_once("/registry/src/").and_then(|(_, path)| path.split('/').nth(1));

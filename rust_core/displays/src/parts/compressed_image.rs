@@ -1,5 +1,5 @@
-//! Images as the transports `compressed` (JPEG and PNG) and `compressedDepth` (PNG and RVL) of ROS's `image_transport`
-//! send them.
+//! Images as the transports `compressed` (JPEG and PNG, also BMP, TIFF and WebP) and `compressedDepth` (PNG and RVL) of
+//! ROS's `image_transport` send them.
 //!
 //! The format's first word is the encoding of the image that was compressed. Depth of 32-bit floats comes as 16-bit
 //! numbers that grow with the inverse of the depth, with two parameters before the data.
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rcs_messages::sensor_msgs::CompressedImage;
-use rcs_messages::Image;
+use rcs_messages::{as_motion_jpeg, Image};
 
 use super::encoding::PixelFormat;
 
@@ -32,8 +32,9 @@ const HEADER_LEN: usize = 12;
 /// ```
 /// use rcs_messages::sensor_msgs::CompressedImage;
 ///
+/// let error = "an image of an unknown format: JPEG, PNG, BMP, TIFF and WebP are read";
 /// let broken = CompressedImage { format: "jpeg".to_owned(), data: vec![1, 2, 3], ..CompressedImage::default() };
-/// assert_eq!(rcs_displays::unpack_image("/camera/image/compressed", &broken), Err("neither JPEG nor PNG".to_owned()));
+/// assert_eq!(rcs_displays::unpack_image("/camera/image/compressed", &broken), Err(error.to_owned()));
 /// ```
 pub fn unpack_image(topic: &str, message: &CompressedImage) -> Result<Image, String> {
     if topic.ends_with("/compressedDepth") || message.format.contains("compressedDepth") {
@@ -59,6 +60,9 @@ fn unpack(message: &CompressedImage) -> Result<Image, String> {
         }
         DynamicImage::ImageRgb16(color) => {
             (if is_swapped { "bgr16" } else { "rgb16" }, little_endian(&color.into_raw()))
+        }
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            return Err("colours of 32-bit floats: 8 and 16 bits are read".to_owned());
         }
         DynamicImage::ImageRgba8(color) => (if is_swapped { "bgra8" } else { "rgba8" }, color.into_raw()),
         other => (if is_swapped { "bgr8" } else { "rgb8" }, other.into_rgb8().into_raw()),
@@ -102,16 +106,24 @@ fn check_size(size_px: [u32; 2]) -> Result<(), String> {
     Ok(())
 }
 
+/// Formats that are read, of those that OpenCV's `imdecode` reads for ROS.
+const FORMATS: [ImageFormat; 5] =
+    [ImageFormat::Jpeg, ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Tiff, ImageFormat::WebP];
+
 fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
-    let format = format.or_else(|| image::guess_format(bytes).ok());
-    let Some(format) = format.filter(|format| matches!(format, ImageFormat::Jpeg | ImageFormat::Png)) else {
-        return Err("neither JPEG nor PNG".to_owned());
+    let format = match format.or_else(|| image::guess_format(bytes).ok()) {
+        Some(format) if FORMATS.contains(&format) => format,
+        other => {
+            let name = other.map_or("of an unknown format".to_owned(), |format| format!("in {format:?}"));
+            return Err(format!("an image {name}: JPEG, PNG, BMP, TIFF and WebP are read"));
+        }
     };
     // Some damaged images make the decoder of JPEG panic, which must not end the calling thread.
     catch_unwind(|| decode(bytes, format)).unwrap_or_else(|_| Err(format!("the {format:?} decoder panicked")))
 }
 
 fn decode(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
+    let bytes = as_motion_jpeg(bytes.to_vec());
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
@@ -199,7 +211,13 @@ mod tests {
     #[test]
     fn colours_come_out_in_their_order_whoever_sent_them() {
         let image = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(2, 1, Rgb([250, 10, 20])));
-        for (kind, tolerance) in [(ImageFormat::Png, 0), (ImageFormat::Jpeg, 3)] {
+        for (kind, tolerance) in [
+            (ImageFormat::Png, 0),
+            (ImageFormat::Bmp, 0),
+            (ImageFormat::Tiff, 0),
+            (ImageFormat::WebP, 0),
+            (ImageFormat::Jpeg, 3),
+        ] {
             let data = packed(&image, kind);
             for (format, encoding) in [
                 ("rgb8; jpeg compressed bgr8", "rgb8"),
@@ -213,6 +231,50 @@ mod tests {
                     image.data().iter().zip([250_u8, 10, 20, 250, 10, 20]).all(|(a, b)| a.abs_diff(b) <= tolerance);
                 assert!(near, "{format}: {:?}", image.data());
             }
+        }
+    }
+
+    /// Without the segments of some markers, from the start to the first scan.
+    fn without_segments(jpeg: &[u8], markers: &[u8]) -> Vec<u8> {
+        let mut left = jpeg[..2].to_vec();
+        let mut rest = &jpeg[2..];
+        while rest[1] != 0xda {
+            let (segment, after) = rest.split_at(2 + usize::from(u16::from_be_bytes([rest[2], rest[3]])));
+            if !markers.contains(&segment[1]) {
+                left.extend(segment);
+            }
+            rest = after;
+        }
+        left.extend(rest);
+        left
+    }
+
+    #[test]
+    fn a_frame_of_motion_jpeg_has_the_standard_huffman_tables() {
+        let pixel = |x, y| Rgb([(x * 8) as u8, (y * 10) as u8, ((x * y) % 256) as u8]);
+        for image in [
+            DynamicImage::ImageRgb8(ImageBuffer::from_fn(32, 24, pixel)),
+            DynamicImage::ImageLuma8(ImageBuffer::from_fn(32, 24, |x, y| Luma([(x * y) as u8]))),
+        ] {
+            // This encoder's tables are the standard's.
+            let whole = packed(&image, ImageFormat::Jpeg);
+            let expected = unpack(&message("jpeg", whole.clone())).unwrap();
+            let (huffman, app0) = (0xc4, 0xe0);
+            for missing in [&[huffman][..], &[huffman, app0], &[app0]] {
+                let frame = without_segments(&whole, missing);
+                assert!(frame.len() < whole.len());
+                assert_eq!(unpack(&message("jpeg", frame)).unwrap(), expected, "without {missing:x?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_format_that_is_not_read_is_named() {
+        let gif = b"GIF89a\x01\0\x01\0\0\0\0;".to_vec();
+        let netpbm = b"P6 1 1 255 abc".to_vec();
+        for (data, name) in [(gif, "in Gif"), (netpbm, "in Pnm"), (b"oh".to_vec(), "of an unknown format")] {
+            let error = unpack(&message("bgr8; jpeg compressed bgr8", data)).unwrap_err();
+            assert_eq!(error, format!("an image {name}: JPEG, PNG, BMP, TIFF and WebP are read"));
         }
     }
 
