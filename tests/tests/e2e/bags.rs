@@ -5,6 +5,7 @@ use std::fs;
 use rcs_bag::Bag;
 use rcs_messages::MessageKind;
 use rcs_test_support::McapWriter;
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 
 use crate::render::{colors, Render};
 
@@ -140,6 +141,38 @@ fn mcap_files_are_drawn_as_the_bags_that_they_were_made_from() {
     }
     split(&render);
     assert_eq!(middle(&render, "--bag scene.mcap green.bag --at 1").0, GREEN);
+}
+
+#[test]
+fn each_display_takes_its_own_type_of_a_topic_with_several() {
+    let render = Render::with_scene();
+    // rosbag in Python keeps one type for each topic; other recorders do not.
+    render.bag(
+        "two.bag",
+        "from visualization_msgs.msg import Marker\n\
+         bag.write('/tf_static', tf('map', 'eye'), at(100))\n\
+         bag.write('/eye/camera_info', info(), at(100))\n\
+         marker = Marker(type=Marker.POINTS)\n\
+         marker.header.frame_id, marker.pose.orientation.w = 'map', 1\n\
+         marker.scale.x = marker.scale.y = marker.color.g = 0.5\n\
+         marker.color.a = 1\n\
+         marker.points = [TransformStamped().transform.translation]\n\
+         marker.points[0].z = 1\n\
+         for message in [marker, cloud(0xff0000)]:\n\
+         \x20   bag._topic_connections.clear()\n\
+         \x20   bag.write('/cloud', message, at(100))",
+    );
+    let marker = "{Class: rviz/Marker, Name: marker, Enabled: true, Marker Topic: /cloud}";
+    let unread = "topic /cloud holds visualization_msgs/Marker in the bag, not sensor_msgs/PointCloud2";
+    for (displays, color, warning) in [(&[CLOUD, marker][..], [0, 128, 0], ""), (&[CLOUD], RED, unread)] {
+        fs::write(render.path("scene.rviz"), config(displays, &[CameraPub::default()])).unwrap();
+        let (drawn, warnings) = middle(&render, "--bag two.bag");
+        let is_near = drawn.iter().zip(color).all(|(drawn, level)| drawn.abs_diff(level) < 2);
+        assert!(
+            is_near && warnings.contains(warning) && warnings.is_empty() == warning.is_empty(),
+            "{drawn:?} {warnings}"
+        );
+    }
 }
 
 #[test]

@@ -176,14 +176,18 @@ impl Player {
     }
 }
 
-/// Warns about each topic whose messages are of another type than the config expects.
+/// Warns about messages of another type than the config expects on their topic. One of several types that a topic has
+/// may be for another display.
 fn warn_of_other_types(bag: &Bag, wanted: &[(String, String, MessageKind)]) {
     let transforms = TRANSFORMS.map(|name| (name.to_owned(), name.to_owned(), MessageKind::TFMessage));
     let mut warnings = BTreeSet::new();
     for connection in bag.connections() {
         let name = full_name(&connection.topic);
-        for (_, topic, kind) in wanted.iter().chain(&transforms).filter(|(full, ..)| *full == name) {
-            if !connection.holds(*kind) {
+        let takers: Vec<_> = wanted.iter().chain(&transforms).filter(|(full, ..)| *full == name).collect();
+        let is_taken = takers.iter().any(|(.., kind)| connection.holds(*kind));
+        let is_held = |kind| bag.connections().any(|other| full_name(&other.topic) == name && other.holds(kind));
+        for (_, topic, kind) in takers {
+            if !connection.holds(*kind) && !(is_taken && is_held(*kind)) {
                 warnings.insert(format!(
                     "topic {topic} holds {} in the bag, not {}",
                     connection.held(),

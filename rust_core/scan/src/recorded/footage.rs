@@ -35,7 +35,7 @@ pub(crate) struct ShownImage {
 const RECENT: Duration = Duration::from_secs(10);
 
 /// Types of image messages.
-const IMAGES: [MessageKind; 2] = [MessageKind::Image, MessageKind::CompressedImage];
+const IMAGES: &[MessageKind] = &[MessageKind::Image, MessageKind::CompressedImage];
 
 /// A bag with the topics of a camera.
 pub struct BagFootage {
@@ -43,7 +43,8 @@ pub struct BagFootage {
     /// Its name in messages.
     pub(crate) name: String,
     image: String,
-    depth: Option<String>,
+    /// The topic of depth, and its types.
+    depth: Option<(String, &'static [MessageKind])>,
     /// The topic on which the patterns were shown.
     shown: Option<String>,
     /// Time of the bag's first message, nanoseconds.
@@ -71,7 +72,8 @@ impl BagFootage {
         let bag = Bag::open_all(paths)?;
         let beginning = bag.time_range().map_or(0, |(first, _)| first.nanos());
         let depth = match &topics.depth {
-            DepthTopic::Image(topic) | DepthTopic::Cloud(topic) => Some(full_name(topic)),
+            DepthTopic::Image(topic) => Some((full_name(topic), IMAGES)),
+            DepthTopic::Cloud(topic) => Some((full_name(topic), &[MessageKind::PointCloud2][..])),
             DepthTopic::None => None,
         };
         let mut footage = Self {
@@ -85,11 +87,9 @@ impl BagFootage {
             lens: Lens::pinhole([1, 1], [1.0, 1.0], [0.0, 0.0]),
             frame_id: String::new(),
         };
-        let depth_kinds: &[MessageKind] =
-            if matches!(topics.depth, DepthTopic::Cloud(_)) { &[MessageKind::PointCloud2] } else { &IMAGES };
-        footage.check_topic(&footage.image, &IMAGES)?;
-        footage.depth.iter().try_for_each(|topic| footage.check_topic(topic, depth_kinds))?;
-        footage.shown.iter().try_for_each(|topic| footage.check_topic(topic, &IMAGES))?;
+        footage.check_topic(&footage.image, IMAGES)?;
+        footage.depth.iter().try_for_each(|(topic, kinds)| footage.check_topic(topic, kinds))?;
+        footage.shown.iter().try_for_each(|topic| footage.check_topic(topic, IMAGES))?;
         let info_topic = full_name(&topics.camera_info);
         footage.check_topic(&info_topic, &[MessageKind::CameraInfo])?;
         let info = footage.camera_info(&info_topic)?;
@@ -98,13 +98,13 @@ impl BagFootage {
         Ok(footage)
     }
 
-    /// Checks that a topic has one of these types.
+    /// Checks that a topic has messages of one of these types. It may have others, which do not count.
     fn check_topic(&self, topic: &str, kinds: &[MessageKind]) -> Result<(), ScanFailure> {
         let types: Vec<&str> = kinds.iter().map(|kind| kind.ros_type()).collect();
         let connections = || self.bag.connections();
-        let is_one = |connection: &Connection| kinds.iter().any(|kind| connection.holds(*kind));
+        let is_one = |connection: &Connection| holds_any(connection, kinds);
         let of_topic = || connections().filter(|connection| full_name(&connection.topic) == topic);
-        let reason = match of_topic().find(|connection| !is_one(connection)).or_else(|| of_topic().next()) {
+        let reason = match of_topic().find(|connection| is_one(connection)).or_else(|| of_topic().next()) {
             Some(connection) if is_one(connection) => return Ok(()),
             Some(connection) => format!("holds {} in the bag, not {}", connection.held(), types.join(" or ")),
             None => {
@@ -121,11 +121,16 @@ impl BagFootage {
         Err(unusable(topic, reason))
     }
 
-    /// Visits the messages of a topic from a time on. The visitor decodes those that it needs.
-    fn messages(&self, topic: &str, from: Duration, visit: &mut VisitMessage<'_>) -> Result<(), ScanFailure> {
+    /// Visits the messages of a topic of one of these types from a time on. The visitor decodes those that it needs.
+    fn messages(
+        &self,
+        (topic, kinds): (&str, &[MessageKind]),
+        from: Duration,
+        visit: &mut VisitMessage<'_>,
+    ) -> Result<(), ScanFailure> {
         const LAST: Time = Time { sec: u32::MAX, nsec: 999_999_999 };
         let from = self.beginning.saturating_add(i64::try_from(from.as_nanos()).unwrap_or(i64::MAX)).min(LAST.nanos());
-        let of_topic = |connection: &Connection| full_name(&connection.topic) == topic;
+        let of_topic = |connection: &Connection| full_name(&connection.topic) == topic && holds_any(connection, kinds);
         for message in self.bag.messages_from(Time::from_nanos(from), of_topic) {
             let message = message?;
             let nanos = message.time.nanos().saturating_sub(self.beginning);
@@ -149,7 +154,7 @@ impl BagFootage {
     /// The first CameraInfo of the bag: it may be latched, and recorded once.
     fn camera_info(&self, topic: &str) -> Result<CameraInfo, ScanFailure> {
         let mut first = None;
-        self.messages(topic, Duration::ZERO, &mut |_, decode| {
+        self.messages((topic, &[MessageKind::CameraInfo]), Duration::ZERO, &mut |_, decode| {
             if let AnyMessage::CameraInfo(info) = decode()? {
                 first = Some(info);
             }
@@ -165,7 +170,7 @@ impl BagFootage {
     /// An unreadable frame, or the visitor's error.
     pub(crate) fn frames(&self, wanted: &dyn Fn(usize) -> bool, visit: &mut VisitFrame<'_>) -> Result<(), ScanFailure> {
         let mut number = 0;
-        self.messages(&self.image, self.start, &mut |time, decode| {
+        self.messages((&self.image, IMAGES), self.start, &mut |time, decode| {
             if wanted(number) {
                 let image = grey_image(&self.image, &decode()?);
                 let (size_px, grey) = image.map_err(|reason| unusable(&self.image, reason))?;
@@ -186,8 +191,8 @@ impl BagFootage {
     /// # Errors
     /// An unreadable one, or the visitor's error.
     pub(crate) fn depths(&self, during: Range<Duration>, visit: &mut VisitDepth<'_>) -> Result<(), ScanFailure> {
-        let Some(topic) = &self.depth else { return Ok(()) };
-        self.messages(topic, self.start, &mut |time, decode| {
+        let Some((topic, kinds)) = &self.depth else { return Ok(()) };
+        self.messages((topic, kinds), self.start, &mut |time, decode| {
             if during.contains(&time) {
                 visit(depth_of(topic, &decode()?).map_err(|reason| unusable(topic, reason))?)?;
             }
@@ -204,7 +209,7 @@ impl BagFootage {
         for (topic, from, is_static) in
             [("/tf_static", Duration::ZERO, true), ("/tf", until.saturating_sub(RECENT), false)]
         {
-            self.messages(topic, from, &mut |time, decode| {
+            self.messages((topic, &[MessageKind::TFMessage]), from, &mut |time, decode| {
                 if !is_static && time > until {
                     return Ok(ControlFlow::Break(()));
                 }
@@ -231,13 +236,17 @@ impl BagFootage {
     ) -> Result<Option<Vec<ShownImage>>, ScanFailure> {
         let Some(topic) = &self.shown else { return Ok(None) };
         let mut all = Vec::new();
-        self.messages(topic, self.start, &mut |at, decode| {
+        self.messages((topic, IMAGES), self.start, &mut |at, decode| {
             let (_, grey) = grey_image(topic, &decode()?).map_err(|reason| unusable(topic, reason))?;
             all.push(ShownImage { at, pattern: recognise(&grey) });
             Ok(ControlFlow::Continue(()))
         })?;
         Ok(Some(all))
     }
+}
+
+fn holds_any(connection: &Connection, kinds: &[MessageKind]) -> bool {
+    kinds.iter().any(|kind| connection.holds(*kind))
 }
 
 fn unusable(topic: &str, reason: String) -> ScanFailure {

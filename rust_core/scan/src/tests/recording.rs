@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
 use rcs_files::projector::ProjectorFile;
-use rcs_messages::std_msgs::Header;
+use rcs_messages::std_msgs::{self, Header};
 use rcs_messages::{Image, Time};
 use rcs_scan_simulator::Conditions;
 use rcs_test_support::BagWriter;
@@ -52,6 +52,10 @@ impl Recording {
         let time = |now: Instant| Time::from_nanos(100_000_000_000 + (now - began).as_nanos() as i64);
         let info = ProjectorFile::from_lens(&lens, "camera_optical").camera_info;
         bag.write("/camera/camera_info", true, time(began), &info).unwrap();
+        // Of another type than the camera's, so that they do not count.
+        for topic in ["/camera/camera_info", "/camera/image", "/camera/depth", "/shown"] {
+            bag.write(topic, false, time(began), &std_msgs::String::default()).unwrap();
+        }
         let image = |size_px: [u32; 2], encoding: &str, data: Vec<u8>| {
             let step = data.len() as u32 / size_px[1];
             Image::new(Header::default(), size_px, encoding, step, Arc::new(data))
