@@ -59,7 +59,7 @@ pub enum DecodeError {
         expected: usize,
     },
     /// The numbers of images and patterns differ.
-    #[error("{0} pictures of {1} patterns")]
+    #[error("{0} pictures, but {1} patterns: give the size and the step of those that were shown")]
     Count(usize, usize),
 }
 

@@ -3,8 +3,8 @@
 //! - [`exposure`]: compensates changes of the exposure.
 //! - [`response`]: the camera's gamma and noise, from the capture itself.
 //! - [`quality`]: clipping, motion and exposure of the scan.
-//! - [`order`]: detects images of other patterns than listed.
-//! - [`light`]: the images in linear light.
+//! - [`wrong_images`]: detects images of other patterns than listed, [`order`]: coordinates that run backwards.
+//! - [`light_images`]: the images in linear light.
 //! - [`blur`]: the blur of the stripes in each tile.
 //! - [`search`]: each pixel's coordinate along an axis, by comparing its levels with blurred stripes.
 //! - [`bleeding`]: the pull of the camera's blur towards the light.
@@ -21,6 +21,7 @@ mod images;
 mod light_images;
 mod margins;
 mod neighbours;
+mod order;
 mod quality;
 pub(crate) mod response;
 mod search;
@@ -106,9 +107,9 @@ pub fn decode(images: &Images<'_>, projector_px: [u32; 2]) -> Result<Decoded, De
             }
         })
         .collect();
-    quality.wrong_image = quality.wrong_image.or_else(|| wrong_images::folded(&pixels, width, &channels));
     quality.contradicted = contradicted_share(&single, &noise);
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
+    quality.reversed = order::reversed_share(&light, &pixels);
     Ok(Decoded { size_px: images.size_px, pixels, lit, quality })
 }

@@ -23,6 +23,8 @@ const MUCH_CLIPPED: f64 = 0.02;
 /// Shares of clipped and of contradicted pixels that together make a scan unusable.
 const LOST_CLIPPED: f64 = 0.5;
 const MOST_CONTRADICTED: f64 = 0.5;
+/// Maximum share of places at which coordinates run backwards.
+const MANY_REVERSED: f64 = 0.02;
 /// Maximum share of pixels beyond the projector's image.
 const MANY_BEYOND: f64 = 0.03;
 /// Minimum significance of a motion, standard deviations. These come from the differences between blocks of the image,
@@ -41,6 +43,8 @@ pub struct Quality {
     pub exposure_change: f64,
     /// Shares of the lit pixels whose stripes lead beyond the projector's last column and row.
     pub beyond: [f64; 2],
+    /// Share of the decoded places at which coordinates run backwards; 1 if white is darker than black.
+    pub reversed: f64,
     /// Image of another pattern than listed.
     pub wrong_image: Option<WrongImage>,
     /// Share of the lit pixels whose stripes fit no coordinate.
@@ -81,10 +85,16 @@ pub enum ScanProblem {
     /// An image shows another pattern than listed.
     #[error("{}", .0.describe(|index| format!("picture {}", index + 1)))]
     WrongImage(WrongImage),
+    /// White is darker than black, or coordinates run backwards.
+    #[error(
+        "the pictures are mirrored, or not in the order of the patterns (white before black, columns before rows, \
+         stripes before their inverse): give them in that order, as the camera sees them"
+    )]
+    Order,
     /// The stripes of many lit pixels lead beyond the projector's image.
     #[error(
         "the stripes of {:.0} % of the lit pixels lead beyond the projector's last {last}: the projector has another \
-         size, or the list of patterns is not that of the pictures",
+         size, or the pictures are not in the order of the patterns",
         100.0 * share
     )]
     Beyond {
@@ -99,7 +109,7 @@ impl ScanProblem {
     /// `true` if the scan is unusable.
     pub fn is_fatal(self) -> bool {
         match self {
-            Self::Moved(_) | Self::WrongImage(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
+            Self::Moved(_) | Self::WrongImage(_) | Self::Order | Self::Overexposed { .. } | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
             Self::Clipped(_) => false,
         }
@@ -122,7 +132,8 @@ impl Quality {
         // A motion between stripes and their inverse also breaks the pair.
         let is_by_motion = |wrong: &WrongImage| moved.is_some() && matches!(wrong.fault, ImageFault::NoInverse(_));
         let wrong_image = self.wrong_image.filter(|wrong| !is_by_motion(wrong)).map(ScanProblem::WrongImage);
-        [wrong_image, beyond, moved, exposure, clipped].into_iter().flatten().collect()
+        let order = (self.reversed > MANY_REVERSED).then_some(ScanProblem::Order);
+        [wrong_image, order, beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 
     /// Measures the quality, without wrong images.

@@ -1,19 +1,11 @@
 //! Detection of wrong images: a lagging camera, or an image taken twice, puts another pattern's image in a pattern's
-//! place, and each wrong bit mirrors a part of the code.
-//!
-//! An image is wrong if
-//! - it and its inverse are dark, or lit, in the same places ([`ImageCheck::unpaired`]);
-//! - its stripes have the edges of another bit ([`ImageCheck::repeated`]): only one bit of a Gray code changes at an
-//!   edge, several only at depth edges;
-//! - it is lit and dark where another bit is, and one of both is fine ([`ImageCheck::alike`]);
-//! - coordinates fold back along its edges ([`folded`]), which no surface causes: a projector's image has the same
-//!   orientation everywhere.
+//! place. It and its inverse are then dark, or lit, in the same places ([`ImageCheck::unpaired`]), or fine stripes are
+//! lit and dark where those of another bit are ([`ImageCheck::alike`]). What remains is for [`super::order`].
 
-use super::channels::{AxisChannels, Channels, StripeChannel};
+use super::channels::{Channels, StripeChannel};
 use super::light_images::LightImages;
 use super::response::CLIPPED_FROM;
-use super::DecodedPixel;
-use crate::patterns::{Axis, Stripes};
+use crate::patterns::Stripes;
 
 /// Maximum number of sampled pixels.
 const SAMPLED: usize = 150_000;
@@ -28,13 +20,6 @@ const MANY_UNPAIRED: f64 = 0.15;
 const SAME: f32 = 0.04;
 /// Minimum difference of a certain bit, as a share of white minus black.
 const CERTAIN: f32 = 0.35;
-/// Distance of the pixels between which edges are detected, camera pixels.
-const EDGE_REACH: usize = 3;
-/// Maximum rate of edges between these pixels; finer stripes do not show where surfaces end.
-const MANY_EDGES: f64 = 0.35;
-/// Minimum number of edges that two bits share, and minimum ratio to the bits' own edges.
-const LEAST_SHARED: u32 = 100;
-const SHARED_TO_ALONE: u32 = 2;
 /// First fine bit: from here on, different bits agree at half of the pixels, like noise.
 const FIRST_FINE_BIT: usize = 4;
 /// Minimum agreement of equal bits where both are certain, and minimum share of such pixels.
@@ -42,17 +27,8 @@ const AGREEING: f64 = 0.9;
 const COMPARABLE: f64 = 0.05;
 /// Number of pixels for comparing bits.
 const COMPARED: usize = 20_000;
-/// Minimum share of a bit's edges that finer bits confirm, and minimum share at which these are certain.
-const MOST_OF: f64 = 0.75;
-const KNOWN: f64 = 0.3;
-/// Minimum number of folds along a bit's edges, and minimum ratio to edges without a fold.
-const LEAST_FOLDS: u32 = 30;
-const FOLDS_TO_PASSES: u32 = 2;
-/// Distance of the slopes on both sides of an edge, and half their length, camera pixels.
-const SIDE: usize = 4;
-const HALF_SLOPE: usize = 2;
-/// Minimum width of stripes whose folds are detectable, projector pixels.
-const LEAST_WIDTH_PX: f64 = 16.0;
+/// Width below which stripes may be too fine for a camera, projector pixels.
+const FINE_PX: f64 = 16.0;
 
 /// Image that shows another pattern than listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,45 +46,35 @@ pub enum ImageFault {
     Copy([usize; 2]),
     /// The images are not each other's inverse.
     NoInverse([usize; 2]),
-    /// Stripes and inverse show another bit.
-    Shows([usize; 2], Stripes),
     /// Two bits' images show the same bit; which one is unknown.
     Alike([usize; 2], Stripes),
-    /// Stripes and inverse lack the bit's edges.
-    NoEdges([usize; 2]),
 }
 
 impl WrongImage {
     /// Describes the fault with the images' names.
     pub fn describe(&self, name: impl Fn(usize) -> String) -> String {
+        let bit_of = |stripes: &Stripes| format!("bit {} along {}", stripes.bit, stripes.axis.name());
         let said = bit_of(&self.stripes);
-        let (ImageFault::Copy(images)
-        | ImageFault::NoInverse(images)
-        | ImageFault::Shows(images, _)
-        | ImageFault::Alike(images, _)
-        | ImageFault::NoEdges(images)) = self.fault;
+        let (ImageFault::Copy(images) | ImageFault::NoInverse(images) | ImageFault::Alike(images, _)) = self.fault;
         let [one, other] = images.map(name);
         let fault = match &self.fault {
             ImageFault::Copy(_) => format!("{one} shows the same as {other}, not the stripes of {said}"),
             ImageFault::NoInverse(_) => {
                 format!("{one} and {other} are not each other's inverse, as those of {said} are")
             }
-            ImageFault::Shows(_, shown) => {
-                format!("{one} and {other} show the stripes of {}, not of {said}", bit_of(shown))
-            }
             ImageFault::Alike(_, also) => {
                 format!("{one} and {other} show the same, not the stripes of {said} and of {}", bit_of(also))
             }
-            ImageFault::NoEdges(_) => {
-                format!("{one} and {other} do not show the stripes of {said}: the decoded coordinates reverse at their edges")
-            }
         };
-        format!("{fault}: the camera lagged, or a picture was taken twice; show each pattern longer, and scan again")
+        let too_fine = if self.stripes.width_px() < FINE_PX {
+            ", or the stripes are too fine for the camera, which a larger --step mends"
+        } else {
+            ""
+        };
+        format!(
+            "{fault}: the camera lagged, or a picture was taken twice{too_fine}; show each pattern longer, and scan again"
+        )
     }
-}
-
-fn bit_of(stripes: &Stripes) -> String {
-    format!("bit {} along {}", stripes.bit, stripes.axis.name())
 }
 
 fn pair(channel: &StripeChannel) -> [usize; 2] {
@@ -124,7 +90,7 @@ pub(super) struct ImageCheck<'a> {
 
 impl ImageCheck<'_> {
     pub(super) fn wrong_image(&self) -> Option<WrongImage> {
-        self.unpaired().or_else(|| self.repeated()).or_else(|| self.alike())
+        self.unpaired().or_else(|| self.alike())
     }
 
     /// Indices of at most [`SAMPLED`] pixels with little noise.
@@ -211,68 +177,6 @@ impl ImageCheck<'_> {
         Some(WrongImage { stripes: bits[one].stripes, fault: ImageFault::Alike(images, bits[other].stripes) })
     }
 
-    /// Finds bits with the same edges.
-    fn repeated(&self) -> Option<WrongImage> {
-        let bits = self.bits();
-        let pairs = self.pixel_pairs(&bits);
-        let is_wide = |bit: &usize| {
-            let [edges, certain] = pairs.iter().fold([0_u32; 2], |[edges, certain], pair| {
-                let edge = (pair.edges >> bit & 1) as u32;
-                [edges + edge, certain + edge + ((pair.held[0] | pair.held[1]) >> bit & 1) as u32]
-            });
-            f64::from(edges) < MANY_EDGES * f64::from(certain)
-        };
-        let wide = (0..bits.len()).filter(is_wide).fold(0_u64, |wide, bit| wide | 1 << bit);
-        let mut alone = vec![0_u32; bits.len()];
-        let mut shared = vec![0_u32; bits.len() * bits.len()];
-        for pair in &pairs {
-            let edges = pair.edges & wide;
-            let first = edges.trailing_zeros() as usize;
-            match edges.count_ones() {
-                1 => alone[first] += 1,
-                2 => shared[first * bits.len() + (u64::BITS - 1 - edges.leading_zeros()) as usize] += 1,
-                _ => {}
-            }
-        }
-        let shared = (0..shared.len()).filter_map(|index| {
-            let (one, other, count) = (index / bits.len(), index % bits.len(), shared[index]);
-            let is_shared = count >= LEAST_SHARED && count > SHARED_TO_ALONE * (alone[one] + alone[other]);
-            is_shared.then_some((count, one, other))
-        });
-        let (_, one, other) = shared.max()?;
-        let both = 1 << one | 1 << other;
-        let events: Vec<&PixelPair> = pairs.iter().filter(|pair| pair.edges & wide == both).collect();
-        Some(match [one, other].map(|bit| edges_fit(&bits, &events, bit, both)) {
-            [Some(true), Some(false) | None] | [None, Some(false)] => shows(bits[other], bits[one]),
-            [Some(false) | None, Some(true)] | [Some(false), None] => shows(bits[one], bits[other]),
-            _ => {
-                let alike = [bits[one].lit, bits[other].lit];
-                WrongImage { stripes: bits[one].stripes, fault: ImageFault::Alike(alike, bits[other].stripes) }
-            }
-        })
-    }
-
-    /// Bits at pairs of near pixels.
-    fn pixel_pairs(&self, bits: &[&StripeChannel]) -> Vec<PixelPair> {
-        let width = self.light.images.size_px[0] as usize;
-        let reach = [EDGE_REACH, EDGE_REACH * width];
-        let mut pairs = Vec::new();
-        for pixel in self.sample() {
-            let mut here = None;
-            for (along, by) in reach.into_iter().enumerate() {
-                let is_inside = along == 1 || pixel % width + EDGE_REACH < width;
-                if !is_inside || self.noise.get(pixel + by).is_none_or(|noise| *noise >= MOST_NOISE) {
-                    continue;
-                }
-                let [lit, dark] = *here.get_or_insert_with(|| self.signs(bits, pixel));
-                let [other_lit, other_dark] = self.signs(bits, pixel + by);
-                let edges = (lit & other_dark) | (dark & other_lit);
-                pairs.push(PixelPair { edges, held: [lit & other_lit, dark & other_dark] });
-            }
-        }
-        pairs
-    }
-
     /// Bits that are certainly lit at a pixel, and those that are certainly dark.
     fn signs(&self, bits: &[&StripeChannel], pixel: usize) -> [u64; 2] {
         let Channels { white, black, .. } = *self.light.channels;
@@ -288,149 +192,19 @@ impl ImageCheck<'_> {
     }
 }
 
-/// Tests whether edges are those of a bit: there, the next finer bit is lit, and the one after it dark. `None` if these
-/// bits are uncertain.
-fn edges_fit(bits: &[&StripeChannel], events: &[&PixelPair], bit: usize, without: u64) -> Option<bool> {
-    let is_finer = |finer: &usize| {
-        bits.get(*finer).is_some_and(|next| next.stripes.axis == bits[bit].stripes.axis) && without >> finer & 1 == 0
-    };
-    let (next, after) = (Some(bit + 1).filter(is_finer), Some(bit + 2).filter(is_finer));
-    let holds = |pair: &PixelPair, bit: usize| [0, 1].map(|state| pair.held[state] >> bit & 1 == 1);
-    let (mut fit, mut known) = (0_u32, 0_u32);
-    for pair in events {
-        let [lit, _] = next.map_or([true, false], |next| holds(pair, next));
-        let [_, dark] = after.map_or([false, true], |after| holds(pair, after));
-        let is_known = [next, after].into_iter().flatten().all(|bit| holds(pair, bit).contains(&true));
-        known += u32::from(is_known);
-        fit += u32::from(is_known && lit && dark);
-    }
-    let is_conclusive = (next.is_some() || after.is_some()) && f64::from(known) > KNOWN * events.len() as f64;
-    is_conclusive.then(|| f64::from(fit) > MOST_OF * f64::from(known))
-}
-
-fn shows(said: &StripeChannel, shown: &StripeChannel) -> WrongImage {
-    WrongImage { stripes: said.stripes, fault: ImageFault::Shows(pair(said), shown.stripes) }
-}
-
-/// Bits at two near pixels.
-struct PixelPair {
-    /// Bits that are lit at one and dark at the other.
-    edges: u64,
-    /// Bits that are lit at both, and those that are dark at both.
-    held: [u64; 2],
-}
-
-/// Finds a bit along whose edges coordinates fold back.
-pub(super) fn folded(pixels: &[DecodedPixel], width: usize, channels: &Channels) -> Option<WrongImage> {
-    let margin = (SIDE + HALF_SLOPE) * (width + 1);
-    let mut counts = channels.axes.each_ref().map(|axis| vec![FoldCounts::default(); axis.code_bits]);
-    for index in margin..pixels.len().saturating_sub(margin) {
-        if !pixels[index - SIDE].is_decoded() && !pixels[index - SIDE * width].is_decoded() {
-            continue;
-        }
-        for along in 0..2 {
-            for axis in Axis::ALL {
-                if let Some(slopes) = SlopePair::new(pixels, width, index, along, axis) {
-                    slopes.count(&channels.axes[axis.index()], &mut counts[axis.index()]);
-                }
-            }
-        }
-    }
-    let bits = channels.axes.iter().zip(&counts).flat_map(|(axis, counts)| axis.all.iter().zip(counts));
-    let is_folded = |folds: &FoldCounts| folds.back >= LEAST_FOLDS && folds.back > FOLDS_TO_PASSES * folds.on;
-    let (channel, _) = bits.filter(|(_, folds)| is_folded(folds)).max_by_key(|(_, folds)| folds.back)?;
-    Some(WrongImage { stripes: channel.stripes, fault: ImageFault::NoEdges(pair(channel)) })
-}
-
-/// Numbers of edges of a bit at which coordinates fold back, and at which they go on.
-#[derive(Debug, Clone, Copy, Default)]
-struct FoldCounts {
-    back: u32,
-    on: u32,
-}
-
-/// Two slopes of the coordinates that meet at a place.
-struct SlopePair {
-    /// Coordinate of the place, projector pixels.
-    at: f32,
-    /// Change of the coordinate over half the distance to either side, projector pixels.
-    reach: f32,
-    is_back: bool,
-}
-
-impl SlopePair {
-    /// `None` where the surface is not continuous.
-    fn new(pixels: &[DecodedPixel], width: usize, index: usize, along: usize, axis: Axis) -> Option<Self> {
-        let by = SIDE * [1, width][along];
-        let slope = |index: usize, axis: usize| {
-            [1, width].map(|by| pixels[index + HALF_SLOPE * by].at[axis] - pixels[index - HALF_SLOPE * by].at[axis])
-        };
-        let (axis, other) = (axis.index(), 1 - axis.index());
-        let (before, after) = (slope(index - by, axis), slope(index + by, axis));
-        let length = before[0].hypot(before[1]);
-        if length <= 1.0 || before[along].abs() <= 0.5 * length {
-            return None;
-        }
-        let sum = (before[0] + after[0]).hypot(before[1] + after[1]);
-        let difference = (before[0] - after[0]).hypot(before[1] - after[1]);
-        let is_back = sum < 0.4 * length;
-        let (other_before, other_after) = (slope(index - by, other), slope(index + by, other));
-        let other_difference = (other_before[0] - other_after[0]).hypot(other_before[1] - other_after[1]);
-        let goes_on = other_difference < 0.4 * other_before[0].hypot(other_before[1]);
-        let meets = [
-            pixels[index - by].at[axis] + before[along] * SIDE as f32 / (2 * HALF_SLOPE) as f32,
-            pixels[index + by].at[axis] - after[along] * SIDE as f32 / (2 * HALF_SLOPE) as f32,
-        ];
-        let does_meet = (meets[0] - meets[1]).abs() < 1.0 + 0.5 * length;
-        let is_one = goes_on && does_meet && (is_back || difference < 0.4 * length);
-        is_one.then_some(Self { at: 0.5 * (meets[0] + meets[1]), reach: (0.5 * length).max(1.0), is_back })
-    }
-
-    fn count(&self, channels: &AxisChannels, counts: &mut [FoldCounts]) {
-        let sides = [self.at - self.reach, self.at + self.reach].map(|at| at.round().max(0.0) as u32);
-        for (channel, folds) in channels.all.iter().zip(counts) {
-            let stripes = &channel.stripes;
-            if stripes.width_px() < LEAST_WIDTH_PX.max(f64::from(4.0 * self.reach)) {
-                break;
-            }
-            if stripes.is_lit(sides[0]) != stripes.is_lit(sides[1]) {
-                *(if self.is_back { &mut folds.back } else { &mut folds.on }) += 1;
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patterns::gray_code;
-
-    const SIDE: usize = 80;
-
-    /// Slanted surface, decoded with a lost bit: where its stripes are lit, columns are mirrored about the edge before.
-    fn surface(lost: Option<Stripes>) -> Vec<DecodedPixel> {
-        let pixel = |index: usize| {
-            let (x, y) = ((index % SIDE) as f32, (index / SIDE) as f32);
-            let (mut u, v) = (20.3 + 2.0 * x + 0.2 * y, 10.6 + 1.8 * y - 0.1 * x);
-            if let Some(stripes) = lost.filter(|stripes| stripes.is_lit(u.round() as u32)) {
-                // The bit's stripes begin in the middle of a block of their width.
-                let block = stripes.width_px() as f32;
-                u = (2.0 * ((u + 0.5) / block).floor() + 1.0) * block - 1.0 - u;
-            }
-            DecodedPixel { at: [u, v], sigma: [0.1; 2] }
-        };
-        (0..SIDE * SIDE).map(pixel).collect()
-    }
+    use crate::patterns::Axis;
 
     #[test]
-    fn a_lost_bit_folds_coordinates_back_along_its_edges() {
-        let channels = Channels::new(&gray_code([256, 256])).unwrap();
-        assert_eq!(folded(&surface(None), SIDE, &channels), None);
-        for bit in [1, 2] {
-            let channel = &channels.axes[0].all[bit];
-            let found = folded(&surface(Some(channel.stripes)), SIDE, &channels);
-            assert_eq!(found.map(|found| found.stripes), Some(channel.stripes), "{bit}");
-            assert_eq!(found.map(|found| found.fault), Some(ImageFault::NoEdges(pair(channel))));
+    fn a_larger_step_is_named_for_fine_stripes_only() {
+        for (bit, is_fine) in [(0, false), (6, false), (8, true), (10, true)] {
+            let stripes = Stripes { axis: Axis::Y, bits: 11, bit, step: 1, offset: 0, inverted: false };
+            let wrong = WrongImage { stripes, fault: ImageFault::NoInverse([2, 3]) };
+            let text = wrong.describe(|index| format!("c{index:02}.png"));
+            assert!(text.starts_with("c02.png and c03.png are not each other's inverse"), "{text}");
+            assert_eq!(text.contains("--step"), is_fine, "{text}");
         }
     }
 }
