@@ -8,7 +8,7 @@ use crate::solve::skew_of_all;
 use crate::{crossings, solve, Images, Lens, Parameter, Refusal, Skew, Solution, SolveOptions};
 
 /// Maximum relative difference of the focal lengths of square pixels.
-const SQUARE_PIXELS: f64 = 0.02;
+pub(crate) const SQUARE_PIXELS: f64 = 0.02;
 /// Maximum skew of an undistorted image: as a share of the focal length,
 const NO_SKEW: f64 = 0.003;
 /// and in standard deviations.

@@ -5,6 +5,7 @@ use nalgebra::Isometry3;
 use super::bundle::{Adjusted, Bundle, Rig};
 use super::zhang::{first_lens, first_pose};
 use super::{BoardCorner, BoardRefusal, Chessboard};
+use crate::keystone::SQUARE_PIXELS;
 use crate::statistics::root_mean_square;
 use crate::Lens;
 
@@ -36,6 +37,7 @@ pub(super) fn solve_camera(
     let Some(given) = given else {
         let free = camera(views, board, &first_lens(views, size_px), true)?;
         free.check()?;
+        free.check_squares()?;
         return Ok(free);
     };
     let known = camera(views, board, given, false)?;
@@ -44,6 +46,7 @@ pub(super) fn solve_camera(
         let free = camera(views, board, &first_lens(views, size_px), true);
         let (factor, more_px) = GIVEN_FITS;
         if let Some(free) = free.ok().filter(|free| known.rms_px > factor * free.rms_px + more_px) {
+            free.check_squares()?;
             return Err(BoardRefusal::WrongCameraInfo { given_px: known.rms_px, solved_px: free.rms_px });
         }
     }
@@ -74,6 +77,16 @@ pub fn board_pose(corners: &[BoardCorner], board: Chessboard, lens: &Lens) -> Op
 }
 
 impl SolvedCamera {
+    /// Refuses a lens that was solved for and has no square pixels: it is the board's squares that are not square.
+    fn check_squares(&self) -> Result<(), BoardRefusal> {
+        let focal_px = self.rig.camera.focal_px;
+        let differ = (focal_px.x / focal_px.y - 1.0).abs();
+        if differ > SQUARE_PIXELS {
+            return Err(BoardRefusal::NotSquare { percent: 100.0 * differ });
+        }
+        Ok(())
+    }
+
     /// Refuses an uncertain lens and one that does not fit.
     fn check(&self) -> Result<(), BoardRefusal> {
         let lens = &self.rig.camera;

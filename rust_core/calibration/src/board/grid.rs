@@ -2,6 +2,7 @@
 //!
 //! Two corners are neighbours if a straight edge joins them: bright on one side all along, dark on the other. From a
 //! seed the grid grows along such edges, and sides of an edge that contradict the pattern of squares are not followed.
+//! Around a corner bright and dark squares alternate, unlike where squares meet the sheet's edge.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -21,6 +22,8 @@ const LEAST_ASIDE_PX: f64 = 1.5;
 /// Minimum contrast of an edge's weakest place as a share of its mean, and minimum mean, levels.
 const EVENNESS: f64 = 0.3;
 const LEAST_CONTRAST: f64 = 4.0;
+/// Places in the four squares around a corner, in steps to its neighbours.
+const IN_SQUARE: f64 = 0.3;
 /// Tolerance of a step along the grid, in steps.
 const TOLERANCE: f64 = 0.35;
 /// Maximum number of corners beyond the board, such as those of reflections, as a share of its shorter side.
@@ -64,7 +67,7 @@ impl Grid {
             if is_used[seed] {
                 continue;
             }
-            let grown = Self::grown(points, &edges, seed);
+            let grown = Self::grown(grey, points, &edges, seed);
             grown.places.values().for_each(|index| is_used[*index] = true);
             let (count, grid) = (grown.places.len(), grown.within(most));
             if count > grid.places.len() + (BEYOND * f64::from(most[0].min(most[1]))) as usize {
@@ -82,7 +85,7 @@ impl Grid {
     }
 
     /// Grows a grid from a seed.
-    fn grown(points: &[Point2<f64>], edges: &[Vec<Edge>], seed: usize) -> Self {
+    fn grown(grey: &Grey, points: &[Point2<f64>], edges: &[Vec<Edge>], seed: usize) -> Self {
         let mut grid = Self::default();
         let directions: Vec<Vector2<f64>> = edges[seed].iter().map(|edge| points[edge.to] - points[seed]).collect();
         let first = directions[0];
@@ -93,8 +96,11 @@ impl Grid {
         let second = *second * cross(&second).signum();
         // Squares of even places are bright if this is 1.
         let even = edges[seed][0].side;
-        let mut queue =
-            VecDeque::from([Grown { index: seed, place: [0, 0], steps: Matrix2::from_columns(&[first, second]) }]);
+        let steps = Matrix2::from_columns(&[first, second]);
+        if !alternates(grey, points[seed], &steps) {
+            return grid;
+        }
+        let mut queue = VecDeque::from([Grown { index: seed, place: [0, 0], steps }]);
         let mut is_used = vec![false; points.len()];
         is_used[seed] = true;
         grid.places.insert([0, 0], seed);
@@ -106,7 +112,8 @@ impl Grid {
             for (axis, sign, to) in neighbours {
                 let mut place = grown.place;
                 place[axis] += sign;
-                if is_used[to] || grid.places.contains_key(&place) {
+                let is_taken = is_used[to] || grid.places.contains_key(&place);
+                if is_taken || !alternates(grey, points[to], &grown.steps) {
                     continue;
                 }
                 is_used[to] = true;
@@ -197,6 +204,19 @@ fn edges(grey: &Grey, points: &[Point2<f64>]) -> Vec<Vec<Edge>> {
     };
     use rayon::prelude::*;
     (0..points.len()).into_par_iter().map(nearest).collect()
+}
+
+/// `true` if bright and dark squares alternate around a corner.
+fn alternates(grey: &Grey, corner: Point2<f64>, steps: &Matrix2<f64>) -> bool {
+    let level = |x: f64, y: f64| grey.at(corner + steps * Vector2::new(x, y) * IN_SQUARE);
+    let (Some(one), Some(opposite), Some(left), Some(right)) =
+        (level(1.0, 1.0), level(-1.0, -1.0), level(-1.0, 1.0), level(1.0, -1.0))
+    else {
+        return false;
+    };
+    let difference = one + opposite - left - right;
+    let gap = if difference > 0.0 { one.min(opposite) - left.max(right) } else { left.min(right) - one.max(opposite) };
+    gap > EVENNESS * 0.5 * difference.abs()
 }
 
 /// The bright side of the edge between two corners: 1 for the side of its direction turned from x to y, else -1;

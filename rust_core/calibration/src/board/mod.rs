@@ -156,6 +156,15 @@ pub enum BoardRefusal {
         /// Standard deviation of the focal length, percent.
         percent: f64,
     },
+    /// The camera's focal lengths differ.
+    #[error(
+        "by this board, the camera's fx and fy differ by {percent:.1} %, but a camera's pixels are square: measure the \
+         squares along both sides, and print the board at 100 %; a camera whose pixels are not square needs a CameraInfo"
+    )]
+    NotSquare {
+        /// Difference, percent.
+        percent: f64,
+    },
     /// No camera fits the corners.
     #[error(
         "the corners do not fit a camera's lens, the RMS error is {rms_px:.2} px: use a flat board, keep it at rest, and \

@@ -15,6 +15,8 @@ struct World {
     projector: Lens,
     projector_from_camera: Isometry3<f64>,
     noise_px: f64,
+    /// Length of the board's squares along columns over what it says.
+    stretch: f64,
 }
 
 impl World {
@@ -28,7 +30,7 @@ impl World {
             ..Lens::pinhole(PROJECTOR_PX, [1500.0, 1495.0], [645.0, 700.0])
         };
         let projector_from_camera = Isometry3::new(Vector3::new(0.2, -0.25, 0.02), Vector3::new(-0.05, -0.12, 0.02));
-        Self { camera, projector, projector_from_camera, noise_px: 0.03 }
+        Self { camera, projector, projector_from_camera, noise_px: 0.03, stretch: 1.0 }
     }
 
     /// The corners of a board by its tilts and the place of its middle.
@@ -41,7 +43,8 @@ impl World {
         let mut noise = || (0..6).map(|_| random.unit() - 0.5).sum::<f64>() * std::f64::consts::SQRT_2 * self.noise_px;
         let corner = |place: [i32; 2]| {
             let corner = BoardCorner { place, pixel: Point2::origin(), lit_by: None };
-            let point = pose * corner.point(BOARD.square_m);
+            let printed = corner.point(BOARD.square_m);
+            let point = pose * Point3::new(printed.x, printed.y * self.stretch, 0.0);
             let pixel = self.camera.project(&point)? + nalgebra::Vector2::new(noise(), noise());
             let lit_by = self.projector.project(&(self.projector_from_camera * point))?;
             let lit_by = lit_by + nalgebra::Vector2::new(noise(), noise());
@@ -137,6 +140,48 @@ fn what_does_not_allow_a_calibration_is_refused() {
         lit.pixel.x = f64::from(PROJECTOR_PX[0]) - 1.0 - lit.pixel.x;
     }
     assert_eq!(refusal(&mirrored, None), BoardRefusal::Projector(Refusal::Mirrored));
+}
+
+#[test]
+fn a_board_whose_squares_are_not_square_is_refused_for_that() {
+    for (stretch, is_refused) in [(1.005, false), (0.97, true), (1.03, true), (1.4, true)] {
+        // The board is as long as it says along one side only.
+        let world = World { stretch, ..World::new() };
+        for camera in [None, Some(world.camera)] {
+            let refusal = solve_boards(&world.views(), &options(camera)).err();
+            let is_named = matches!(refusal, Some(BoardRefusal::NotSquare { .. }));
+            assert!(is_named == is_refused, "{stretch} {}: {refusal:?}", camera.is_some());
+        }
+    }
+}
+
+#[test]
+fn corners_at_the_sheets_edge_are_not_the_boards() {
+    let board = Chessboard { corners: [3, 3], square_m: 0.05 };
+    for background in [10.0, 90.0, 128.0, 170.0, 240.0] {
+        for (turn, margin) in [(0.05, 0.0), (0.4, 0.0), (-0.6, 0.1), (0.3, 0.5)] {
+            // Squares of 40 pixels, foreshortened, each pixel the mean of 16.
+            let level = |x: f64, y: f64| {
+                let (x, y) = ((x - 160.0) / 40.0, (y - 120.0) / 40.0);
+                let far = 1.0 + 0.05 * x;
+                let (x, y) = (x * f64::cos(turn) + y * f64::sin(turn), y * f64::cos(turn) - x * f64::sin(turn));
+                let (x, y) = (x / far + 2.0, y / far + 2.0);
+                let is_in = |edge: f64| (-edge..4.0 + edge).contains(&x) && (-edge..4.0 + edge).contains(&y);
+                match ((x.floor() + y.floor()).rem_euclid(2.0) == 0.0, is_in(0.0), is_in(margin)) {
+                    (true, true, _) => 30.0,
+                    (_, _, true) => 210.0,
+                    _ => background,
+                }
+            };
+            let mean = |x: i32, y: i32| {
+                let parts = (0..16).map(|part| [part % 4, part / 4].map(|part| 0.25 * f64::from(part) - 0.375));
+                parts.map(|[right, down]| level(f64::from(x) + right, f64::from(y) + down)).sum::<f64>() / 16.0
+            };
+            let grey: Vec<u8> = (0..240).flat_map(|y| (0..320).map(move |x| mean(x, y) as u8)).collect();
+            let count = find_chessboard(&grey, [320, 240], &board).map(|corners| corners.len());
+            assert_eq!(count, Ok(9), "{background} {turn} {margin}");
+        }
+    }
 }
 
 #[test]
