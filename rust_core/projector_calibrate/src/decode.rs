@@ -79,8 +79,8 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
         log::warn!("{}: {problem}", folder.display());
     }
     if decoded.count() == 0 {
-        let reason = "no pixel could be decoded: the camera does not see the projector's light, or the pictures are \
-                      not in the patterns' order";
+        let reason = "no pixel could be decoded: the camera does not see the projector's light, the stripes are too \
+                      fine for it (a larger --step mends that), or the pictures are not in the patterns' order";
         return Err(Failure::Refused(anyhow::anyhow!("{}: {reason}", folder.display())));
     }
     Ok(decoded)

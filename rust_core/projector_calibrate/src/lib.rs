@@ -14,6 +14,7 @@ mod known_projector;
 mod live;
 mod manual;
 mod patterns;
+mod pictures;
 mod placing;
 mod refine;
 mod scan;

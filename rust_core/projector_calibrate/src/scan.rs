@@ -1,6 +1,6 @@
 //! `projector_calibrate scan`: the scan engine of [`rcs_scan`] on ROS topics and a window, or on a bag.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
@@ -15,8 +15,9 @@ use rcs_scan::{
 };
 
 use super::arguments::{check_folder, chessboard, seconds, size_px};
-use super::board::{BoardScan, ImageFolders};
+use super::board::BoardScan;
 use super::live::{DeviceArguments, ImageTopic, LiveSession, LiveSetup, Progress};
+use super::pictures::Pictures;
 use super::placing::read_projector;
 use super::{show, Failure};
 
@@ -65,8 +66,11 @@ pub(super) struct ScanArguments {
     /// Scan what this bag has recorded, or several, such as the parts of a split recording: .bag or .mcap of ROS 1
     #[arg(long, value_name = "FILE.bag", num_args = 1.., conflicts_with = "monitor")]
     bag: Vec<PathBuf>,
+    /// Scan a printed chessboard in several poses, without depth; the log says how to hold it
+    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
+    board: Option<Chessboard>,
     #[command(flatten)]
-    board: BoardArguments,
+    pictures: PictureArguments,
     /// With --bag or --pictures: the folder of the patterns that were shown, or its patterns.yaml [default: those that
     /// the command patterns writes for --size and --step]
     #[arg(long, value_name = "DIR|FILE")]
@@ -81,22 +85,22 @@ pub(super) struct ScanArguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MAX_STEP))]
     step: u32,
     /// Write what was decoded as an image in false colours: red for columns, green for rows
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", conflicts_with = "board")]
     preview: Option<PathBuf>,
 }
 
-/// A printed board in place of the room.
+/// Images in files in place of a camera.
 #[derive(Debug, Clone, Args)]
-struct BoardArguments {
-    /// Scan a printed chessboard in several poses, without depth; the log says how to hold it
-    #[arg(long, value_name = "chessboard:CxR:SIDE", value_parser = chessboard, conflicts_with = "bag")]
-    board: Option<Chessboard>,
-    /// With --board: take the images in DIR, a folder for each pose
-    #[arg(long = "pictures", value_name = "DIR", requires = "board", conflicts_with_all = ["monitor", "show_on", "preview"])]
+struct PictureArguments {
+    /// Take the camera's images in DIR, one of each pattern; with --board, a folder of them for each pose
+    #[arg(long = "pictures", value_name = "DIR", conflicts_with_all = ["bag", "monitor", "show_on"])]
     images: Option<PathBuf>,
     /// With --pictures: the camera's file, if it is calibrated
     #[arg(long, value_name = "FILE", requires = "images")]
     camera: Option<PathBuf>,
+    /// With --pictures and --camera: depth that is registered to them, a PNG of 16 bits in millimetres
+    #[arg(long, value_name = "FILE.png", requires = "camera", conflicts_with = "board")]
+    depth_picture: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -106,10 +110,12 @@ pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
         return scan_bags(arguments);
     }
     let board = arguments.board_scan();
-    if let (Some(scan), Some(folder)) = (&board, &arguments.board.images) {
-        let camera = arguments.board.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
-        let patterns = arguments.recorded_patterns()?;
-        return scan.clone().of_folders(&ImageFolders { folder, patterns, camera });
+    if let Some(folder) = &arguments.pictures.images {
+        let pictures = arguments.pictures(folder)?;
+        return match board {
+            Some(scan) => scan.of_folders(&pictures),
+            None => scan_pictures(arguments, &pictures),
+        };
     }
     let setup = LiveSetup {
         name: "the scan",
@@ -166,10 +172,24 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     write(arguments, &scanned?)
 }
 
+/// Scans the images in a folder.
+fn scan_pictures(arguments: &ScanArguments, pictures: &Pictures<'_>) -> Result<(), Failure> {
+    let folder = pictures.folder.display();
+    let set = pictures.read(pictures.folder)?;
+    if set.greys.is_empty() {
+        return Err(Failure::Unreadable(anyhow!("{folder}: no pictures: give the folder with one of each pattern")));
+    }
+    match pictures.scan(pictures.folder, set) {
+        Ok(scanned) => write(arguments, &scanned),
+        Err(failure) if failure.is_refusal() => Err(Failure::Refused(anyhow!("{folder}: {failure}"))),
+        Err(failure) => Err(Failure::Unreadable(anyhow!("{folder}: {failure}"))),
+    }
+}
+
 /// Writes the capture and the preview.
 fn write(arguments: &ScanArguments, scanned: &ScanResult) -> Result<(), Failure> {
     let ScanResult { capture, decoded, is_complete } = scanned;
-    if capture.robot.frames.is_empty() {
+    if capture.robot.frames.is_empty() && arguments.pictures.images.is_none() {
         log::warn!(
             "no chain of frames in the capture: '{}' is not in TF; solve cannot tell whether joints move the camera",
             capture.camera_frame_id
@@ -195,7 +215,7 @@ impl ScanArguments {
     /// The camera's topics.
     fn topics(&self) -> CameraTopics {
         let topics = self.devices.camera.topics();
-        if self.no_depth || self.board.board.is_some() {
+        if self.no_depth || self.board.is_some() {
             CameraTopics { depth: DepthTopic::None, ..topics }
         } else {
             topics
@@ -205,7 +225,14 @@ impl ScanArguments {
     /// The scan of a board, if it is one.
     fn board_scan(&self) -> Option<BoardScan> {
         let (projector_px, output) = (self.size, self.output.clone());
-        self.board.board.map(|board| BoardScan { board, projector_px, output })
+        self.board.map(|board| BoardScan { board, projector_px, output })
+    }
+
+    /// Images in files.
+    fn pictures<'a>(&'a self, folder: &'a Path) -> Result<Pictures<'a>, Failure> {
+        let camera = self.pictures.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
+        let (projector_px, patterns) = (self.size, self.recorded_patterns()?);
+        Ok(Pictures { folder, projector_px, patterns, camera, depth: self.pictures.depth_picture.as_deref() })
     }
 
     /// The patterns of a recording, in their order.
@@ -227,7 +254,7 @@ impl ScanArguments {
 
     /// Checks before the scan that its files can be written.
     fn check_files(&self) -> Result<(), Failure> {
-        if self.patterns.is_some() && self.bag.is_empty() && self.board.images.is_none() {
+        if self.patterns.is_some() && self.bag.is_empty() && self.pictures.images.is_none() {
             return Err(Failure::Unreadable(anyhow!("--patterns needs --bag or --pictures")));
         }
         check_folder(&self.output)?;

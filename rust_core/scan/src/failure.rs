@@ -51,7 +51,10 @@ pub enum ScanFailure {
     #[error("interrupted before enough was seen")]
     Interrupted,
     /// Too few camera pixels were decoded; their number.
-    #[error("only {0} pixels could be decoded: light more of what the camera sees")]
+    #[error(
+        "only {0} pixels could be decoded: light more of what the camera sees, or use a larger --step if the stripes are \
+         too fine for it"
+    )]
     Undecoded(usize),
     /// No depth was measured.
     #[error("no depth image was received during the scan: without depth, scan with --no-depth")]

@@ -12,7 +12,7 @@ const LIT_NOISE: f64 = 3.0;
 pub(crate) const MIN_LIT: f64 = 0.005;
 /// Limit of a change of brightness, as a share of the projector's light.
 pub(crate) const MAX_CHANGE: f64 = 0.06;
-/// Shares of clipped lit pixels for a warning, and for a refusal.
+/// Shares of clipped lit pixels for a warning, and for a refusal to measure spots.
 const WARN_CLIPPED: f64 = 0.02;
 const MAX_CLIPPED: f64 = 0.25;
 /// Contrast of white and black below which there is a warning, levels.
@@ -47,7 +47,7 @@ impl Illumination {
     /// `screen` the screen's name in messages.
     ///
     /// # Errors
-    /// [`ScanFailure::NoLight`] and [`ScanFailure::Overexposed`].
+    /// [`ScanFailure::NoLight`].
     pub(crate) fn of_images(
         black: &[u8],
         white: &[u8],
@@ -60,7 +60,7 @@ impl Illumination {
         if (lit.len() as f64) < MIN_LIT * all.len() as f64 {
             return Err(ScanFailure::NoLight(screen.to_owned()));
         }
-        let clipped = clipped_share(white, &lit)?;
+        let clipped = clipped_share(white, &lit);
         let contrast = mean(white, &lit) - mean(black, &lit);
         Ok(Self { delay: Delay::default(), lit, noise, clipped, contrast })
     }
@@ -80,6 +80,17 @@ impl Illumination {
         }
     }
 
+    /// Refuses an exposure at which spots cannot be measured. Stripes can still be decoded, which judges that itself.
+    ///
+    /// # Errors
+    /// [`ScanFailure::Overexposed`].
+    pub(crate) fn check_exposure(&self) -> Result<(), ScanFailure> {
+        if self.clipped > MAX_CLIPPED {
+            return Err(ScanFailure::Overexposed(self.clipped));
+        }
+        Ok(())
+    }
+
     /// `true` if there is a warning of overexposure.
     pub(crate) fn is_overexposed(&self) -> bool {
         self.clipped > WARN_CLIPPED
@@ -93,15 +104,8 @@ pub(crate) fn lit_pixels(black: &[u8], white: &[u8], at: &[usize], noise: f64) -
 }
 
 /// The share of clipped pixels among the lit ones.
-///
-/// # Errors
-/// [`ScanFailure::Overexposed`].
-pub(crate) fn clipped_share(white: &[u8], lit: &[usize]) -> Result<f64, ScanFailure> {
-    let clipped = lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count() as f64 / lit.len().max(1) as f64;
-    if clipped > MAX_CLIPPED {
-        return Err(ScanFailure::Overexposed(clipped));
-    }
-    Ok(clipped)
+pub(crate) fn clipped_share(white: &[u8], lit: &[usize]) -> f64 {
+    lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count() as f64 / lit.len().max(1) as f64
 }
 
 /// The mean of frames of one size, rounded.
@@ -112,4 +116,17 @@ pub(crate) fn average<'a>(frames: impl ExactSizeIterator<Item = &'a Vec<u8>> + C
         sums.iter_mut().zip(frame).for_each(|(sum, level)| *sum += u32::from(*level));
     }
     sums.into_iter().map(|sum| ((sum + count / 2) / count) as u8).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spots_are_not_measured_where_much_is_clipped() {
+        let light =
+            |clipped| Illumination { delay: Delay::default(), lit: Vec::new(), noise: 0.0, clipped, contrast: 99.0 };
+        assert!(light(0.2).check_exposure().is_ok());
+        assert!(matches!(light(0.3).check_exposure(), Err(ScanFailure::Overexposed(_))));
+    }
 }

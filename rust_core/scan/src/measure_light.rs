@@ -72,7 +72,7 @@ impl ScanSession<'_> {
         if between.moved > MAX_MOVED {
             return Err(ScanFailure::Moved(between.moved));
         }
-        let clipped = clipped_share(whites[1], &lit)?;
+        let clipped = clipped_share(whites[1], &lit);
         Ok(Illumination { delay, lit, noise, clipped, contrast: high - low })
     }
 
@@ -80,7 +80,7 @@ impl ScanSession<'_> {
     /// for [`Self::check_unchanged`] to find. Returns the image of black, too.
     ///
     /// # Errors
-    /// [`ScanFailure`]: no light is seen, or it is too much.
+    /// [`ScanFailure`]: no light is seen.
     pub(crate) fn look_briefly(&mut self) -> Result<(Illumination, Vec<u8>), ScanFailure> {
         let all = sample(self.camera.lens().size_px);
         let (black, black_noise) = self.settled(&Pattern::Black, &all, BRIEF_BLACK, |_| true)?;
@@ -89,7 +89,7 @@ impl ScanSession<'_> {
         let (white, noise) = self.settled(&Pattern::White, &all, Duration::ZERO, is_lit)?;
         let lit = lit_pixels(&black, &white, &all, noise);
         let levels = [mean(&black, &lit), mean(&white, &lit)];
-        let clipped = clipped_share(&white, &lit)?;
+        let clipped = clipped_share(&white, &lit);
         let StepResponse { delay, noise, image, .. } = self.step_response(&Pattern::Black, &lit, levels, BRIEF_HOLD)?;
         let noise = noise.max(black_noise);
         Ok((Illumination { delay, lit, noise, clipped, contrast: levels[1] - levels[0] }, image))

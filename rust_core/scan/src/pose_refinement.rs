@@ -45,6 +45,7 @@ impl ScanSession<'_> {
     ) -> Result<Refinement, ScanFailure> {
         let started = self.camera.now();
         let (light, black) = self.look_briefly()?;
+        light.check_exposure()?;
         light.warn(&mut |warning| self.warn(warning));
         let white = self.capture(&Pattern::White, &light, Some(&black))?;
         let depth_m = self.average_depth(MIN_DEPTHS)?;

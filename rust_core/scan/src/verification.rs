@@ -33,6 +33,7 @@ impl ScanSession<'_> {
         projector_from_camera: &Isometry3<f64>,
     ) -> Result<Verification, ScanFailure> {
         let light = self.measure_light()?;
+        light.check_exposure()?;
         light.warn(&mut |warning| self.warn(warning));
         let white = self.capture(&Pattern::White, &light, None)?;
         let black = self.capture(&Pattern::Black, &light, Some(&white))?;

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_files::image_file;
-use rcs_files::projector::ProjectorFile;
+use rcs_files::projector::{write_camera, ProjectorFile};
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
 use rcs_scene::{Encoding, Image};
 use rcs_tests::programs::program;
@@ -54,15 +54,27 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
     for (index, (tilt, place)) in poses.into_iter().enumerate() {
         write_pose(&folder.path().join(format!("photos/p{index}")), &rig, tilt, place);
     }
+    // Pictures of something else in a folder beside the poses.
+    fs::create_dir(folder.path().join("photos/else")).unwrap();
+    for name in ["shot_0.png", "shot_1.png"] {
+        fs::copy(folder.path().join("photos/p0").join(name), folder.path().join("photos/else").join(name)).unwrap();
+    }
     let board = ["--board", "chessboard:8x6:45mm", "--size", "1280x800"];
     let scan = |arguments: &[&str]| run(folder.path(), &[&["scan"], &board[..], arguments].concat());
     let (code, errors) = scan(&["--pictures", "photos", "-o", "boards"]);
     assert_eq!(code, Some(0), "{errors}");
     assert!(errors.contains("pose05: 48 corners") && errors.contains("written: 5 poses in boards"), "{errors}");
+    assert!(errors.contains("photos/else: this pose is not used: 2 pictures, but 44 patterns"), "{errors}");
     let (code, errors) = scan(&["--pictures", "photos", "-o", "boards"]);
     assert!(code == Some(2) && errors.contains("folders in it already"), "{errors}");
     let (code, errors) = scan(&["--pictures", "boards/pose01", "-o", "none"]);
     assert!(code == Some(2) && errors.contains("no folders of pictures"), "{errors}");
+    // Refused for another reason, each.
+    fs::create_dir(folder.path().join("side")).unwrap();
+    fs::rename(folder.path().join("photos/else"), folder.path().join("side/else")).unwrap();
+    let (code, errors) = scan(&["--pictures", "side", "-o", "refused"]);
+    let last = errors.lines().last().unwrap_or_default();
+    assert!(code == Some(1) && last.contains("side/else: 2 pictures, but 44 patterns"), "{errors}");
 
     let solve = |arguments: &[&str]| run(folder.path(), &[&["solve"], arguments, &["--in-camera-frame"]].concat());
     let outputs = ["-o", "projector.yaml", "--camera", "camera.yaml", "--report", "report"];
@@ -99,6 +111,35 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
     assert!(code == Some(1) && errors.contains("at least 3 are needed"), "{errors}");
     let decode = run(folder.path(), &["decode", "boards/pose01", "-o", "points.csv"]);
     assert!(decode.0 == Some(1), "{}", decode.1);
+}
+
+#[test]
+fn pictures_of_a_scene_are_a_scan_with_depth_or_without() {
+    let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
+    write_pose(&folder.path().join("photos"), &rig, [0.1, 0.1], [0.0, 0.0, 1.2]);
+    write_camera(&folder.path().join("camera.yaml"), &rig.camera, "camera_optical").unwrap();
+    let [width_px, height_px] = rig.camera.size_px;
+    let data = 1500_u16.to_ne_bytes().repeat((width_px * height_px) as usize);
+    let depth = Image { width_px, height_px, encoding: Encoding::Mono16, data };
+    // Beside the pictures, it is not taken for one of them.
+    image_file::write(&folder.path().join("photos/depth.png"), &depth).unwrap();
+    let scan = ["scan", "--pictures", "photos", "--size", "1280x800"];
+    let with_depth = ["--camera", "camera.yaml", "--depth-picture", "photos/depth.png", "-o", "deep"];
+    let (code, errors) = run(folder.path(), &[&scan[..], &with_depth].concat());
+    assert!(code == Some(0) && errors.contains("written: 44 pictures"), "{errors}");
+    let (code, errors) = run(folder.path(), &["decode", "deep", "-o", "points.csv"]);
+    assert_eq!(code, Some(0), "{errors}");
+    let points = fs::read_to_string(folder.path().join("points.csv")).unwrap();
+    assert!(points.lines().nth(1).unwrap().ends_with(",1.5") || points.contains(",1.50"), "{points:.200}");
+
+    fs::remove_file(folder.path().join("photos/depth.png")).unwrap();
+    let (code, errors) = run(folder.path(), &[&scan[..], &["-o", "flat"]].concat());
+    assert!(code == Some(0) && !errors.contains("in TF"), "{errors}");
+    assert_eq!(run(folder.path(), &["decode", "flat", "--pixels", "pixels.csv"]).0, Some(0));
+    let (code, errors) = run(folder.path(), &["decode", "flat", "-o", "none.csv"]);
+    assert!(code == Some(1) && errors.contains("no depth image"), "{errors}");
+    let (code, errors) = run(folder.path(), &["scan", "--pictures", "deep/..", "--size", "1280x800", "-o", "none"]);
+    assert!(code == Some(2) && errors.contains("no pictures"), "{errors}");
 }
 
 #[test]

@@ -33,8 +33,11 @@ fn luma(red: u8, green: u8, blue: u8) -> u8 {
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u8
 }
 
-/// Depth of each pixel of a 16-bit grey image, metres; 0 for none.
-pub(super) fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result<Vec<f32>, CaptureError> {
+/// Depth of each pixel of a 16-bit grey PNG of this size, metres; 0 for none. `scale_m` are metres of the depth 1.
+///
+/// # Errors
+/// [`CaptureError`]: the file cannot be read, or is another image.
+pub fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result<Vec<f32>, CaptureError> {
     let (_, bytes) = read_png(path, size_px, |color| match color {
         ColorType::L16 => None,
         _ => Some("16-bit grey"),

@@ -40,6 +40,7 @@ mod yaml_file;
 
 pub use error::CaptureError;
 pub use folder::{Capture, PatternImage, CAPTURE_FILE, DEPTH_SCALE_M};
+pub use images::read_depth;
 pub use limits::{MOST_BYTES, MOST_PATTERNS, MOST_PIXELS};
 pub use pattern_list::{parse_patterns, read_patterns, write_patterns, PatternList, PATTERNS_FILE};
 pub use robot::{CapturedFrame, CapturedRobot, FrameMotion};

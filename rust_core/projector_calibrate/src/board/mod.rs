@@ -8,5 +8,5 @@ mod scan;
 mod solve;
 
 pub(super) use print::{run, BoardArguments};
-pub(super) use scan::{BoardScan, ImageFolders};
+pub(super) use scan::BoardScan;
 pub(super) use solve::{solve_and_write, BoardOutputs};

@@ -1,19 +1,18 @@
 //! `projector_calibrate scan --board`: the board's poses, live with a guide in words, or from folders of images. Each
 //! pose becomes a capture folder.
 
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
+use std::path::PathBuf;
 
 use anyhow::anyhow;
 use rcs_calibration::board::{advice, board_pose, BoardAdvice, BoardCorner, Chessboard, LEAST_POSES};
-use rcs_calibration::patterns::Pattern;
-use rcs_calibration::{Lens, SolveOptions, Verdict};
-use rcs_files::image_file::{is_image, read_grey};
-use rcs_scan::recorded::{in_order, of_images};
+use rcs_calibration::{DecodeError, Lens, SolveOptions, Verdict};
 use rcs_scan::{ScanCamera, ScanEvent, ScanFailure, ScanOptions, ScanResult, ScanSession};
 
 use super::poses::{subfolders, BoardPoses};
 use super::solve::{solved, summary};
 use crate::live::{LiveSession, Progress};
+use crate::pictures::Pictures;
 use crate::Failure;
 
 /// Maximum number of poses: more improve nothing.
@@ -31,22 +30,14 @@ pub(crate) struct BoardScan {
     pub(crate) output: PathBuf,
 }
 
-/// Images of a camera in folders, one for each pose.
-pub(crate) struct ImageFolders<'a> {
-    /// The folder of the folders.
-    pub(crate) folder: &'a Path,
-    /// The patterns in their order.
-    pub(crate) patterns: Vec<Pattern>,
-    /// The camera's lens, if it is known.
-    pub(crate) camera: Option<Lens>,
-}
-
 /// Progress of a board scan: the poses so far, and their verdict.
 struct Guide {
     scan: BoardScan,
     poses: BoardPoses,
     last: Option<Vec<BoardCorner>>,
     verdict: Option<Verdict>,
+    /// The last pose that is not used, with the reason.
+    refused: Option<String>,
 }
 
 impl BoardScan {
@@ -82,39 +73,30 @@ impl BoardScan {
         guide.finish()
     }
 
-    /// Takes the images in folders.
-    pub(crate) fn of_folders(self, folders: &ImageFolders<'_>) -> Result<(), Failure> {
-        let (folder, projector_px) = (folders.folder, self.projector_px);
+    /// Takes the images in folders, one for each pose.
+    pub(crate) fn of_folders(self, pictures: &Pictures<'_>) -> Result<(), Failure> {
         let mut guide = Guide::new(self)?;
-        for pose in subfolders(folder)? {
-            let (size_px, greys) = read_images(&pose)?;
-            if greys.is_empty() {
+        let mut has_images = false;
+        for pose in subfolders(pictures.folder)? {
+            let set = pictures.read(&pose)?;
+            if set.greys.is_empty() {
                 continue;
             }
-            let [middle_x, middle_y] = size_px.map(|side| 0.5 * (f64::from(side) - 1.0));
-            let unknown = || Lens::pinhole(size_px, [f64::from(size_px[0]); 2], [middle_x, middle_y]);
-            let lens = folders.camera.unwrap_or_else(unknown);
-            let mut observe = |event: ScanEvent<'_>| {
-                if let ScanEvent::Warning(warning) = event {
-                    log::warn!("{}: {warning}", pose.display());
-                }
-            };
-            let scanned = in_order(greys, &folders.patterns)
-                .and_then(|images| of_images(images, lens, projector_px, &mut observe));
-            match scanned {
-                Ok(mut scanned) => {
-                    scanned.capture.is_camera_calibrated = folders.camera.is_some();
-                    guide.add(scanned)?;
-                }
-                // The patterns that were shown may be in a folder beside the poses.
-                Err(failure) if failure.is_refusal() => {
-                    log::warn!("{}: this pose is not used: {failure}", pose.display());
+            has_images = true;
+            match pictures.scan(&pose, set) {
+                Ok(scanned) => guide.add(scanned)?,
+                // The patterns that were shown, or other images, may be in a folder beside the poses.
+                Err(failure)
+                    if failure.is_refusal() || matches!(failure, ScanFailure::Decode(DecodeError::Count(..))) =>
+                {
+                    guide.refuse(&pose.display(), &failure);
                 }
                 Err(failure) => return Err(Failure::Unreadable(anyhow!("{}: {failure}", pose.display()))),
             }
         }
-        if guide.poses.views.is_empty() {
-            return Err(Failure::Unreadable(anyhow!("{}: no folders of pictures with the board", folder.display())));
+        if !has_images {
+            let folder = pictures.folder.display();
+            return Err(Failure::Unreadable(anyhow!("{folder}: no folders of pictures: give a folder for each pose")));
         }
         guide.finish()
     }
@@ -133,7 +115,7 @@ impl Guide {
             let path = scan.output.display();
             return Err(Failure::Unreadable(anyhow!("{path}: there are folders in it already; give a new one")));
         }
-        Ok(Self { poses: BoardPoses::new(scan.board), scan, last: None, verdict: None })
+        Ok(Self { poses: BoardPoses::new(scan.board), scan, last: None, verdict: None, refused: None })
     }
 
     fn is_done(&self) -> bool {
@@ -179,7 +161,7 @@ impl Guide {
         let name = format!("pose{:02}", self.poses.views.len() + 1);
         let ScanResult { capture, decoded, .. } = scanned;
         if let Err(refusal) = self.poses.add(name.clone(), &capture, &decoded) {
-            log::warn!("{name}: this pose is not used: {refusal}");
+            self.refuse(&name, &refusal);
             return Ok(());
         }
         capture.write(&self.scan.output.join(&name)).map_err(Failure::refused)?;
@@ -198,48 +180,19 @@ impl Guide {
         Ok(())
     }
 
+    /// Notes a pose that is not used.
+    fn refuse(&mut self, name: &dyn Display, reason: &dyn Display) {
+        log::warn!("{name}: this pose is not used: {reason}");
+        self.refused = Some(format!("{name}: {reason}"));
+    }
+
     fn finish(self) -> Result<(), Failure> {
         let (count, output) = (self.poses.views.len(), self.scan.output.display());
         if count < LEAST_POSES {
-            return Err(Failure::Refused(anyhow!("{count} poses are too few: scan at least {LEAST_POSES}")));
+            let refused = self.refused.map_or(String::new(), |last| format!("; the last that is not used: {last}"));
+            return Err(Failure::Refused(anyhow!("{count} poses are too few: scan at least {LEAST_POSES}{refused}")));
         }
         eprintln!("written: {count} poses in {output}; next: projector_calibrate solve {output} --board …");
         Ok(())
     }
-}
-
-/// The images in a folder by their names, all of one size.
-fn read_images(folder: &Path) -> Result<([u32; 2], Vec<Vec<u8>>), Failure> {
-    let unreadable = |error: std::io::Error| Failure::Unreadable(anyhow!("{}: {error}", folder.display()));
-    let entries = std::fs::read_dir(folder).map_err(unreadable)?.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
-    let mut paths: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).filter(|path| is_image(path)).collect();
-    // 2 comes before 10, whether zeros lead or not.
-    paths.sort_by_key(|path| number_in(path));
-    let (mut size_px, mut greys) = ([0; 2], Vec::new());
-    for path in paths {
-        let (size, grey) = read_grey(&path).map_err(Failure::unreadable)?;
-        if greys.is_empty() {
-            size_px = size;
-        } else if size != size_px {
-            let text = anyhow!(
-                "{}: {}x{} pixels, others have {}x{}",
-                path.display(),
-                size[0],
-                size[1],
-                size_px[0],
-                size_px[1]
-            );
-            return Err(Failure::Unreadable(text));
-        }
-        greys.push(grey);
-    }
-    Ok((size_px, greys))
-}
-
-/// The last number in a file's name, and its name.
-fn number_in(path: &Path) -> (u64, String) {
-    let name = path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let digits: String =
-        name.chars().rev().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
-    (digits.chars().rev().collect::<String>().parse().unwrap_or(0), name)
 }

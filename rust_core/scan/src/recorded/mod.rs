@@ -27,7 +27,7 @@ use crate::light::{average, Illumination};
 use crate::robot::captured_robot;
 use crate::session::ScanEvent;
 pub use footage::BagFootage;
-pub use images::{in_order, of_images};
+pub use images::ImageSet;
 use sequence::PatternSequence;
 pub use sequence::PatternSequenceError;
 use timeline::Timeline;
