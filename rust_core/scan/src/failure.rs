@@ -52,8 +52,8 @@ pub enum ScanFailure {
     Interrupted,
     /// Too few camera pixels were decoded; their number.
     #[error(
-        "only {0} pixels could be decoded: light more of what the camera sees, or use a larger --step if the stripes are \
-         too fine for it"
+        "only {0} pixels could be decoded: light more of what the camera sees, or use a larger --step if the stripes \
+         are too fine for it"
     )]
     Undecoded(usize),
     /// No depth was measured.

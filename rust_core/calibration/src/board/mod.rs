@@ -159,7 +159,8 @@ pub enum BoardRefusal {
     /// The camera's focal lengths differ.
     #[error(
         "by this board, the camera's fx and fy differ by {percent:.1} %, but a camera's pixels are square: measure the \
-         squares along both sides, and print the board at 100 %; a camera whose pixels are not square needs a CameraInfo"
+         squares along both sides, and print the board at 100 %; a camera whose pixels are not square needs a \
+         CameraInfo"
     )]
     NotSquare {
         /// Difference, percent.

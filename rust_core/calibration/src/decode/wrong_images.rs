@@ -72,7 +72,8 @@ impl WrongImage {
             ""
         };
         format!(
-            "{fault}: the camera lagged, or a picture was taken twice{too_fine}; show each pattern longer, and scan again"
+            "{fault}: the camera lagged, or a picture was taken twice{too_fine}; show each pattern longer, and scan \
+             again"
         )
     }
 }
