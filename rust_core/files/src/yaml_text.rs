@@ -34,6 +34,13 @@ pub(crate) fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
+/// The beginning of a text of any length, in a line.
+pub(crate) fn beginning(text: &str) -> String {
+    const MOST: usize = 60;
+    let (text, mut rest) = (one_line(text), text.chars().skip(MOST));
+    text.chars().take(MOST).chain(rest.next().map(|_| '…')).collect()
+}
+
 /// Shortens a YAML error, which may repeat a text as long as the file, to a line.
 pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
     const BEGIN: usize = 160;

@@ -34,13 +34,16 @@ impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for IntegerIn<MIN, MA
     }
 }
 
+/// The integer `N`.
+pub(crate) type Exactly<const N: u32> = IntegerIn<N, N>;
+
 /// A width or height, pixels.
 pub(crate) type Size = IntegerIn<1, { u32::MAX }>;
 
-/// Finite numbers.
+/// Finite numbers, which may be a nested list of one row or of one column.
 pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
-/// `N` finite numbers.
+/// `N` finite numbers, which may be a nested list of rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Matrix<const N: usize>(pub(crate) [f64; N]);
 
@@ -78,6 +81,56 @@ impl<'de> Deserialize<'de> for PositiveNumber {
     }
 }
 
+/// A number, or a row of a nested list.
+enum Item {
+    Number(f64),
+    Row(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for Item {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ItemVisitor;
+        impl<'de> Visitor<'de> for ItemVisitor {
+            type Value = Item;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a number")
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Item, E> {
+                Ok(Item::Number(number as f64))
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<Item, E> {
+                Ok(Item::Number(number as f64))
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Item, E> {
+                Ok(Item::Number(number))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Item, A::Error> {
+                let mut row = Vec::new();
+                while let Some(number) = list.next_element()? {
+                    row.push(number);
+                }
+                Ok(Item::Row(row))
+            }
+        }
+        deserializer.deserialize_any(ItemVisitor)
+    }
+}
+
+/// Checks the lengths of a nested list's rows: those of a row, a column, or a matrix of three rows.
+fn check_rows<E: serde::de::Error>(rows: &[usize], count: usize) -> Result<(), E> {
+    let len = rows.first().copied().unwrap_or(1);
+    let is_whole = rows.iter().all(|row| *row == len) && rows.len() * len == count;
+    if rows.is_empty() || (is_whole && (rows.len() == 1 || len == 1 || (rows.len() == 3 && len >= 3))) {
+        return Ok(());
+    }
+    Err(E::custom(format!("{count} numbers in {} rows where 3 rows of one length are needed", rows.len())))
+}
+
 struct NumbersVisitor {
     wanted: Option<usize>,
 }
@@ -93,13 +146,20 @@ impl<'de> Visitor<'de> for NumbersVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<f64>, A::Error> {
-        let mut numbers = Vec::new();
-        while let Some(number) = list.next_element::<f64>()? {
-            if !number.is_finite() {
-                return Err(A::Error::custom(format!("{number} is not a finite number")));
+        let (mut numbers, mut rows) = (Vec::new(), Vec::new());
+        while let Some(item) = list.next_element()? {
+            match item {
+                Item::Number(number) => numbers.push(number),
+                Item::Row(row) => {
+                    rows.push(row.len());
+                    numbers.extend(row);
+                }
             }
-            numbers.push(number);
         }
+        if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(A::Error::custom(format!("{number} is not a finite number")));
+        }
+        check_rows(&rows, numbers.len())?;
         match self.wanted {
             Some(wanted) if wanted != numbers.len() => {
                 Err(A::Error::custom(format!("{} numbers where {wanted} are needed", numbers.len())))

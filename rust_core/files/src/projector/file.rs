@@ -108,7 +108,8 @@ fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 
 /// Reads the text of a file that is to be written again, byte for byte.
 pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(read(path)?).map_err(|_| FileError::new(path, "the file: it is not text in UTF-8"))
+    let problem = "the file: it is not UTF-8: save it as UTF-8 before a pose is written into it";
+    String::from_utf8(read(path)?).map_err(|_| FileError::new(path, problem))
 }
 
 /// The text up to its YAML, and the YAML: a byte order mark, and the directive that OpenCV writes, which is not YAML;
@@ -199,6 +200,30 @@ projection_matrix:
         assert_eq!((info.binning_y, info.roi.x_offset), (2, 1));
         assert!(file.ignored_keys.is_empty() && file.frames.is_empty());
         assert_eq!(file.camera_info_topic, None);
+    }
+
+    #[test]
+    fn what_ros_2_prints_is_the_message_form_in_small_letters() {
+        let small = [("D: [", "d: ["), ("K: [", "k: ["), ("R: [", "r: ["), ("P: [", "p: ["), ("nsecs", "nanosec")];
+        let text = small.iter().fold(MESSAGE.to_owned(), |text, (from, to)| text.replace(from, to));
+        let text = text.replace("  seq: 0\n", "").replace("secs:", "sec:") + "---\n";
+        assert_eq!(parse(&text).unwrap(), parse(MESSAGE).unwrap());
+        let both = error(&format!("{MESSAGE}k: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"));
+        assert!(both.contains("duplicate field `K`"), "{both}");
+    }
+
+    #[test]
+    fn comments_in_other_encodings_are_read_and_not_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.yaml");
+        let latin = |text: &str| text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect::<Vec<u8>>();
+        for text in [MESSAGE, CALIBRATION] {
+            let commented = format!("# Größe in Pixeln\r\n{text}");
+            std::fs::write(&path, latin(&commented)).unwrap();
+            assert_eq!(ProjectorFile::read(&path).unwrap(), parse(text).unwrap());
+            let error = read_text(&path).unwrap_err().to_string();
+            assert!(error.ends_with("the file: it is not UTF-8: save it as UTF-8 before a pose is written into it"));
+        }
     }
 
     #[test]

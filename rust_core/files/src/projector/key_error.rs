@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::yaml_text::one_line;
 use crate::FileError;
 
 /// An invalid key and the reason.
@@ -9,5 +10,5 @@ pub(super) type KeyError = (&'static str, String);
 
 /// The error of a file with an invalid key.
 pub(super) fn key_error(path: &Path, (key, reason): KeyError) -> FileError {
-    FileError::new(path, format_args!("{key}: {reason}"))
+    FileError::new(path, format_args!("{key}: {}", one_line(&reason)))
 }

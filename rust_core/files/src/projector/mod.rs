@@ -14,11 +14,11 @@
 //! P: [1900, 0, 640, 0, 0, 1900, 750, 0, 0, 0, 1, 0]
 //! ```
 //!
-//! and the file of `camera_calibration` and `camera_info_manager` (`image_width`, `image_height`, `camera_matrix:
-//! {rows, cols, data}`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`). What is missing is
-//! filled in: P from K, K from P, R with the identity, D with zeros, `distortion_model` by `camera_model` (Melodic) or
-//! `fisheye_model` (OpenCV), else with `plumb_bob`. Files of other calibrators are in [`other_tools`]. Three keys are
-//! this project's own, in any form:
+//! (ROS 2 prints d, k, r and p), and the file of `camera_calibration` and `camera_info_manager` (`image_width`,
+//! `image_height`, `camera_matrix: {rows, cols, data}`, `distortion_coefficients`, `rectification_matrix`,
+//! `projection_matrix`). Lists of numbers may be nested, row by row. What is missing is filled in: P from K, K from P,
+//! R with the identity, D with zeros, `distortion_model` by `camera_model` (Melodic) or `fisheye_model` (OpenCV), else
+//! with `plumb_bob`. Files of other calibrators are in [`other_tools`]. Three keys are this project's own, in any form:
 //!
 //! ```yaml
 //! frame_id: proj_view                       # wins over header.frame_id
@@ -39,12 +39,15 @@ mod distortion_name;
 mod file;
 pub(crate) mod frames;
 mod in_place;
+mod ini;
+mod kalibr;
 mod key_error;
 mod lens;
 mod matlab;
 mod opencv_xml;
 mod other_tools;
 mod raw_file;
+mod shaped;
 mod write;
 
 pub use camera_file::write_camera;

@@ -9,6 +9,8 @@
 //! | mapamok, ofxCv (YAML, XML) | `cameraMatrix`, `distCoeffs` | `imageSize`, or with `_width`, `_height` |
 //! | OpenCV up to 2.4 (YAML, XML) | `Camera_Matrix`, `Distortion_Coefficients` | `image_Width`, `image_Height` |
 //! | Bouguet's toolbox (`Calib_Results.m`) | `fc`, `cc`, `alpha_c`, `kc` | `nx`, `ny` |
+//! | Kalibr (YAML, of one camera) | `intrinsics`, `distortion_coeffs` | `resolution` |
+//! | camera_calibration_parsers (INI), `ost.txt` | `camera matrix`, `distortion`, `projection` | `width`, `height` |
 //!
 //! Poses are not read: they are relative to the tool's own camera. `width`, `height`, `frame_id`, `camera_info_topic`
 //! and `frames` may be added to these files.
@@ -16,13 +18,13 @@
 use serde_yaml_ng::{Mapping, Value};
 
 use super::key_error::KeyError;
-use super::{matlab, opencv_xml};
+use super::{ini, kalibr, matlab, opencv_xml};
 
 /// Keys of this project that these files may have.
 const OWN: [&str; 5] = ["width", "height", "frame_id", "camera_info_topic", "frames"];
 
 /// Keys of this project's two forms, which exclude other tools' keys.
-const OWN_MATRICES: [&str; 4] = ["K", "P", "camera_matrix", "projection_matrix"];
+const OWN_MATRICES: [&str; 6] = ["K", "P", "k", "p", "camera_matrix", "projection_matrix"];
 
 /// Keys of a tool for the projector.
 struct Tool {
@@ -62,13 +64,13 @@ pub(super) fn values(text: &str) -> Result<Option<Value>, KeyError> {
         let values = opencv_xml::values(text).map_err(of_file)?;
         return by_own_keys(&values).map(|own| Some(own.unwrap_or(values).into()));
     }
-    if let Some(what) = foreign_text(text) {
-        return Err(of_file(format!("it seems to be {what}")));
+    if ini::is_ini(text) {
+        return ini::values(text).map(|values| Some(values.into()));
     }
     let document = serde_yaml_ng::Deserializer::from_str(text).next().map(serde::Deserialize::deserialize);
     let Some(Ok(Value::Mapping(values))) = document else {
         // What is neither gets its error from the reader of this project's files, with a line.
-        return of_matlab(&matlab::variables(text)).map(|values| values.map(Value::from));
+        return matlab::values(text).map(|values| values.map(Value::from));
     };
     by_own_keys(&values).map(|own| own.map(Value::from))
 }
@@ -78,8 +80,12 @@ fn by_own_keys(values: &Mapping) -> Result<Option<Mapping>, KeyError> {
     if OWN_MATRICES.iter().any(|key| values.contains_key(key)) {
         return Ok(None);
     }
-    if let Some(adopted) = adopted(values)? {
-        return Ok(Some(adopted));
+    let adopted = match adopted(values)? {
+        None => kalibr::values(values)?,
+        adopted => adopted,
+    };
+    if adopted.is_some() {
+        return Ok(adopted);
     }
     match foreign_keys(values) {
         Some(what) => Err(("the file", format!("it seems to be {what}"))),
@@ -108,31 +114,8 @@ fn adopted(values: &Mapping) -> Result<Option<Mapping>, KeyError> {
     own_form(values, tool.name, k, d, size).map(Some)
 }
 
-/// The values of a MATLAB script with the projector as the right one of two, or as the only one.
-fn of_matlab(variables: &Mapping) -> Result<Option<Mapping>, KeyError> {
-    let numbers = |name: &str| numbers_of(variables, name);
-    let pair = |name: &str| numbers(name).and_then(|numbers| <[f64; 2]>::try_from(numbers).ok());
-    let one = |name: &str| numbers(name).and_then(|numbers| numbers.first().copied());
-    let (tool, f, c, alpha, d) = if let (Some(f), Some(c)) = (pair("fc_right"), pair("cc_right")) {
-        let alpha = one("alpha_c_right").unwrap_or(0.0);
-        if alpha != 0.0 {
-            let reason =
-                format!("it is {alpha}, a skew in pixels or in focal lengths, depending on the program: write K");
-            return Err(("alpha_c_right", reason));
-        }
-        ("scan3d-capture", f, c, 0.0, numbers("kc_right"))
-    } else if let (Some(f), Some(c)) = (pair("fc"), pair("cc")) {
-        ("Bouguet's toolbox", f, c, one("alpha_c").unwrap_or(0.0), numbers("kc"))
-    } else {
-        return Ok(None);
-    };
-    let k = vec![f[0], alpha * f[0], c[0], 0.0, f[1], c[1], 0.0, 0.0, 1.0];
-    let size = one("nx").zip(one("ny")).or(one("width").zip(one("height")));
-    own_form(&Mapping::new(), tool, k, d.unwrap_or_default(), size.map(|(x, y)| (x.into(), y.into()))).map(Some)
-}
-
 /// The values by this project's keys.
-fn own_form(
+pub(super) fn own_form(
     given: &Mapping,
     tool: &str,
     k: Vec<f64>,
@@ -144,12 +127,19 @@ fn own_form(
         values.insert("width".into(), whole(&width));
         values.insert("height".into(), whole(&height));
     }
-    values.extend(OWN.iter().filter_map(|key| Some(((*key).into(), given.get(key)?.clone()))));
+    values.extend(OWN.iter().filter_map(|key| Some(((*key).into(), whole(given.get(key)?)))));
     for key in ["width", "height"] {
-        if !values.contains_key(key) {
-            let reason = format!("missing: {tool} does not write the projector's size; add width and height in pixels");
-            return Err((key, reason));
+        match values.get(key) {
+            Some(size) if size.is_u64() => {}
+            Some(_) => return Err((key, "it is no whole number of pixels".to_owned())),
+            None => {
+                let reason = "does not write the projector's size; add width and height in pixels";
+                return Err((key, format!("missing: {tool} {reason}")));
+            }
         }
+    }
+    if k.len() != 9 {
+        return Err(("K", format!("the matrix of {tool} has {} numbers where 9 are needed", k.len())));
     }
     values.insert("K".into(), k.into());
     if !d.is_empty() {
@@ -173,7 +163,7 @@ fn whole_of(values: &Mapping, key: &str) -> Option<Value> {
 }
 
 /// Numbers of an OpenCV matrix, or of a list of numbers or lists.
-fn numbers_of(values: &Mapping, key: &str) -> Option<Vec<f64>> {
+pub(super) fn numbers_of(values: &Mapping, key: &str) -> Option<Vec<f64>> {
     let mut numbers = Vec::new();
     add_numbers(values.get(key)?, 0, &mut numbers).then_some(numbers)
 }
@@ -191,23 +181,9 @@ fn add_numbers(value: &Value, depth: usize, numbers: &mut Vec<f64>) -> bool {
     }
 }
 
-/// Name of an unsupported text format.
-fn foreign_text(text: &str) -> Option<&'static str> {
-    if text.starts_with("# oST ") || text.starts_with("[image]") {
-        return Some(
-            "camera_calibration's ost.txt (or an .ini): use the ost.yaml that is written beside it, or convert \
-                     it with 'rosrun camera_calibration_parsers convert'",
-        );
-    }
-    None
-}
-
 /// Name of an unsupported format by its keys.
 fn foreign_keys(values: &Mapping) -> Option<&'static str> {
     let has = |key: &str| values.contains_key(key);
-    if has("cam0") {
-        return Some("Kalibr's camchain: write the projector's resolution, intrinsics as K and distortion_coeffs as D");
-    }
     if has("M1") && has("M2") {
         return Some(
             "OpenCV's stereo_calib, which does not say which of both is the projector: write its matrix as \
@@ -395,11 +371,9 @@ mod tests {
     #[test]
     fn what_cannot_be_read_says_what_it_seems_to_be() {
         for (text, expected) in [
-            ("cam0:\n  camera_model: pinhole\n  intrinsics: [1, 2, 3, 4]\n", "Kalibr's camchain"),
             ("M1: [1]\nD1: [1]\nM2: [1]\nD2: [1]\n", "OpenCV's stereo_calib, which does not say which"),
             ("cam_K: [1]\ncam_kc: [1]\n", "a calibration of a camera only"),
             ("<opencv_storage><cam_int>1</cam_int></opencv_storage>", "a calibration of a camera only"),
-            ("# oST version 5.0 parameters\n\n\n[image]\n\nwidth\n640\n", "camera_calibration's ost.txt"),
             ("<?xml version=\"1.0\"?><ProjectorCameraEnsemble><name/></ProjectorCameraEnsemble>", "RoomAlive Toolkit"),
             ("<robot name=\"r\"/>", "it is XML, but <robot> where OpenCV writes <opencv_storage>"),
             ("<opencv_storage><a></opencv_storage>", "it is not XML as OpenCV writes it"),

@@ -6,10 +6,11 @@ use rcs_messages::std_msgs::Header;
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
-use super::checked_numbers::{IntegerIn, Matrix, Numbers, Size};
+use super::checked_numbers::{Exactly, Matrix, Numbers, Size};
 use super::distortion_name::distortion_model;
 use super::frames::FrameEntry;
 use super::key_error::KeyError;
+use super::shaped::Shaped;
 
 /// The keys of both forms side by side, so that each error has its line.
 #[derive(Deserialize)]
@@ -20,13 +21,13 @@ pub(super) struct RawFile {
     distortion_model: Option<String>,
     camera_model: Option<String>,
     fisheye_model: Option<u64>,
-    #[serde(rename = "D")]
+    #[serde(rename = "D", alias = "d")]
     d: Option<Numbers>,
-    #[serde(rename = "K")]
+    #[serde(rename = "K", alias = "k")]
     k: Option<Matrix<9>>,
-    #[serde(rename = "R")]
+    #[serde(rename = "R", alias = "r")]
     r: Option<Matrix<9>>,
-    #[serde(rename = "P")]
+    #[serde(rename = "P", alias = "p")]
     p: Option<Matrix<12>>,
     #[serde(default)]
     binning_x: u32,
@@ -39,10 +40,10 @@ pub(super) struct RawFile {
     image_height: Option<Size>,
     #[serde(rename = "camera_name")]
     _camera_name: Option<Value>,
-    camera_matrix: Option<Shaped<9, 3>>,
-    distortion_coefficients: Option<ShapedNumbers>,
-    rectification_matrix: Option<Shaped<9, 3>>,
-    projection_matrix: Option<Shaped<12, 4>>,
+    camera_matrix: Option<Shaped<Matrix<9>, Exactly<3>, Exactly<3>>>,
+    distortion_coefficients: Option<Shaped<Numbers, Value, Value>>,
+    rectification_matrix: Option<Shaped<Matrix<9>, Exactly<3>, Exactly<3>>>,
+    projection_matrix: Option<Shaped<Matrix<12>, Exactly<3>, Exactly<4>>>,
 
     frame_id: Option<String>,
     pub(super) camera_info_topic: Option<String>,
@@ -70,31 +71,6 @@ struct RawRegion {
     do_rectify: bool,
 }
 
-/// A matrix of three rows and `COLS` columns in camera_calibration's form.
-#[derive(Deserialize)]
-#[serde(bound = "")]
-struct Shaped<const N: usize, const COLS: u32> {
-    #[serde(rename = "rows")]
-    _rows: Option<IntegerIn<3, 3>>,
-    #[serde(rename = "cols")]
-    _cols: Option<IntegerIn<COLS, COLS>>,
-    #[serde(rename = "dt")]
-    _dt: Option<Value>,
-    data: Matrix<N>,
-}
-
-/// A list of numbers in camera_calibration's form.
-#[derive(Deserialize)]
-struct ShapedNumbers {
-    #[serde(rename = "rows")]
-    _rows: Option<Value>,
-    #[serde(rename = "cols")]
-    _cols: Option<Value>,
-    #[serde(rename = "dt")]
-    _dt: Option<Value>,
-    data: Numbers,
-}
-
 /// The value of one of two keys with the same meaning.
 fn either<T>(
     (message_key, message): (&'static str, Option<T>),
@@ -109,7 +85,7 @@ fn either<T>(
 impl RawFile {
     /// The message, or the invalid key and the reason.
     pub(super) fn camera_info(self) -> Result<CameraInfo, KeyError> {
-        let data9 = |matrix: Option<Shaped<9, 3>>| matrix.map(|matrix| matrix.data);
+        let data9 = |matrix: Option<Shaped<Matrix<9>, _, _>>| matrix.map(|matrix| matrix.data);
         let missing = |other: &str| format!("missing (or {other})");
         let width = either(("width", self.width), ("image_width", self.image_width))?
             .ok_or_else(|| ("width", missing("image_width")))?;
