@@ -1,6 +1,6 @@
 //! File formats: a projector's geometry ([`projector`]), the calibration's input and output ([`capture`],
 //! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]), images
-//! ([`image_file`], [`canvas`]) and sizes as a user types them ([`sizes`]).
+//! ([`image_file`], [`image_folder`], [`canvas`]) and sizes as a user types them ([`sizes`]).
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -13,6 +13,7 @@ pub mod capture;
 pub mod correspondences;
 mod file_error;
 pub mod image_file;
+pub mod image_folder;
 mod image_limits;
 pub mod pcd;
 pub mod projector;

@@ -1,12 +1,14 @@
 //! Images of a camera in files: a folder for a scan, with one image of each pattern.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::anyhow;
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
 use rcs_files::capture::read_depth;
-use rcs_files::image_file::{is_image, read_grey};
+use rcs_files::image_file::read_grey;
+use rcs_files::image_folder::images;
+use rcs_files::projector::ProjectorFile;
 use rcs_scan::recorded::ImageSet;
 use rcs_scan::{ScanEvent, ScanFailure, ScanResult};
 
@@ -23,25 +25,21 @@ pub(crate) struct Pictures<'a> {
     pub(crate) projector_px: [u32; 2],
     /// The patterns in their order.
     pub(crate) patterns: Vec<Pattern>,
-    /// The camera's lens, if it is known.
-    pub(crate) camera: Option<Lens>,
+    /// The camera's file with its lens, if it is known.
+    pub(crate) camera: Option<(ProjectorFile, Lens)>,
     /// The file of the depth, if there is one.
     pub(crate) depth: Option<&'a Path>,
 }
 
 impl Pictures<'_> {
-    /// Reads the images in a folder, all of one size, by the numbers in their names. There may be none.
+    /// Reads the images in a folder, all of one size, in the natural order of their names. There may be none.
     pub(crate) fn read(&self, folder: &Path) -> Result<ImageSet, Failure> {
-        let unreadable = |error: std::io::Error| Failure::Unreadable(anyhow!("{}: {error}", folder.display()));
-        let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-        let entries = entries.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
         let depth = self.depth.and_then(|depth| depth.canonicalize().ok());
         let is_depth = |path: &Path| depth.is_some() && path.canonicalize().ok() == depth;
-        let mut paths: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).collect();
-        paths.retain(|path| is_image(path) && !is_depth(path));
-        // 2 comes before 10, whether zeros lead or not.
-        paths.sort_by_key(|path| number_in(path));
-        let mut set = ImageSet { size_px: [0; 2], greys: Vec::new(), camera: self.camera, depth_m: None };
+        let mut paths = images(folder).map_err(Failure::unreadable)?;
+        paths.retain(|path| !is_depth(path));
+        let lens = self.camera.as_ref().map(|(_, lens)| *lens);
+        let mut set = ImageSet { size_px: [0; 2], greys: Vec::new(), camera: lens, depth_m: None };
         for path in paths {
             let (size_px, grey) = read_grey(&path).map_err(Failure::unreadable)?;
             if set.greys.is_empty() {
@@ -62,18 +60,14 @@ impl Pictures<'_> {
 
     /// Checks and decodes the images of a folder; its name is that of warnings.
     pub(crate) fn scan(&self, folder: &Path, set: ImageSet) -> Result<ScanResult, ScanFailure> {
-        set.scan(&self.patterns, self.projector_px, &mut |event| {
+        let mut scanned = set.scan(&self.patterns, self.projector_px, &mut |event| {
             if let ScanEvent::Warning(warning) = event {
                 log::warn!("{}: {warning}", folder.display());
             }
-        })
+        })?;
+        if let Some((file, _)) = &self.camera {
+            scanned.capture.camera_frame_id.clone_from(&file.camera_info.header.frame_id);
+        }
+        Ok(scanned)
     }
-}
-
-/// The last number in a file's name, and its name.
-fn number_in(path: &Path) -> (u64, String) {
-    let name = path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let digits: String =
-        name.chars().rev().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
-    (digits.chars().rev().collect::<String>().parse().unwrap_or(0), name)
 }

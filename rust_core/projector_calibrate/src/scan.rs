@@ -9,6 +9,7 @@ use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::Pattern;
 use rcs_files::capture::CAPTURE_FILE;
 use rcs_files::image_file::{self, ImageFormat};
+use rcs_files::image_folder::extensions;
 use rcs_scan::recorded::{self, BagFootage, RecordedOptions};
 use rcs_scan::{
     patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanEvent, ScanOptions, ScanResult, ScanSession,
@@ -177,7 +178,8 @@ fn scan_pictures(arguments: &ScanArguments, pictures: &Pictures<'_>) -> Result<(
     let folder = pictures.folder.display();
     let set = pictures.read(pictures.folder)?;
     if set.greys.is_empty() {
-        return Err(Failure::Unreadable(anyhow!("{folder}: no pictures: give the folder with one of each pattern")));
+        let text = anyhow!("{folder}: no pictures ({}): give the folder with one of each pattern", extensions());
+        return Err(Failure::Unreadable(text));
     }
     match pictures.scan(pictures.folder, set) {
         Ok(scanned) => write(arguments, &scanned),
@@ -230,7 +232,7 @@ impl ScanArguments {
 
     /// Images in files.
     fn pictures<'a>(&'a self, folder: &'a Path) -> Result<Pictures<'a>, Failure> {
-        let camera = self.pictures.camera.as_deref().map(read_projector).transpose()?.map(|(_, lens)| lens);
+        let camera = self.pictures.camera.as_deref().map(read_projector).transpose()?;
         let (projector_px, patterns) = (self.size, self.recorded_patterns()?);
         Ok(Pictures { folder, projector_px, patterns, camera, depth: self.pictures.depth_picture.as_deref() })
     }

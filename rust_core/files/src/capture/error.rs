@@ -70,8 +70,8 @@ pub enum CaptureError {
         /// Largest size, bytes.
         most_bytes: u64,
     },
-    /// An image is not a valid PNG.
-    #[error("{}: invalid PNG: {source}", path.display())]
+    /// An image cannot be decoded.
+    #[error("{}: invalid image: {source}", path.display())]
     Decode {
         /// The file.
         path: PathBuf,

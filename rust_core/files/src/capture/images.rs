@@ -4,8 +4,7 @@
 use std::io::BufReader;
 use std::path::Path;
 
-use image::codecs::png::PngDecoder;
-use image::{ColorType, ImageDecoder, Limits};
+use image::{ColorType, ImageDecoder, ImageReader, Limits};
 
 use super::error::CaptureError;
 
@@ -14,7 +13,7 @@ const DECODER_BYTES: u64 = 64 << 20;
 
 /// Brightness of each pixel of an 8-bit image: the luma of BT.601, rounded, without opacity.
 pub(super) fn read_grey(path: &Path, size_px: [u32; 2]) -> Result<Vec<u8>, CaptureError> {
-    let (color, bytes) = read_png(path, size_px, |color| match color {
+    let (color, bytes) = read_image(path, size_px, |color| match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => None,
         _ => Some("8 bits"),
     })?;
@@ -33,12 +32,12 @@ fn luma(red: u8, green: u8, blue: u8) -> u8 {
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u8
 }
 
-/// Depth of each pixel of a 16-bit grey PNG of this size, metres; 0 for none. `scale_m` are metres of the depth 1.
+/// Depth of each pixel of a 16-bit grey image of this size, metres; 0 for none. `scale_m` are metres of the depth 1.
 ///
 /// # Errors
 /// [`CaptureError`]: the file cannot be read, or is another image.
 pub fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result<Vec<f32>, CaptureError> {
-    let (_, bytes) = read_png(path, size_px, |color| match color {
+    let (_, bytes) = read_image(path, size_px, |color| match color {
         ColorType::L16 => None,
         _ => Some("16-bit grey"),
     })?;
@@ -48,7 +47,7 @@ pub fn read_depth(path: &Path, size_px: [u32; 2], scale_m: f64) -> Result<Vec<f3
 }
 
 /// Pixels of an image of this size. `wanted` names the format needed instead of an unsupported one.
-fn read_png(
+fn read_image(
     path: &Path,
     camera_px: [u32; 2],
     wanted: impl Fn(ColorType) -> Option<&'static str>,
@@ -58,7 +57,10 @@ fn read_png(
         rcs_user_files::open(path).map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(DECODER_BYTES + 8 * u64::from(camera_px[0]) * u64::from(camera_px[1]));
-    let decoder = PngDecoder::with_limits(BufReader::new(file), limits).map_err(decode_error)?;
+    let reader = ImageReader::new(BufReader::new(file)).with_guessed_format();
+    let mut reader = reader.map_err(|source| CaptureError::Read { path: path.to_owned(), source })?;
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(decode_error)?;
     let (width, height) = decoder.dimensions();
     if [width, height] != camera_px {
         return Err(CaptureError::Size { path: path.to_owned(), size_px: [width, height], camera_px });

@@ -343,12 +343,12 @@ fn what_is_wrong_with_a_image_is_said_with_its_file() {
         "c003.png: it is a folder, only regular files are read"
     );
     let garbage = |path: &Path| fs::write(path, "GIF89a").unwrap();
-    assert!(with("c003.png", &garbage).starts_with("c003.png: invalid PNG: "));
+    assert!(with("c003.png", &garbage).starts_with("c003.png: invalid image: "));
     let cut = |path: &Path| {
         let whole = fs::read(path.with_file_name("c000.png")).unwrap();
         fs::write(path, &whole[..whole.len() - 30]).unwrap();
     };
-    assert!(with("c003.png", &cut).starts_with("c003.png: invalid PNG: "));
+    assert!(with("c003.png", &cut).starts_with("c003.png: invalid image: "));
     let bad =
         |path: &Path| fs::write(path, "width: 6\nheight: 4\nK: [0, 0, 0, 0, 0, 0, 0, 0, 0]\nP: [1, 0, 0]\n").unwrap();
     assert!(with("camera_info.yaml", &bad).contains("line 4"), "{}", with("camera_info.yaml", &bad));
@@ -360,6 +360,21 @@ fn what_is_wrong_with_a_image_is_said_with_its_file() {
     assert!(with("camera_info.yaml", &huge).contains("16385x4 pixels; the most is 16384"));
     let huge = |path: &Path| fs::write(path, "width: 16384\nheight: 16384\nK: [9, 0, 3, 0, 9, 2, 0, 0, 1]\n").unwrap();
     assert_eq!(with("camera_info.yaml", &huge), "c000.png: 6x4 pixels where the CameraInfo says 16384x16384");
+}
+
+#[test]
+fn images_are_read_in_each_lossless_format_that_holds_them() {
+    use image::ImageFormat::{Bmp, Png, Pnm, Tiff, WebP};
+    let folder = written();
+    let expected = Capture::read(folder.path()).unwrap();
+    for (name, formats) in [("c003.png", &[Pnm, WebP, Bmp, Tiff, Png][..]), ("depth.png", &[Pnm, Tiff])] {
+        for format in formats {
+            let path = folder.path().join(name);
+            let image = image::ImageReader::open(&path).unwrap().with_guessed_format().unwrap().decode().unwrap();
+            image.save_with_format(&path, *format).unwrap();
+            assert_eq!(Capture::read(folder.path()).unwrap(), expected, "{name} as {format:?}");
+        }
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use rcs_calibration::board::{find_chessboard, lit_corners, BoardRefusal, BoardSo
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::{Decoded, Lens, SolveOptions};
 use rcs_files::capture::{Capture, CapturedRobot, CAPTURE_FILE};
+use rcs_files::image_folder::subfolders;
 
 use crate::decode::{self, decode_capture};
 use crate::Failure;
@@ -95,24 +96,15 @@ fn folders(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             folders.push(path.clone());
             continue;
         }
-        let inner = subfolders(path)?;
+        let inner = subfolders(path).map_err(Failure::unreadable)?;
         let before = folders.len();
         folders.extend(inner.into_iter().filter(|folder| is_capture(folder)));
         if folders.len() == before {
             return Err(Failure::Unreadable(anyhow!(
-                "{}: neither a capture folder nor a folder of them",
+                "{}: no {CAPTURE_FILE} in it or in a folder in it; scan --pictures makes captures of pictures",
                 path.display()
             )));
         }
     }
-    Ok(folders)
-}
-
-/// Folders in a folder, by their names.
-pub(super) fn subfolders(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let unreadable = |error: std::io::Error| Failure::Unreadable(anyhow!("{}: {error}", path.display()));
-    let entries = std::fs::read_dir(path).map_err(unreadable)?.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
-    let mut folders: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).filter(|path| path.is_dir()).collect();
-    folders.sort();
     Ok(folders)
 }

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use rcs_calibration::board::{advice, board_pose, BoardAdvice, BoardCorner, Chessboard, LEAST_POSES};
 use rcs_calibration::{DecodeError, Lens, SolveOptions, Verdict};
+use rcs_files::image_folder::{extensions, subfolders};
 use rcs_scan::{ScanCamera, ScanEvent, ScanFailure, ScanOptions, ScanResult, ScanSession};
 
-use super::poses::{subfolders, BoardPoses};
+use super::poses::BoardPoses;
 use super::solve::{solved, summary};
 use crate::live::{LiveSession, Progress};
 use crate::pictures::Pictures;
@@ -77,7 +78,7 @@ impl BoardScan {
     pub(crate) fn of_folders(self, pictures: &Pictures<'_>) -> Result<(), Failure> {
         let mut guide = Guide::new(self)?;
         let mut has_images = false;
-        for pose in subfolders(pictures.folder)? {
+        for pose in subfolders(pictures.folder).map_err(Failure::unreadable)? {
             let set = pictures.read(&pose)?;
             if set.greys.is_empty() {
                 continue;
@@ -95,8 +96,9 @@ impl BoardScan {
             }
         }
         if !has_images {
-            let folder = pictures.folder.display();
-            return Err(Failure::Unreadable(anyhow!("{folder}: no folders of pictures: give a folder for each pose")));
+            let (folder, extensions) = (pictures.folder.display(), extensions());
+            let text = anyhow!("{folder}: no folder in it has pictures ({extensions}): give each pose a folder");
+            return Err(Failure::Unreadable(text));
         }
         guide.finish()
     }
@@ -110,7 +112,7 @@ impl Guide {
             }
             _ => {}
         }
-        let old = subfolders(&scan.output)?;
+        let old = subfolders(&scan.output).map_err(Failure::unreadable)?;
         if !old.is_empty() {
             let path = scan.output.display();
             return Err(Failure::Unreadable(anyhow!("{path}: there are folders in it already; give a new one")));
@@ -192,7 +194,8 @@ impl Guide {
             let refused = self.refused.map_or(String::new(), |last| format!("; the last that is not used: {last}"));
             return Err(Failure::Refused(anyhow!("{count} poses are too few: scan at least {LEAST_POSES}{refused}")));
         }
-        eprintln!("written: {count} poses in {output}; next: projector_calibrate solve {output} --board …");
+        let frame = if self.poses.camera_frame.is_none() { " --camera-frame FRAME" } else { "" };
+        eprintln!("written: {count} poses in {output}; next: projector_calibrate solve {output} --board …{frame}");
         Ok(())
     }
 }
