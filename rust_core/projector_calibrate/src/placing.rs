@@ -18,19 +18,17 @@ use rcs_transforms::{Time, TransformTree};
 use super::camera_chain::CameraChain;
 use super::Failure;
 
-/// The optical frame of Fetch's head camera.
-const DEFAULT_CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
 /// Timeout of TF.
 pub(super) const TF_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The frame that the projector's pose is written in.
 #[derive(Debug, Clone, Args)]
 pub(super) struct PlacingArguments {
-    /// The camera's optical frame [default: the capture folder's, else head_camera_rgb_optical_frame]
+    /// The camera's optical frame; points and photos need it [default: the capture folder's]
     #[arg(long, value_name = "FRAME")]
     camera_frame: Option<String>,
-    /// Write the pose in this frame, the one that the projector is mounted on, instead of the camera's. Where the
-    /// camera was in it is in the capture; for other points, TF is asked where it is now
+    /// Write the pose in this frame, the one that the projector is mounted on. Where the camera was in it is in the
+    /// capture; for other points, TF is asked where it is now
     #[arg(long, value_name = "FRAME")]
     parent: Option<String>,
     /// Write the pose in the camera's optical frame although joints move that: the projector moves with the camera
@@ -44,12 +42,35 @@ pub(super) struct CameraPose {
     pub(super) parent: String,
     /// Takes points of the camera's optical frame to it.
     pub(super) parent_from_camera: Isometry3<f64>,
+    /// `true` if joints may move the frame, as far as is known.
+    pub(super) may_move: bool,
+}
+
+impl CameraPose {
+    /// Prints the file that the pose was written to, and warns of a frame that may move.
+    pub(super) fn tell_written(&self, path: &Path) {
+        if self.may_move {
+            log::warn!(
+                "the pose is written in {}: the points have no chain of frames that tells whether joints move the \
+                 camera; give --parent FRAME, or --in-camera-frame if the projector moves with the camera",
+                self.parent
+            );
+        }
+        eprintln!("written: {}", path.display());
+    }
 }
 
 impl PlacingArguments {
     /// The camera's optical frame.
-    pub(super) fn camera<'a>(&'a self, named_by_capture: Option<&'a str>) -> &'a str {
-        self.camera_frame.as_deref().or(named_by_capture).unwrap_or(DEFAULT_CAMERA_FRAME)
+    ///
+    /// # Errors
+    /// [`Failure::Unreadable`]: neither --camera-frame nor a capture names it.
+    pub(super) fn camera<'a>(&'a self, named_by_capture: Option<&'a str>) -> Result<&'a str, Failure> {
+        self.camera_frame.as_deref().or(named_by_capture).ok_or_else(|| {
+            Failure::Unreadable(anyhow::anyhow!(
+                "the camera's optical frame is not known: no capture folder names it; give --camera-frame FRAME"
+            ))
+        })
     }
 
     /// The camera's pose in the wanted frame: by the chain of frames of the scan, else by TF, as for a link of a turret
@@ -57,28 +78,25 @@ impl PlacingArguments {
     ///
     /// # Errors
     /// [`Failure::Refused`]: joints move the camera and neither --parent nor --in-camera-frame is given; an unknown
-    /// frame.
+    /// frame. [`Failure::Unreadable`]: the camera's frame is not named.
     pub(super) fn camera_pose(
         &self,
         named_by_capture: Option<&str>,
         robot: &CapturedRobot,
         frames: Option<&RobotFrames>,
     ) -> Result<CameraPose, Failure> {
-        let camera = self.camera(named_by_capture);
+        let camera = self.camera(named_by_capture)?;
         let chain = CameraChain::new(robot, camera);
         let Some(parent) = &self.parent else {
-            match chain {
-                _ if self.in_camera_frame => {}
-                Some(chain) => chain.check_rigid()?,
-                None => log::warn!(
-                    "the pose is written in {camera}: the points have no chain of frames that tells whether joints \
-                     move the camera; give --parent FRAME, or --in-camera-frame if the projector moves with the camera"
-                ),
+            let may_move = chain.is_none() && !self.in_camera_frame;
+            if let Some(chain) = chain.filter(|_| !self.in_camera_frame) {
+                chain.check_rigid()?;
             }
-            return Ok(CameraPose { parent: camera.to_owned(), parent_from_camera: Isometry3::identity() });
+            let parent_from_camera = Isometry3::identity();
+            return Ok(CameraPose { parent: camera.to_owned(), parent_from_camera, may_move });
         };
         let parent_from_camera = camera_in(parent, camera, chain.as_ref(), frames)?;
-        Ok(CameraPose { parent: parent.clone(), parent_from_camera })
+        Ok(CameraPose { parent: parent.clone(), parent_from_camera, may_move: false })
     }
 
     /// The camera's pose in the frame that a file places its projector in, unless another one is wanted. It is known by
@@ -95,7 +113,7 @@ impl PlacingArguments {
     ) -> Result<CameraPose, Failure> {
         let frame = frame_in_file(file, None).filter(|_| self.parent.is_none() && !self.in_camera_frame);
         let Some(frame) = frame else { return self.camera_pose(named_by_capture, robot, frames) };
-        let camera = self.camera(named_by_capture);
+        let camera = self.camera(named_by_capture)?;
         // From the projector upwards: the first frame in which the camera is known.
         let (mut above, mut parent_from_above) = (&frame.parent, Isometry3::identity());
         let chain = CameraChain::new(robot, camera);
@@ -104,14 +122,15 @@ impl PlacingArguments {
             let is_camera = is_same_frame(above, camera).then(Isometry3::identity);
             if let Some(above_from_camera) = is_camera.or(stored) {
                 let parent_from_camera = parent_from_above * above_from_camera;
-                return Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera });
+                return Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera, may_move: false });
             }
             let Some(next) = file.frames.iter().find(|next| is_same_frame(&next.child, above)) else { break };
             parent_from_above *= next.parent_from_child().inverse();
             above = &next.parent;
         }
         let above_from_camera = camera_in(above, camera, chain.as_ref(), frames)?;
-        Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera: parent_from_above * above_from_camera })
+        let parent_from_camera = parent_from_above * above_from_camera;
+        Ok(CameraPose { parent: frame.parent.clone(), parent_from_camera, may_move: false })
     }
 }
 

@@ -32,7 +32,8 @@ Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unread
 
 Examples: projector_calibrate refine --spots --projector projector.yaml --show-on /camera_stream/patterns
           projector_calibrate refine capture --projector projector.yaml
-          projector_calibrate refine --clicked --projector projector.yaml --monitor HDMI-1")]
+          projector_calibrate refine --clicked --camera-frame camera_optical_frame --projector projector.yaml \\
+              --monitor HDMI-1")]
 pub(super) struct RefineArguments {
     /// Files of points, or capture folders
     #[arg(value_name = "FILE", required_unless_present_any = ["things", "clicked", "spots", "list_monitors"])]
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     let output = arguments.output.as_deref().unwrap_or(&projector.path);
     projector.write(output, &place.parent, &solved.parent_from_projector(&place))?;
     solved.summarise();
-    eprintln!("written: {}", output.display());
+    place.tell_written(output);
     Ok(())
 }
 
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
 fn targets(arguments: &RefineArguments, projector: &KnownProjector) -> Result<Option<CrosshairTargets>, Failure> {
     let file = &projector.file;
     if let Some(topic) = &arguments.clicked {
-        let camera = arguments.placing.camera(None).to_owned();
+        let camera = arguments.placing.camera(None)?.to_owned();
         let old_place = frame_in_file(file, Some(&camera)).or(frame_in_file(file, None)).cloned();
         return Ok(Some(CrosshairTargets::Clicked(Clicks { topic: topic.clone(), camera, old_place })));
     }

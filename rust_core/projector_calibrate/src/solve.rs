@@ -26,13 +26,14 @@ use super::Failure;
 /// The pose that is written belongs to the first of them.
 ///
 /// A pose in the camera's frame would move with the camera: if joints move that, solve asks for --parent, the frame
-/// that the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was.
+/// that the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was. For
+/// points and photos, --camera-frame names its frame.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or
 unreadable files
 
-Examples: projector_calibrate solve points.csv --size 1280x800 -o projector.yaml --report report
+Examples: projector_calibrate solve capture --size 1280x800 -o projector.yaml --report report
           projector_calibrate solve boards --board chessboard:10x7:25mm --size 1280x800 -o projector.yaml \\
               --camera camera.yaml --report report")]
 pub(super) struct SolveArguments {
@@ -122,7 +123,7 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
         .write(&arguments.output)
         .map_err(Failure::refused)?;
     solved.summarise();
-    eprintln!("written: {}", arguments.output.display());
+    place.tell_written(&arguments.output);
     Ok(())
 }
 

@@ -71,7 +71,8 @@ pub(super) fn run(
         session.check_valid()?;
         let RefinedPose { samples, solution, shown, zoom } = refined;
         let solved = Solved::judged(&samples, solution, report.as_deref())?;
-        let place = CameraPose { parent: placed.frame.parent.clone(), parent_from_camera: placed.parent_from_camera };
+        let (parent, parent_from_camera) = (placed.frame.parent.clone(), placed.parent_from_camera);
+        let place = CameraPose { parent, parent_from_camera, may_move: false };
         let pose = solved.parent_from_projector(&place);
         let change = Nudge::of_isometry(&(placed.frame.parent_from_child().inverse() * pose));
         let done = hand_over(session, &projector, &placed.frame, &pose, output.as_deref())?;

@@ -6,7 +6,6 @@ use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_files::image_file;
 use rcs_files::projector::{write_camera, ProjectorFile};
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
-use rcs_scene::{Encoding, Image};
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -24,8 +23,15 @@ fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// Writes the images of a pose, tilted and beside the middle, in OpenCV's order: white and black last.
-fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], [right_m, down_m, depth_m]: [f64; 3]) {
+/// Writes the images of a pose, tilted and beside the middle, in OpenCV's order: white and black last. A hidden file is
+/// among them.
+fn write_pose(
+    folder: &Path,
+    extension: &str,
+    rig: &Rig,
+    [about_x, about_y]: [f64; 2],
+    [right_m, down_m, depth_m]: [f64; 3],
+) {
     let place = rig.target.coords * (depth_m / rig.target.z) + Vector3::new(right_m, down_m, 0.0);
     let board = Isometry3::new(place, Vector3::new(about_x, about_y, 0.05));
     let view = View::new(&Room::wall(1.9, [0.1, 0.1]).with_board(BOARD, &board), rig);
@@ -36,23 +42,24 @@ fn write_pose(folder: &Path, rig: &Rig, [about_x, about_y]: [f64; 2], [right_m, 
     fs::create_dir_all(folder).unwrap();
     for (index, data) in scan.capture_all(&patterns).into_iter().enumerate() {
         let [width_px, height_px] = view.size_px();
-        let image = Image { width_px, height_px, encoding: Encoding::Mono8, data };
-        image_file::write(&folder.join(format!("shot_{index}.png")), &image).unwrap();
+        let image = image::GrayImage::from_raw(width_px, height_px, data).unwrap();
+        image.save(folder.join(format!("shot{index}-cam0.{extension}"))).unwrap();
     }
+    fs::write(folder.join("._shot0-cam0.png"), "Mac OS X").unwrap();
 }
 
 #[test]
 fn folders_of_images_calibrate_a_camera_and_a_projector() {
     let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
     let poses = [
-        ([0.1, 0.1], [0.0, 0.0, 1.2]),
-        ([0.0, 0.5], [-0.16, -0.09, 1.1]),
-        ([-0.1, -0.5], [0.16, 0.09, 1.15]),
-        ([0.5, 0.0], [0.18, -0.1, 1.4]),
-        ([-0.5, 0.1], [-0.18, 0.1, 1.3]),
+        ("png", [0.1, 0.1], [0.0, 0.0, 1.2]),
+        ("pgm", [0.0, 0.5], [-0.16, -0.09, 1.1]),
+        ("webp", [-0.1, -0.5], [0.16, 0.09, 1.15]),
+        ("bmp", [0.5, 0.0], [0.18, -0.1, 1.4]),
+        ("tiff", [-0.5, 0.1], [-0.18, 0.1, 1.3]),
     ];
-    for (index, (tilt, place)) in poses.into_iter().enumerate() {
-        write_pose(&folder.path().join(format!("photos/p{index}")), &rig, tilt, place);
+    for (index, (extension, tilt, place)) in poses.into_iter().enumerate() {
+        write_pose(&folder.path().join(format!("photos/p{index}")), extension, &rig, tilt, place);
     }
     // Pictures of something else in a folder beside the poses.
     fs::create_dir(folder.path().join("photos/else")).unwrap();
@@ -68,7 +75,8 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
     let (code, errors) = scan(&["--pictures", "photos", "-o", "boards"]);
     assert!(code == Some(2) && errors.contains("folders in it already"), "{errors}");
     let (code, errors) = scan(&["--pictures", "boards/pose01", "-o", "none"]);
-    assert!(code == Some(2) && errors.contains("no folders of pictures"), "{errors}");
+    let expected = "boards/pose01: no folder in it has pictures (.png, .jpg, .jpeg, .bmp, ";
+    assert!(code == Some(2) && errors.contains(expected) && errors.contains(".pgm, "), "{errors}");
     // Refused for another reason, each.
     fs::create_dir(folder.path().join("side")).unwrap();
     fs::rename(folder.path().join("photos/else"), folder.path().join("side/else")).unwrap();
@@ -76,16 +84,25 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
     let last = errors.lines().last().unwrap_or_default();
     assert!(code == Some(1) && last.contains("side/else: 2 pictures, but 44 patterns"), "{errors}");
 
-    let solve = |arguments: &[&str]| run(folder.path(), &[&["solve"], arguments, &["--in-camera-frame"]].concat());
     let outputs = ["-o", "projector.yaml", "--camera", "camera.yaml", "--report", "report"];
-    let (code, errors) = solve(&[&["boards"], &board[..], &outputs].concat());
+    let solved = [&["solve", "boards"], &board[..], &outputs].concat();
+    // A webcam's photos do not name its frame.
+    let (code, errors) = run(folder.path(), &[&solved[..], &["--in-camera-frame"]].concat());
+    assert!(code == Some(2) && errors.contains("give --camera-frame FRAME"), "{errors}");
+    assert!(!folder.path().join("projector.yaml").exists());
+    let solve = |arguments: &[&str]| run(folder.path(), &[arguments, &["--camera-frame", "webcam"]].concat());
+    let (code, errors) = solve(&solved);
     assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("the pose is written in webcam: "), "{errors}");
+    let (code, errors) = solve(&[&solved[..], &["--in-camera-frame"]].concat());
+    assert!(code == Some(0) && !errors.contains("the pose is written"), "{errors}");
     assert!(errors.contains("at poses that are left out") && errors.contains("written: camera.yaml"), "{errors}");
     let camera = ProjectorFile::read(&folder.path().join("camera.yaml")).unwrap().camera_lens().unwrap();
     assert!((camera.focal_px.x / rig.camera.focal_px.x - 1.0).abs() < 0.01, "{camera:?}");
     let projector = ProjectorFile::read(&folder.path().join("projector.yaml")).unwrap();
     let lens = projector.lens().unwrap();
     assert!((lens.focal_px.x / rig.projector.focal_px.x - 1.0).abs() < 0.01, "{lens:?}");
+    assert_eq!(projector.frames[0].parent, "webcam");
     let off = projector.frames[0].translation_m;
     let truth = rig.projector_from_camera().inverse().translation.vector;
     assert!((Vector3::from(off) - truth).norm() < 0.02, "{off:?} instead of {truth}");
@@ -96,9 +113,10 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
 
     // A board of other squares is another scale: the board is found, but not its count of corners.
     let (code, errors) =
-        solve(&["boards", "--board", "chessboard:12x9:45mm", "--size", "1280x800", "-o", "other.yaml"]);
+        solve(&["solve", "boards", "--board", "chessboard:12x9:45mm", "--size", "1280x800", "-o", "other.yaml"]);
     assert!(code == Some(1) && errors.contains("of a board with 12x9 inner corners"), "{errors}");
     let (code, errors) = solve(&[
+        "solve",
         "boards/pose01",
         "boards/pose02",
         "--board",
@@ -109,6 +127,9 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
         "two.yaml",
     ]);
     assert!(code == Some(1) && errors.contains("at least 3 are needed"), "{errors}");
+    assert!(!errors.contains("the pose is written") && !folder.path().join("two.yaml").exists(), "{errors}");
+    let (code, errors) = solve(&["solve", "photos", "--board", "chessboard:8x6:45mm", "--size", "1280x800", "-o", "x"]);
+    assert!(code == Some(2) && errors.contains("photos: no capture.yaml in it or in a folder in it"), "{errors}");
     let decode = run(folder.path(), &["decode", "boards/pose01", "-o", "points.csv"]);
     assert!(decode.0 == Some(1), "{}", decode.1);
 }

@@ -109,7 +109,8 @@ fn a_file_that_is_refined_keeps_comments_topic_names_and_frames_between() {
     write("own.yaml", OWN);
     let refine = |more: &[&str]| {
         let mut command = Command::new(program("projector_calibrate"));
-        command.current_dir(folder.path()).args(["refine", "points.csv", "--projector", "own.yaml"]).args(more);
+        command.current_dir(folder.path()).args(["refine", "points.csv", "--projector", "own.yaml"]);
+        command.args(["--camera-frame", "head_camera_rgb_optical_frame"]).args(more);
         let output = command.output().unwrap();
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };

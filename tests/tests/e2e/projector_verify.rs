@@ -150,7 +150,8 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
     let mut command = master.environment(Command::new(program("projector_calibrate")));
     command.current_dir(folder.path()).env("DISPLAY", &screen.display);
     let arguments = ["refine", "--clicked", "--projector", "old.yaml", "-o", "new.yaml", "--parent", "torso"];
-    let mut refining = Running::start(command.args(arguments)).unwrap();
+    command.args(arguments).args(["--camera-frame", "head_camera_rgb_optical_frame"]);
+    let mut refining = Running::start(&mut command).unwrap();
     let asks = |text: String| wait_until(PATIENCE, || refining.errors().iter().any(|line| line.contains(&text)));
     assert!(asks("click the next point".to_owned()), "{:?}", refining.errors());
 

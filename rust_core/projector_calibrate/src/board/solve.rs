@@ -9,7 +9,7 @@ use rcs_files::calibration_report;
 use rcs_files::projector::{write_camera, ProjectorFile};
 
 use super::poses::BoardPoses;
-use crate::placing::{CameraPose, PlacingArguments};
+use crate::placing::PlacingArguments;
 use crate::Failure;
 
 /// Name of a camera without a frame, in its file.
@@ -35,8 +35,7 @@ pub(crate) fn solve_and_write(
     outputs: &BoardOutputs<'_>,
 ) -> Result<(), Failure> {
     let poses = BoardPoses::read(folders, board)?;
-    let CameraPose { parent, parent_from_camera } =
-        placing.camera_pose(poses.camera_frame.as_deref(), &poses.robot, None)?;
+    let place = placing.camera_pose(poses.camera_frame.as_deref(), &poses.robot, None)?;
     let solution = solved(&poses, options, ignores_camera_info).map_err(Failure::refused)?;
     if let Some(folder) = outputs.report {
         calibration_report::write_with_boards(folder, &solution).map_err(Failure::refused)?;
@@ -46,8 +45,8 @@ pub(crate) fn solve_and_write(
         return Err(Failure::Refused(anyhow!("not to be used, scan again: {}", report.reasons.join("; "))));
     }
     let pose = report.solution.poses.first().ok_or_else(|| Failure::Refused(anyhow!("no pose was found")))?;
-    let parent_from_projector = parent_from_camera * pose.projector_from_camera.inverse();
-    ProjectorFile::calibrated(&report.solution.lens, &parent, &parent_from_projector)
+    let parent_from_projector = place.parent_from_camera * pose.projector_from_camera.inverse();
+    ProjectorFile::calibrated(&report.solution.lens, &place.parent, &parent_from_projector)
         .write(outputs.projector)
         .map_err(Failure::refused)?;
     if let Some(path) = outputs.camera {
@@ -56,8 +55,10 @@ pub(crate) fn solve_and_write(
     }
     eprintln!("{}", summary(&solution));
     report.reasons.iter().for_each(|reason| eprintln!("  {reason}"));
-    let written = [Some(outputs.projector), outputs.camera].into_iter().flatten();
-    written.for_each(|path| eprintln!("written: {}", path.display()));
+    place.tell_written(outputs.projector);
+    if let Some(path) = outputs.camera {
+        eprintln!("written: {}", path.display());
+    }
     Ok(())
 }
 
