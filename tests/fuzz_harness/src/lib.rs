@@ -98,9 +98,10 @@ targets! {
     PLY: "ply", "PLY", 64 MiB, resources::ply;
     GLTF: "gltf", "glTF, text and GLB", 256 MiB, resources::gltf;
     TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
+    TEXT: "text", "text in any encoding, and the XML in it", 64 MiB, texts::text;
     RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
     NEW_CAMERA: "new_camera", ".rviz that a camera is added to", 64 MiB, cameras::new_camera;
-    PROJECTOR: "projector", "projector files", 32 MiB, texts::projector;
+    PROJECTOR: "projector", "projector files, and those of other calibrators", 32 MiB, texts::projector;
     CORRESPONDENCES: "correspondences", "lists of correspondences", 32 MiB, texts::correspondences;
     PATTERN_LIST: "pattern_list", "lists of patterns", 32 MiB, texts::pattern_list;
     CAPTURE: "capture", "capture.yaml", 32 MiB, captures::capture;

@@ -26,7 +26,7 @@ pub(crate) fn urdf(data: &[u8]) {
              - {Class: rviz/Effort, Name: e, Enabled: true, Topic: /joint_states}",
         )
     });
-    let text: Arc<str> = String::from_utf8_lossy(data).into();
+    let text: Arc<str> = rcs_text::decode(data).into();
     aim(&text);
     let mut shown = Shown::new(config);
     shown.take_parameter("robot_description", &text);

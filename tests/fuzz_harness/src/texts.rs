@@ -1,4 +1,4 @@
-//! Files of text: `.rviz`, projector files and PCD (whose points may be binary).
+//! Files of text in any encoding: XML, `.rviz`, projector files and PCD (whose points may be binary).
 
 use std::path::{Component, Path};
 
@@ -7,8 +7,31 @@ use rcs_files::correspondences::Correspondences;
 use rcs_files::pcd::PcdCloud;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::element_size;
+use rcs_text::xml::{self, Element};
 
 use crate::displays::Shown;
+
+/// Text, and the XML in it: lines end in one way, elements and faults are in its lines, in their order.
+pub(crate) fn text(data: &[u8]) {
+    let text = rcs_text::decode(data);
+    assert!(!text.contains('\r'));
+    let lines = 1..=text.matches('\n').count() + 1;
+    let document = match xml::parse(&text) {
+        Ok(document) => document,
+        Err(error) => {
+            assert!(lines.contains(&error.line), "{error:?} in {lines:?}");
+            return;
+        }
+    };
+    assert!(document.passed_over.iter().all(|fault| lines.contains(&fault.line)), "{:?}", document.passed_over);
+    for element in document.elements.iter().flat_map(Element::descendants) {
+        assert!(lines.contains(&element.line), "{element:?} in {lines:?}");
+        assert!(element.elements.is_sorted_by_key(|inner| inner.line), "{element:?}");
+        for inner in &element.elements {
+            assert!(inner.line >= element.line && element.child(inner.name).is_some(), "{element:?}");
+        }
+    }
+}
 
 /// A `.rviz` file: its findings, and the scene of all its displays before the first message.
 pub(crate) fn rviz_config(data: &[u8]) {
@@ -34,14 +57,15 @@ pub(crate) fn rviz_config(data: &[u8]) {
     shown.draw_some(data);
 }
 
-/// A projector file: what was read is written and read as the same.
+/// A projector file, of this project or of another tool: what was read is written and read as the same.
 pub(crate) fn projector(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
+    let text = rcs_text::decode(data);
     let path = Path::new("fuzz.yaml");
-    let file = match ProjectorFile::parse(path, text) {
+    let file = match ProjectorFile::parse(path, &text) {
         Ok(file) => file,
         Err(error) => {
-            assert!(error.to_string().starts_with("fuzz.yaml"));
+            let error = error.to_string();
+            assert!(error.starts_with("fuzz.yaml") && error.lines().count() == 1, "{error:?}");
             return;
         }
     };
