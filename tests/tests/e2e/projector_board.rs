@@ -6,6 +6,7 @@ use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_files::image_file;
 use rcs_files::projector::{write_camera, ProjectorFile};
 use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
+use rcs_scene::{Encoding, Image};
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -63,7 +64,7 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
     }
     // Pictures of something else in a folder beside the poses.
     fs::create_dir(folder.path().join("photos/else")).unwrap();
-    for name in ["shot_0.png", "shot_1.png"] {
+    for name in ["shot0-cam0.png", "shot1-cam0.png"] {
         fs::copy(folder.path().join("photos/p0").join(name), folder.path().join("photos/else").join(name)).unwrap();
     }
     let board = ["--board", "chessboard:8x6:45mm", "--size", "1280x800"];
@@ -137,7 +138,7 @@ fn folders_of_images_calibrate_a_camera_and_a_projector() {
 #[test]
 fn pictures_of_a_scene_are_a_scan_with_depth_or_without() {
     let (folder, rig) = (tempfile::tempdir().unwrap(), Rig::random(3));
-    write_pose(&folder.path().join("photos"), &rig, [0.1, 0.1], [0.0, 0.0, 1.2]);
+    write_pose(&folder.path().join("photos"), "png", &rig, [0.1, 0.1], [0.0, 0.0, 1.2]);
     write_camera(&folder.path().join("camera.yaml"), &rig.camera, "camera_optical").unwrap();
     let [width_px, height_px] = rig.camera.size_px;
     let data = 1500_u16.to_ne_bytes().repeat((width_px * height_px) as usize);
