@@ -19,8 +19,8 @@ const MAX_TEXELS: u64 = 8192 * 8192;
 /// Most memory of a decoder.
 const MAX_DECODED_BYTES: u64 = 512 << 20;
 
-/// Reads an image file: PNG, JPEG, BMP, TGA, TIFF, GIF, PNM or WebP. The format is detected from its contents, else from
-/// its name.
+/// Reads an image file: PNG, JPEG, BMP, TGA, TIFF, GIF, PNM or WebP. The format is detected from its contents, else
+/// from its name.
 ///
 /// # Errors
 /// [`ResourceError::BadImage`], and errors of reading the file.

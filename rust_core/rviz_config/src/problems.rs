@@ -84,7 +84,8 @@ impl fmt::Display for SettingProblem {
     }
 }
 
-/// Finds enabled displays without a topic or with one that ROS does not allow, and cameras of which only one can be triggered.
+/// Finds enabled displays without a topic or with one that ROS does not allow, and cameras of which only one can be
+/// triggered.
 ///
 /// ```
 /// let text = "

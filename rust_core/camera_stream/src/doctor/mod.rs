@@ -51,8 +51,8 @@ pub(crate) enum Verdict {
     NoMaster,
 }
 
-/// Makes all checks, prints a line for each finding, and at the end what to do first. `options` are those of the command
-/// line.
+/// Makes all checks, prints a line for each finding, and at the end what to do first. `options` are those of the
+/// command line.
 ///
 /// # Errors
 /// An invalid parameter, or an output that cannot be written.

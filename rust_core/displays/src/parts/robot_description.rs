@@ -141,7 +141,8 @@ mod tests {
         };
         let (level, one) = warning("<transmission>a & b</transmission>");
         assert!(level == Level::Warn && one.starts_with("passed over: line 2: "), "{one}");
-        let sphere = "<link name='x'><visual><geometry><sphere radius='big'/></geometry></visual></link>";
+        let sphere = "<link name='x'><visual><geometry><sphere radius='big'/></geometry></visual></link>\
+                      <joint name='j' type='fixed'><parent link='a'/><child link='x'/></joint>";
         let (level, two) = warning(&format!("{sphere}<transmission>a & b</transmission>"));
         assert!(level == Level::Warn && two.starts_with("line 2: link \"x\": sphere: "), "{two}");
         assert!(two.ends_with(" (and 1 more, in the log)"), "{two}");

@@ -37,8 +37,8 @@ struct Edit {
 }
 
 /// Writes the pose of `child` in its parent into a projector's file. All other bytes stay; the file is replaced
-/// atomically, links and permissions are kept. The file of before is kept as [`file_before`]. Returns what the file holds
-/// then.
+/// atomically, links and permissions are kept. The file of before is kept as [`file_before`]. Returns what the file
+/// holds then.
 ///
 /// # Errors
 /// [`FileError`] if the file cannot be read or written, has no such frame, or has it in a form that cannot be edited.

@@ -157,7 +157,8 @@ fn a_file_is_replaced_with_its_permissions_and_a_read_only_one_is_not() {
     assert!(error.ends_with("projector.yaml: cannot write: the file is read-only"), "{error}");
     assert_eq!(fs::read_to_string(&path).unwrap(), file(&entry.replace("2,", "2.5,")));
     assert!(check_writable(folder.path()).is_err() && check_writable(Path::new("missing.yaml")).is_err());
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    assert_eq!(fs::read_to_string(folder.path().join("link.yaml.1")).unwrap(), file(entry));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
 }
 
 proptest! {
