@@ -64,7 +64,7 @@ fn write_cameras(list: &mut Yaml, before: &[DisplayConfig], after: &[DisplayConf
     for ((item, before), after) in items.iter_mut().zip(before).zip(after) {
         match (&before.settings, &after.settings) {
             (DisplaySettings::CameraPub(before), DisplaySettings::CameraPub(after)) => {
-                write_camera(item, before, after)
+                write_camera(item, before, after);
             }
             (DisplaySettings::Group(before), DisplaySettings::Group(after)) => {
                 if let Some(list) = item.get_mut("Displays") {
@@ -92,22 +92,22 @@ fn write_camera(item: &mut Yaml, before: &CameraPubSettings, after: &CameraPubSe
         }
     }
     if before.visibility != after.visibility {
-        let boxes = written_boxes(item.get_mut("Visibility"), &after.visibility);
+        let boxes = written_boxes(item.get_mut("Visibility").as_deref(), &after.visibility);
         item.set("Visibility", boxes);
     }
 }
 
 /// Tick boxes: a text for one, a map where there are boxes below it. `old` is what the file has.
-fn written_boxes(old: Option<&mut Yaml>, boxes: &Visibility) -> Yaml {
+fn written_boxes(old: Option<&Yaml>, boxes: &Visibility) -> Yaml {
     let own = Yaml::Scalar(boxes.value.to_string());
     let mut map = match old {
-        Some(Yaml::Map(entries)) => Yaml::Map(std::mem::take(entries)),
+        Some(Yaml::Map(entries)) => Yaml::Map(entries.clone()),
         _ if boxes.children.is_empty() => return own,
         _ => Yaml::Map(Vec::new()),
     };
     map.set(OWN_VALUE, own);
     for (name, child) in &boxes.children {
-        let child = written_boxes(map.get_mut(name), child);
+        let child = written_boxes(map.get_mut(name).as_deref(), child);
         map.set(name, child);
     }
     map
