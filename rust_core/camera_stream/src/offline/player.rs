@@ -187,7 +187,7 @@ fn warn_of_other_types(bag: &Bag, wanted: &[(String, String, MessageKind)]) {
         let is_taken = takers.iter().any(|(.., kind)| connection.holds(*kind));
         let is_held = |kind| bag.connections().any(|other| full_name(&other.topic) == name && other.holds(kind));
         for (_, topic, kind) in takers {
-            if !connection.holds(*kind) && !(is_taken && is_held(*kind)) {
+            if !(connection.holds(*kind) || is_taken && is_held(*kind)) {
                 warnings.insert(format!(
                     "topic {topic} holds {} in the bag, not {}",
                     connection.held(),

@@ -201,7 +201,7 @@ impl ConfigControl {
                 self.hand_over(Reload { config, reply: Some(reply), discards_changes: true });
             }
             Err(error) => {
-                reply.send(false, format!("not loaded, so the previous config is kept: {}", one_line(&error)))
+                reply.send(false, format!("not loaded, so the previous config is kept: {}", one_line(&error)));
             }
         }
     }
