@@ -42,7 +42,9 @@ fn node(process: &Path, master: &str) -> Option<RunningNode> {
     let arguments: Vec<OsString> = words.filter(|word| !word.to_string_lossy().starts_with("__log:=")).collect();
     let command = crate::cli::command();
     let is_command = |word: &OsString| command.get_subcommands().any(|known| word.to_str() == Some(known.get_name()));
-    if arguments.iter().any(is_command) {
+    // A node has options and remappings alone; the child with a node's black window has a word.
+    let is_word = |word: &OsString| !word.to_string_lossy().starts_with('-') && !word.to_string_lossy().contains(":=");
+    if arguments.first().is_none_or(is_word) || arguments.iter().any(is_command) {
         return None;
     }
     let environment = texts(&process.join("environ"))?;
@@ -89,7 +91,12 @@ mod tests {
         };
         let found = node_of("/opt/lib/camera_stream\0-d\0a.rviz\0__name:=x\0__log:=/tmp/x.log\0");
         assert_eq!(found, Some(expected));
-        for other in ["/opt/lib/camera_stream\0doctor\0", "/opt/lib/projector\0-d\0a.rviz\0", ""] {
+        for other in [
+            "/opt/lib/camera_stream\0doctor\0",
+            "/opt/lib/camera_stream\0black-window\0--monitor\0",
+            "/opt/lib/projector\0-d\0a.rviz\0",
+            "",
+        ] {
             assert_eq!(node_of(other), None, "{other:?}");
         }
         fs::write(process.join("cmdline"), "camera_stream\0-d\0a.rviz\0").unwrap();
