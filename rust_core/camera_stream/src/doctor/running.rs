@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(found, Some(expected));
         for other in [
             "/opt/lib/camera_stream\0doctor\0",
-            "/opt/lib/camera_stream\0black-window\0--monitor\0",
+            "/opt/lib/camera_stream\0__black-window\0--monitor\0",
             "/opt/lib/projector\0-d\0a.rviz\0",
             "",
         ] {
