@@ -11,7 +11,7 @@ use crate::bounded_file::BoundedFile;
 use crate::chunked::{Chunked, Index};
 use crate::connection::Connection;
 use crate::error::BagError;
-use crate::mcap_file::{self, McapFile};
+use crate::mcap_index;
 use crate::messages::{Connections, FileChunk, Messages};
 use crate::rosbag_file::{self, RosbagFile};
 
@@ -118,8 +118,8 @@ fn open_file(path: &Path) -> Result<(Box<dyn Chunked>, Index), BagError> {
     if begins_with(rosbag_file::MAGIC) {
         let (file, index) = RosbagFile::open(file)?;
         Ok((Box::new(file), index))
-    } else if begins_with(mcap_file::MAGIC) {
-        let (file, index) = McapFile::open(file)?;
+    } else if begins_with(mcap::MAGIC) {
+        let (file, index) = mcap_index::open(file)?;
         Ok((Box::new(file), index))
     } else {
         Err(BagError::no_bag(&file.path))

@@ -18,6 +18,7 @@ mod connection;
 mod error;
 mod mcap_file;
 mod mcap_index;
+mod mcap_records;
 mod messages;
 mod rosbag_file;
 

@@ -11,16 +11,10 @@ use std::io;
 use mcap::records::{op, Record};
 
 use crate::bounded_file::BoundedFile;
-use crate::chunked::{nanos, Chunked, Index, RawMessage};
+use crate::chunked::{nanos, Chunked, RawMessage};
 use crate::compression::{damaged, unpack};
 use crate::error::BagError;
-use crate::mcap_index::{self, Definitions};
-
-pub(crate) use mcap::MAGIC;
-
-/// Length of the footer to the end of the file: kind, length, the offsets of the summary and of its index, a checksum,
-/// the magic.
-const FOOTER_LEN: u64 = 1 + 8 + 8 + 8 + 4 + MAGIC.len() as u64;
+use crate::mcap_records::{each_record, parse, split_record, Definitions};
 
 /// An MCAP file.
 #[derive(Debug)]
@@ -31,19 +25,6 @@ pub(crate) struct McapFile {
 }
 
 impl McapFile {
-    pub(crate) fn open(file: BoundedFile) -> Result<(Self, Index), BagError> {
-        let not_closed = || BagError::no_index(&file.path, "mcap recover");
-        let footer_at = file.len.checked_sub(FOOTER_LEN).ok_or_else(not_closed)?;
-        let footer = file.read(footer_at, FOOTER_LEN).map_err(|error| file.damaged(footer_at, &error))?;
-        let summary_at = footer.get(9..17).and_then(|bytes| bytes.try_into().ok()).map_or(0, u64::from_le_bytes);
-        if footer.first() != Some(&op::FOOTER) || !footer.ends_with(MAGIC) || summary_at > footer_at {
-            return Err(not_closed());
-        }
-        let mut opened = Self { file, chunk_lens: HashMap::new() };
-        let index = mcap_index::read(&mut opened, summary_at, footer_at)?;
-        Ok((opened, index))
-    }
-
     /// Visits the messages of a chunk, or of records in place of one, and notes the channels and schemas among them.
     pub(crate) fn visit_messages(
         &self,
@@ -84,32 +65,4 @@ impl Chunked for McapFile {
         let result = self.visit_messages(at, &mut Definitions::default(), visit);
         result.map_err(|error| self.file.damaged(at, &error))
     }
-}
-
-/// Parses the content of a record; kinds that are not read here may contain anything.
-pub(crate) fn parse(kind: u8, content: &[u8]) -> io::Result<Record<'_>> {
-    match kind {
-        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK | op::CHUNK_INDEX => {
-            mcap::parse_record(kind, content).map_err(io::Error::other)
-        }
-        _ => Ok(Record::Unknown { opcode: kind, data: content.into() }),
-    }
-}
-
-/// Visits consecutive records, up to one that is cut off.
-pub(crate) fn each_record(mut bytes: &[u8], mut visit: impl FnMut(u8, &[u8]) -> io::Result<()>) -> io::Result<()> {
-    while !bytes.is_empty() {
-        let (kind, content, rest) = split_record(bytes).ok_or_else(|| damaged("a record is cut off"))?;
-        visit(kind, content)?;
-        bytes = rest;
-    }
-    Ok(())
-}
-
-/// A record's kind and content, and the rest.
-fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
-    let (kind, rest) = bytes.split_first()?;
-    let (len, rest) = rest.split_first_chunk()?;
-    let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
-    Some((*kind, content, rest))
 }

@@ -4,37 +4,28 @@
 //! chunks. A summary counts if it knows all that its own chunks refer to and nothing else in the file holds messages.
 //! Messages without chunks are read in pieces, as if these were chunks.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 
-use mcap::records::{op, Channel, ChunkIndex, Record};
+use mcap::records::{op, ChunkIndex, Record};
 use mcap::MAGIC;
 
 use crate::bounded_file::BoundedFile;
 use crate::chunked::{nanos, ChunkRef, Index};
 use crate::compression::damaged;
-use crate::connection::{md5sum, Connection};
 use crate::error::BagError;
-use crate::mcap_file::{each_record, parse, McapFile};
+use crate::mcap_file::McapFile;
+use crate::mcap_records::{each_record, is_ros1, parse, Definitions};
 
+/// Length of the footer to the end of the file: kind, length, the offsets of the summary and of its index, a checksum,
+/// the magic.
+const FOOTER_LEN: u64 = 1 + 8 + 8 + 8 + 4 + MAGIC.len() as u64;
 /// Longest summary that is read.
 const MAX_SUMMARY_LEN: u64 = 256 << 20;
 /// Length of a record's kind and length.
 const HEAD_LEN: u64 = 1 + 8;
 /// Length of consecutive messages without a chunk from which on they are another piece.
 const PIECE_LEN: u64 = 4 << 20;
-/// Message encodings of ROS 1; the specification once had the second name.
-const ROS1: [&str; 2] = ["ros1", "ros"];
-
-/// The channels and schemas of a file.
-#[derive(Default)]
-pub(crate) struct Definitions {
-    schema_names: BTreeMap<u16, String>,
-    channels: BTreeMap<u16, Channel>,
-    /// Channels whose record cannot be read, such as one of a topic that is not UTF-8, which nobody can have asked for.
-    unreadable: BTreeSet<u16>,
-}
-
 /// The parts of a summary that are read.
 #[derive(Default)]
 struct Summary {
@@ -42,9 +33,26 @@ struct Summary {
     chunks: Vec<ChunkIndex>,
 }
 
+/// Opens a file and reads its index.
+///
+/// # Errors
+/// The file was not closed, is damaged, or has no messages of ROS 1.
+pub(crate) fn open(file: BoundedFile) -> Result<(McapFile, Index), BagError> {
+    let not_closed = || BagError::no_index(&file.path, "mcap recover");
+    let footer_at = file.len.checked_sub(FOOTER_LEN).ok_or_else(not_closed)?;
+    let footer = file.read(footer_at, FOOTER_LEN).map_err(|error| file.damaged(footer_at, &error))?;
+    let summary_at = footer.get(9..17).and_then(|bytes| bytes.try_into().ok()).map_or(0, u64::from_le_bytes);
+    if footer.first() != Some(&op::FOOTER) || !footer.ends_with(MAGIC) || summary_at > footer_at {
+        return Err(not_closed());
+    }
+    let mut opened = McapFile { file, chunk_lens: HashMap::new() };
+    let index = read(&mut opened, summary_at, footer_at)?;
+    Ok((opened, index))
+}
+
 /// Reads the index of a file, whose footer is at `footer_at`, and notes the lengths of its chunks. `summary_at` is 0
 /// without a summary.
-pub(crate) fn read(opened: &mut McapFile, summary_at: u64, footer_at: u64) -> Result<Index, BagError> {
+fn read(opened: &mut McapFile, summary_at: u64, footer_at: u64) -> Result<Index, BagError> {
     let file = &opened.file;
     let mut summary = Summary::default();
     if summary_at != 0 && footer_at - summary_at <= MAX_SUMMARY_LEN {
@@ -183,77 +191,5 @@ impl McapFile {
             at = next;
         }
         Ok((chunks, definitions, problems))
-    }
-}
-
-fn is_ros1(channel: &Channel) -> bool {
-    ROS1.contains(&&*channel.message_encoding)
-}
-
-impl Definitions {
-    /// Takes the content of a schema's or a channel's record.
-    pub(crate) fn take(&mut self, kind: u8, content: &[u8]) {
-        match parse(kind, content) {
-            Ok(Record::Schema { header, .. }) => drop(self.schema_names.insert(header.id, header.name)),
-            Ok(Record::Channel(channel)) => drop(self.channels.insert(channel.id, channel)),
-            Ok(_) => {}
-            Err(_) => {
-                let id = content.first_chunk().map(|id| u16::from_le_bytes(*id)).filter(|_| kind == op::CHANNEL);
-                self.unreadable.extend(id);
-            }
-        }
-    }
-
-    fn knows(&self, channel: u16) -> bool {
-        self.channels.contains_key(&channel) || self.unreadable.contains(&channel)
-    }
-
-    /// # Errors
-    /// No channel is of ROS 1.
-    fn check_encoding(&self, file: &BoundedFile) -> Result<(), BagError> {
-        match self.channels.values().next() {
-            Some(first) if !self.channels.values().any(is_ros1) => {
-                let encoding = &first.message_encoding;
-                let problem =
-                    format!("all messages are encoded as {encoding}, but only those of ROS 1 (ros1) are read");
-                Err(BagError::new(&file.path, problem))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// What the file does not have although its messages refer to it.
-    fn missing(&self, chunks: &[ChunkRef]) -> Vec<String> {
-        let used: BTreeSet<u32> = chunks.iter().flat_map(|chunk| chunk.connections.iter().copied()).collect();
-        let problem = |id: &u32| {
-            let channel = u16::try_from(*id).ok()?;
-            match self.channels.get(&channel) {
-                None if self.unreadable.contains(&channel) => None,
-                None => Some(format!("no record of channel {id}, so its messages are not read")),
-                Some(one) if is_ros1(one) && !self.schema_names.contains_key(&one.schema_id) => {
-                    Some(format!("no schema {} of {}, so its messages are not read", one.schema_id, one.topic))
-                }
-                Some(_) => None,
-            }
-        };
-        used.iter().filter_map(problem).collect()
-    }
-
-    fn connection(&self, channel: &Channel) -> Connection {
-        let name = self.schema_names.get(&channel.schema_id).map(String::as_str).unwrap_or_default();
-        let value = |key| channel.metadata.get(key).map(String::as_str).unwrap_or_default();
-        let ros_type = if is_ros1(channel) {
-            name.to_owned()
-        } else {
-            // No type of ROS 1 has such a name.
-            format!("{name} (encoded as {})", channel.message_encoding)
-        };
-        Connection {
-            topic: channel.topic.as_str().into(),
-            ros_type: ros_type.into(),
-            md5sum: md5sum(value("md5sum").as_bytes()),
-            publisher: value("callerid").into(),
-            latching: matches!(value("latching"), "1" | "true"),
-        }
     }
 }

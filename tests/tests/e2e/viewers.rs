@@ -333,7 +333,8 @@ fn the_projectors_window_reads_compressed_images() {
     let is_near = |pixels: &[u8]| pixels.iter().zip(&flipped).all(|(shown, sent)| shown.abs_diff(*sent) <= 4);
     assert!(wait_until(PATIENCE, || is_near(&screen.pixels())), "{:?}", window.errors());
     python.run("latch('/photos/compressed', CompressedImage(format='jpeg', data=b'no picture'))").unwrap();
-    let is_told = || window.errors().iter().any(|line| line.contains("/photos/compressed: neither JPEG nor PNG"));
+    let is_told =
+        || window.errors().iter().any(|line| line.contains("/photos/compressed: an image of an unknown format"));
     assert!(wait_until(PATIENCE, is_told), "{:?}", window.errors());
 }
 
