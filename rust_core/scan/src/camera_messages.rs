@@ -209,7 +209,8 @@ mod tests {
         data.extend(png(Encoding::Mono16, &[1500_u16, 0].map(u16::to_le_bytes).concat()));
         let depth = depth_of("/depth/compressedDepth", &packed("16UC1; compressedDepth png", data)).unwrap();
         assert_eq!((depth.size_px, depth.depth_m), ([2, 1], vec![1.5, 0.0]));
-        assert_eq!(grey_image("/c", &packed("rgb8; jpeg", vec![1, 2])), Err("neither JPEG nor PNG".to_owned()));
+        let unknown = "an image of an unknown format: JPEG, PNG, BMP, TIFF and WebP are read".to_owned();
+        assert_eq!(grey_image("/c", &packed("rgb8; jpeg", vec![1, 2])), Err(unknown));
         let cloud = AnyMessage::PointCloud2(Arc::default());
         assert!(grey_image("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is not an image"));
     }
