@@ -33,6 +33,9 @@ impl ProjectorOverride {
             log::warn!("{name}: {warning}");
         }
         if file.camera_info.header.frame_id.is_empty() {
+            if path.extension().is_some_and(|ending| ending == "ini") {
+                bail!("{name}: no frame: an .ini has none; write its width, height and K into a .yaml with frame_id");
+            }
             bail!("{name}: no frame: the file needs frame_id (or header.frame_id)");
         }
         let topic = camera.settings.camera_info_topic.clone();

@@ -16,6 +16,7 @@ use rcs_ros::{Reply, TriggerReply};
 use rcs_rviz_config::Config;
 
 use super::config_reader::{ConfigRead, ConfigReader};
+use super::config_reply::ConfigReply;
 use super::shared::{NodeState, Reload};
 use crate::camera::plan;
 use crate::log_findings;
@@ -26,30 +27,6 @@ const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
 const READ_AGAIN: &str = "the config was read again since";
 /// Time that a caller waits for the config to be read.
 const READ_PATIENCE: Duration = Duration::from_secs(1);
-
-/// Answers who asked for a config.
-pub(super) enum ConfigReply {
-    /// A caller of `reload_config`.
-    Reload(TriggerReply),
-    /// A caller of `load_config`, whose answer has no text.
-    Load(Reply<bool>),
-}
-
-impl ConfigReply {
-    pub(super) fn send(self, success: bool, message: impl Into<String>) {
-        match self {
-            Self::Reload(reply) => reply.send(success, message),
-            Self::Load(reply) => {
-                if success {
-                    log::info!("the config changed: {}", message.into());
-                } else {
-                    log::error!("{}", message.into());
-                }
-                reply.answer(success);
-            }
-        }
-    }
-}
 
 /// Reads the node's config anew, loads another one and saves it.
 pub(super) struct ConfigControl {

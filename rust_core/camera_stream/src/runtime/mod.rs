@@ -15,6 +15,7 @@
 mod activity;
 mod config_control;
 mod config_reader;
+mod config_reply;
 mod control_thread;
 mod diagnostics;
 mod frame_renderer;

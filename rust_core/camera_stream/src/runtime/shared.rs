@@ -10,7 +10,7 @@ use rcs_ros::RosNode;
 use rcs_rviz_config::Config;
 
 use super::activity::Activity;
-use super::config_control::ConfigReply;
+use super::config_reply::ConfigReply;
 use super::diagnostics::Diagnostics;
 use super::watchdog;
 use crate::camera::output::CameraPublisher;
