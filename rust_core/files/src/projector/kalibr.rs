@@ -3,7 +3,7 @@
 use serde_yaml_ng::{Mapping, Value};
 
 use super::key_error::KeyError;
-use super::other_tools::{numbers_of, own_form};
+use super::own_form::{numbers_of, own_form};
 use crate::yaml_text::beginning;
 
 /// A list of `N` numbers.

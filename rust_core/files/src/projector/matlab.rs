@@ -6,7 +6,7 @@
 use serde_yaml_ng::Mapping;
 
 use super::key_error::KeyError;
-use super::other_tools::own_form;
+use super::own_form::own_form;
 use crate::yaml_text::beginning;
 
 /// Values of a script by this project's keys; `None` if it sets none of the toolboxes' variables.

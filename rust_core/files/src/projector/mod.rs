@@ -46,6 +46,7 @@ mod lens;
 mod matlab;
 mod opencv_xml;
 mod other_tools;
+mod own_form;
 mod raw_file;
 mod shaped;
 mod write;
