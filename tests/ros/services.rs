@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::probe;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, PATIENCE, PROMPT};
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE, PROMPT};
 
 /// A rospy server of three services: one answers, one fails, one hangs.
 const SERVER: &str = "
@@ -15,6 +15,12 @@ rospy.Service('/fails', Trigger, fail)
 rospy.Service('/hangs', Trigger, lambda _: time.sleep(1000))
 rospy.Service('/other', SetBool, lambda _: None)
 ";
+
+/// Waits until the master knows the probe's service: it registers beside what the node does.
+fn wait_for_service(master: &RosMaster) {
+    let is_known = || master.output("rosservice", &["list"]).unwrap().contains("/probe_trigger");
+    assert!(wait_until(PATIENCE, is_known));
+}
 
 #[test]
 fn a_service_is_called_and_its_faults_are_told_in_words() {
@@ -38,6 +44,7 @@ fn a_service_is_called_and_its_faults_are_told_in_words() {
     assert!(started.elapsed() < PROMPT);
     let listening = probe(&master, &["listen", "__name:=own"]);
     assert!(listening.line_with("ready").is_some());
+    wait_for_service(&master);
     assert_eq!(call("/probe_trigger", "60"), "answer true received by /own");
 }
 
@@ -46,6 +53,7 @@ fn a_server_that_died_is_an_error() {
     let master = RosMaster::start().unwrap();
     let listening = probe(&master, &["listen", "__name:=own"]);
     assert!(listening.line_with("ready").is_some());
+    wait_for_service(&master);
     // Killed, so that it stays registered.
     drop(listening);
     let mut probe = probe(&master, &["call", "/probe_trigger", "60"]);
