@@ -41,7 +41,7 @@ pub struct Bag {
     files: Arc<[Box<dyn Chunked>]>,
     connections: Connections,
     chunks: Vec<FileChunk>,
-    /// What the files lack.
+    /// Channels and schemas that messages refer to and the files lack, one line each.
     problems: Vec<BagError>,
 }
 

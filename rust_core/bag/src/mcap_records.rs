@@ -59,7 +59,7 @@ impl Definitions {
         }
     }
 
-    /// What the file does not have although its messages refer to it.
+    /// Channels and schemas that the messages refer to and the file lacks, one line each.
     pub(crate) fn missing(&self, chunks: &[ChunkRef]) -> Vec<String> {
         let used: BTreeSet<u32> = chunks.iter().flat_map(|chunk| chunk.connections.iter().copied()).collect();
         let problem = |id: &u32| {

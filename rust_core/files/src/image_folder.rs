@@ -8,7 +8,7 @@ use crate::FileError;
 /// Extensions of image files that are read.
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "bmp", "tif", "tiff", "pgm", "ppm", "webp"];
 
-/// What is looked for in a folder of images, for messages.
+/// Extensions of the image files that are read, for messages.
 pub fn extensions() -> String {
     EXTENSIONS.map(|extension| format!(".{extension}")).join(", ")
 }
@@ -34,7 +34,7 @@ pub fn subfolders(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     Ok(entries(folder)?.into_iter().filter(|path| path.is_dir()).collect())
 }
 
-/// What is in a folder and not hidden.
+/// Entries of a folder that are not hidden, in the natural order of their names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let list = || std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<PathBuf>>>();
     let mut paths = list().map_err(|error| FileError::new(folder, error))?;

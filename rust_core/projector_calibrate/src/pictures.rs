@@ -17,7 +17,7 @@ use crate::Failure;
 /// Metres of the depth 1 in a file, as in ROS's 16UC1.
 const DEPTH_SCALE_M: f64 = 0.001;
 
-/// What images in files show.
+/// A scan, or scans in folders, whose images are in files.
 pub(crate) struct Pictures<'a> {
     /// The folder of the images, or of their folders.
     pub(crate) folder: &'a Path,

@@ -205,7 +205,7 @@ impl MeshStore {
         }
     }
 
-    /// What is wrong with the loaded meshes without being fatal, one line each, sorted by address.
+    /// Faults of the loaded meshes that are not fatal, one line each, sorted by address.
     pub fn warnings(&self) -> Vec<String> {
         let state = lock(&self.core.state);
         let meshes = state.slots.iter().filter_map(|(key, slot)| match &slot.outcome {

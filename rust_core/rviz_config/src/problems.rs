@@ -126,7 +126,7 @@ pub fn setting_problems(config: &Config) -> Vec<SettingProblem> {
     problems
 }
 
-/// What is wrong with the names of a display's topics.
+/// Names of a display's topics that ROS does not allow, as problems.
 fn wrong_names(display: &DisplayConfig) -> Vec<String> {
     let names = match &display.settings {
         DisplaySettings::CameraPub(camera) => {

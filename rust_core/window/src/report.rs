@@ -13,7 +13,7 @@ pub struct MonitorReport {
     pub window: WindowPlace,
 }
 
-/// What a mode does to the image: its size, and how its lines are sent.
+/// Size of a monitor's mode, and how its lines are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MonitorMode {
     /// Width and height, pixels.

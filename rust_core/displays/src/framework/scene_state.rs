@@ -358,7 +358,7 @@ impl SceneState {
         self.around.meshes.version() != self.around.meshes_version
     }
 
-    /// What is wrong with the loaded meshes without being fatal, one line each.
+    /// Faults of the loaded meshes that are not fatal, one line each.
     pub fn mesh_warnings(&self) -> Vec<String> {
         self.around.meshes.warnings()
     }

@@ -20,7 +20,7 @@ fn text<'a>(camera: &'a Mapping, key: &'static str) -> Result<&'a str, KeyError>
 /// The values of a camchain by this project's keys; `None` if it is no file of Kalibr.
 ///
 /// # Errors
-/// Several cameras, of which none is said to be the projector; another model than a pinhole's; an invalid key.
+/// A file of several cameras or of another model than the pinhole, or an invalid key.
 pub(super) fn values(values: &Mapping) -> Result<Option<Mapping>, KeyError> {
     let is_camera = |key: &Value| {
         let number = key.as_str().and_then(|key| key.strip_prefix("cam"));
