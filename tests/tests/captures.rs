@@ -117,6 +117,32 @@ fn pairs_in_another_order_are_refused_for_it() {
 }
 
 #[test]
+fn two_bits_exchanged_are_refused_or_do_no_harm() {
+    let mut harmful = Vec::new();
+    for name in ["gsoup", "kamino"] {
+        let capture = read(name);
+        let bits = (capture.greys.len() - 2) / 4;
+        let every = if has_many_seeds() { 1 } else { 7 };
+        let pairs = (0..bits).flat_map(|one| (one + 1..bits).map(move |other| [one, other]));
+        let along_both = pairs.flat_map(|pair| [0, bits].map(|axis| pair.map(|bit| 2 + 2 * (axis + bit))));
+        for [one, other] in along_both.step_by(every) {
+            let mut order = capture.in_order();
+            order.swap(one, other);
+            order.swap(one + 1, other + 1);
+            let decoded = capture.decode(&order).unwrap();
+            let is_refused = decoded.quality.problems().into_iter().any(ScanProblem::is_fatal);
+            let shares = capture.shares(&decoded);
+            // Few wrong points are outliers to the solver.
+            let does_no_harm = shares.decoded * shares.wrong < 0.05;
+            if !is_refused && !does_no_harm {
+                harmful.push(format!("{name}: {one} and {other}: {shares:?}"));
+            }
+        }
+    }
+    assert!(harmful.is_empty(), "{harmful:#?}");
+}
+
+#[test]
 fn mirrored_images_are_refused_as_such() {
     let mut capture = read("kamino");
     let width = capture.size_px[0] as usize;

@@ -111,5 +111,6 @@ pub fn decode(images: &Images<'_>, projector_px: [u32; 2]) -> Result<Decoded, De
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
     quality.reversed = order::reversed_share(&light, &pixels);
+    quality.dark_edges = order::dark_edges_share(&ImageCheck { light: &light, noise: &noise });
     Ok(Decoded { size_px: images.size_px, pixels, lit, quality })
 }

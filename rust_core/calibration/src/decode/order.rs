@@ -1,10 +1,14 @@
-//! Order of a scan's images, by the decoded field.
+//! Order of a scan's images, by the decoded field and by the code's own edges.
 //!
 //! Camera and projector see the same side of a surface, so the determinant of d(u, v)/d(x, y) is positive wherever a
 //! surface is decoded. It is negative where images are mirrored or the axes swapped, and where a bit of a Gray code is
 //! wrong, because that mirrors all finer bits. White that is darker than black is out of order, too.
+//!
+//! At an edge of a bit of a Gray code the next finer bit is lit. Where it is dark, bits are exchanged.
 
+use super::channels::AxisChannels;
 use super::light_images::LightImages;
+use super::wrong_images::ImageCheck;
 use super::DecodedPixel;
 
 /// Distance of the pixels between which coordinates are compared, camera pixels.
@@ -15,6 +19,10 @@ const SURFACE_STEP_PX: f32 = 24.0;
 const CERTAIN_SIGMAS: f32 = 3.0;
 /// Minimum number of such places.
 const LEAST_PLACES: usize = 100;
+/// Minimum width of the next finer bit's stripes at an edge, projector pixels.
+const CLEAR_EDGE_PX: f64 = 8.0;
+/// Minimum number of places at a bit's edges.
+const LEAST_EDGES: usize = 20;
 /// Minimum mean by which white is darker than black, levels.
 const DARKER_LEVELS: u64 = 1;
 
@@ -25,6 +33,33 @@ pub(super) fn reversed_share(light: &LightImages<'_>, pixels: &[DecodedPixel]) -
         return 1.0;
     }
     reversed(pixels, light.images.size_px[0] as usize)
+}
+
+/// Maximum over the bits of the share of their edges at which the next finer bit is dark.
+pub(super) fn dark_edges_share(check: &ImageCheck<'_>) -> f64 {
+    let axes = &check.light.channels.axes;
+    axes.iter().map(|axis| dark_edges_share_along(check, axis)).fold(0.0, f64::max)
+}
+
+fn dark_edges_share_along(check: &ImageCheck<'_>, axis: &AxisChannels) -> f64 {
+    let width = check.light.images.size_px[0] as usize;
+    let bits: Vec<_> = axis.all[..axis.code_bits].iter().collect();
+    let signs: Vec<[u64; 2]> = (0..check.noise.len()).map(|pixel| check.clear_signs(&bits, pixel)).collect();
+    let mut edges = [[0_usize; 2]; u64::BITS as usize];
+    for (index, here) in signs.iter().enumerate() {
+        let right = (index % width + REACH < width).then(|| signs[index + REACH]);
+        for other in right.iter().chain(signs.get(index + REACH * width)) {
+            let [lit, dark] = [here[0] & other[0], here[1] & other[1]];
+            let bit = (lit | dark).trailing_ones();
+            let is_edge = (here[0] & other[1] | here[1] & other[0]) >> bit & 1 == 1;
+            let next = [lit, dark].map(|signs| signs >> (bit + 1) & 1 == 1);
+            if is_edge && (next[0] || next[1]) && bits[bit as usize + 1].stripes.width_px() >= CLEAR_EDGE_PX {
+                edges[bit as usize][usize::from(next[1])] += 1;
+            }
+        }
+    }
+    let seen = edges.iter().filter(|[lit, dark]| lit + dark >= LEAST_EDGES);
+    seen.map(|[lit, dark]| *dark as f64 / (lit + dark) as f64).fold(0.0, f64::max)
 }
 
 fn reversed(pixels: &[DecodedPixel], width: usize) -> f64 {

@@ -25,6 +25,8 @@ const LOST_CLIPPED: f64 = 0.5;
 const MOST_CONTRADICTED: f64 = 0.5;
 /// Maximum share of places at which coordinates run backwards.
 const MANY_REVERSED: f64 = 0.02;
+/// Maximum share of a bit's edges at which the next finer bit is dark.
+const MANY_DARK_EDGES: f64 = 0.3;
 /// Maximum share of pixels beyond the projector's image.
 const MANY_BEYOND: f64 = 0.03;
 /// Minimum significance of a motion, standard deviations. These come from the differences between blocks of the image,
@@ -45,6 +47,8 @@ pub struct Quality {
     pub beyond: [f64; 2],
     /// Share of the decoded places at which coordinates run backwards; 1 if white is darker than black.
     pub reversed: f64,
+    /// Share of a bit's edges at which the next finer bit is dark; the largest of all bits.
+    pub dark_edges: f64,
     /// Image of another pattern than listed.
     pub wrong_image: Option<WrongImage>,
     /// Share of the lit pixels whose stripes fit no coordinate.
@@ -85,7 +89,7 @@ pub enum ScanProblem {
     /// An image shows another pattern than listed.
     #[error("{}", .0.describe(|index| format!("picture {}", index + 1)))]
     WrongImage(WrongImage),
-    /// White is darker than black, or coordinates run backwards.
+    /// White is darker than black, coordinates run backwards, or bits are exchanged.
     #[error(
         "the pictures are mirrored, or not in the order of the patterns (white before black, columns before rows, \
          stripes before their inverse): give them in that order, as the camera sees them"
@@ -132,7 +136,8 @@ impl Quality {
         // A motion between stripes and their inverse also breaks the pair.
         let is_by_motion = |wrong: &WrongImage| moved.is_some() && matches!(wrong.fault, ImageFault::NoInverse(_));
         let wrong_image = self.wrong_image.filter(|wrong| !is_by_motion(wrong)).map(ScanProblem::WrongImage);
-        let order = (self.reversed > MANY_REVERSED).then_some(ScanProblem::Order);
+        let is_out_of_order = self.reversed > MANY_REVERSED || self.dark_edges > MANY_DARK_EDGES;
+        let order = is_out_of_order.then_some(ScanProblem::Order);
         [wrong_image, order, beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 

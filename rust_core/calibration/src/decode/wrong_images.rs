@@ -178,6 +178,15 @@ impl ImageCheck<'_> {
         Some(WrongImage { stripes: bits[one].stripes, fault: ImageFault::Alike(images, bits[other].stripes) })
     }
 
+    /// Signs of a pixel with little noise, none of others.
+    pub(super) fn clear_signs(&self, bits: &[&StripeChannel], pixel: usize) -> [u64; 2] {
+        if self.noise[pixel] < MOST_NOISE {
+            self.signs(bits, pixel)
+        } else {
+            [0; 2]
+        }
+    }
+
     /// Bits that are certainly lit at a pixel, and those that are certainly dark.
     fn signs(&self, bits: &[&StripeChannel], pixel: usize) -> [u64; 2] {
         let Channels { white, black, .. } = *self.light.channels;
