@@ -23,6 +23,7 @@ mod reprojection;
 mod sample;
 mod solve;
 pub mod statistics;
+mod table;
 mod verification;
 
 pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
@@ -39,6 +40,7 @@ pub use solve::{
     solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Skew, Solution,
     SolveOptions,
 };
+pub use table::{Table, TableProblem};
 pub use verification::{
     ErrorStatistics, LightMap, PoseRefinement, RefinedPose, RefinementProblem, VerificationPlan, VerificationProblem,
     VerificationResult, VerificationScene, VerifiedPoint, Zoom,

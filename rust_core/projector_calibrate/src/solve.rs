@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Args;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3, Vector3};
 use rcs_calibration::board::Chessboard;
 use rcs_calibration::{
-    solve, DistortionTerms, FocalLengths, Parameter, Report, Sample, ScanPose, Solution, SolveOptions, Verdict,
+    solve, DistortionTerms, FocalLengths, Parameter, Report, Sample, ScanPose, Solution, SolveOptions, Table, Verdict,
 };
 use rcs_files::calibration_report;
-use rcs_files::projector::ProjectorFile;
+use rcs_files::projector::{ProjectorFile, StaticFrame, TABLE_FRAME};
 use rcs_node_support::key_value;
 
 use super::arguments::{chessboard, size_px};
@@ -67,6 +67,10 @@ pub(super) struct SolveArguments {
     /// A parameter that is known: fx, fy, cx, cy, k1, k2, p1, p2, k3. Can be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = fixed_parameter)]
     fix: Vec<(Parameter, f64)>,
+    /// Also write the frame `table`: on the plane that most points of the first scan lie on, z up, x to the right in the
+    /// camera's image, its origin where the camera looks
+    #[arg(long, conflicts_with = "board")]
+    table: bool,
     /// A projector's file to start from
     #[arg(long, value_name = "FILE")]
     initial: Option<PathBuf>,
@@ -119,12 +123,31 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
     let points = Correspondences::read(&arguments.points)?;
     let place = arguments.placing.camera_pose(points.camera_frame.as_deref(), &points.robot, None)?;
     let solved = Solved::new(&points.samples, &options, arguments.report.as_deref())?;
-    ProjectorFile::calibrated(&solved.report.solution.lens, &place.parent, &solved.parent_from_projector(&place))
-        .write(&arguments.output)
-        .map_err(Failure::refused)?;
+    let (lens, pose) = (&solved.report.solution.lens, solved.parent_from_projector(&place));
+    let mut file = ProjectorFile::calibrated(lens, &place.parent, &pose);
+    if arguments.table {
+        file.frames.push(table(&points.samples, &place)?);
+    }
+    file.write(&arguments.output).map_err(Failure::refused)?;
     solved.summarise();
     place.tell_written(&arguments.output);
     Ok(())
+}
+
+/// The frame of the table that the first scan saw.
+fn table(samples: &[Sample], place: &CameraPose) -> Result<StaticFrame, Failure> {
+    let of_first = samples.iter().filter(|sample| sample.scan == samples[0].scan);
+    let points: Vec<Point3<f64>> = of_first.map(|sample| sample.point).collect();
+    let Table { camera_from_table, share } = Table::find(&points).map_err(Failure::refused)?;
+    let tilt = (camera_from_table.rotation * Vector3::z()).angle(&-Vector3::z());
+    eprintln!(
+        "table: {:.0} % of the points, {:.2} m before the camera, tilted by {:.0} degrees",
+        100.0 * share,
+        camera_from_table.translation.vector.z,
+        tilt.to_degrees()
+    );
+    let pose = place.parent_from_camera * camera_from_table;
+    Ok(StaticFrame::new(&place.parent, TABLE_FRAME, &pose))
 }
 
 /// A solution that may be used.

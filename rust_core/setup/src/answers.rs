@@ -2,6 +2,7 @@
 //! missing is one error.
 
 use anyhow::anyhow;
+use rcs_files::projector::TABLE_FRAME;
 use rcs_files::sizes::size_px;
 use rcs_node_support::dialog::{Dialog, DialogError};
 
@@ -162,11 +163,13 @@ fn frames(
         text: "Link that the projector is mounted on".to_owned(),
         help: "the frame that does not move relative to the projector: a link of the robot, or the room's frame; \
                calibration places the projector in it",
-        default: profile.mount().map(str::to_owned).or_else(|| (profile == Profile::Fixed).then(of_fixed)),
+        default: (profile.mount().map(str::to_owned))
+            .or_else(|| found.mount.clone())
+            .or_else(|| (profile == Profile::Fixed).then(of_fixed)),
     };
     let mount = interview.settle(args.mount.clone(), &mount, arguments::frame)?;
     let of_scene = || match profile {
-        Profile::Fixed => mount.clone(),
+        Profile::Fixed => found.first_frame(&[TABLE_FRAME]).or_else(|| mount.clone()),
         _ => Some(found.first_frame(&["map", "odom"]).unwrap_or_else(|| "base_link".to_owned())),
     };
     let fixed_frame = Question {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, Context as _};
 use rcs_files::atomic_file::write_atomically;
+use rcs_files::projector::ProjectorFile;
 
 use crate::arguments::plain;
 use crate::error::SetupError;
@@ -86,6 +87,18 @@ pub(crate) fn write(folder: &Path, files: &[NamedText]) -> Result<Vec<&'static s
             .map_err(|error| refused(error, &path))?;
     }
     Ok(kept)
+}
+
+/// A folder's projector, if it is calibrated.
+///
+/// # Errors
+/// [`SetupError::Refused`] for a file that cannot be read.
+pub(crate) fn calibrated(folder: &Path) -> Result<Option<ProjectorFile>, SetupError> {
+    let path = folder.join(PROJECTOR_FILE);
+    if !is_calibrated(&path).map_err(SetupError::Refused)? {
+        return Ok(None);
+    }
+    ProjectorFile::read(&path).map(Some).map_err(|error| SetupError::Refused(error.into()))
 }
 
 /// `true` for a file of the projector that is not a setup's guess.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
+use rcs_files::projector::ProjectorFile;
 use rcs_messages::MessageKind;
 use rcs_node_support::frames::take_events;
 use rcs_robot::Robot;
@@ -29,6 +30,8 @@ pub(crate) struct Found {
     pub(crate) frames: BTreeSet<String>,
     /// Links of the robot's description.
     pub(crate) links: BTreeSet<String>,
+    /// Frame that the folder's calibrated projector is placed in.
+    pub(crate) mount: Option<String>,
     /// Published topics and their types.
     pub(crate) topics: BTreeMap<String, String>,
     /// Monitors of this computer.
@@ -70,7 +73,14 @@ impl Found {
         let (frames, links) = listen(node);
         let publications = node.query_publications().unwrap_or_default();
         let topics = publications.iter().map(|(topic, publication)| (topic.clone(), publication.ros_type.clone()));
-        Self { frames, links, topics: topics.collect(), monitors, has_master: true }
+        Self { frames, links, topics: topics.collect(), monitors, has_master: true, mount: None }
+    }
+
+    /// Adds the frames of the folder's calibrated projector.
+    pub(crate) fn add_projector(&mut self, file: &ProjectorFile) {
+        let lens = file.frames.iter().find(|frame| frame.child == file.camera_info.header.frame_id);
+        self.mount = lens.map(|frame| frame.parent.clone());
+        self.frames.extend(file.frames.iter().flat_map(|frame| [frame.parent.clone(), frame.child.clone()]));
     }
 
     /// Names of the frames and links that a projector can be mounted on.
@@ -208,6 +218,7 @@ pub(crate) mod tests {
             topics: topics.iter().map(|(topic, name)| ((*topic).to_owned(), (*name).to_owned())).collect(),
             monitors: vec![monitor("eDP-1", true, (1920, 1080)), monitor("HDMI-1", false, (1280, 800))],
             has_master: true,
+            mount: None,
         }
     }
 

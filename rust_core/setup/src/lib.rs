@@ -54,7 +54,8 @@ pub fn run(args: &SetupArgs) -> Result<(), SetupError> {
     let asking = node.clone();
     let clean_up = move || asking.iter().for_each(|node| node.shutdown());
     end_on_signals("camera_stream", clean_up).context("cannot handle signals").map_err(SetupError::Refused)?;
-    let found = Found::look(node.as_deref());
+    let mut found = Found::look(node.as_deref());
+    folder::calibrated(&folder)?.iter().for_each(|file| found.add_projector(file));
     let answers = ask(args, &found)?;
     answers::warnings(&answers, &found).iter().for_each(|warning| log::warn!("{warning}"));
     let rates = node.as_ref().map(|node| measure(node, &answers, &found)).unwrap_or_default();

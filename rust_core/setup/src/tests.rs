@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args as _, Command, FromArgMatches as _};
-use rcs_files::projector::ProjectorFile;
+use nalgebra::Isometry3;
+use rcs_files::projector::{ProjectorFile, StaticFrame};
 use rcs_node_support::dialog::Dialog;
 use rcs_rviz_config::{camera_problems, setting_problems, DisplaySettings};
 
@@ -157,6 +158,22 @@ fn a_frame_that_is_not_there_is_a_warning_with_near_names() {
         other_size[1].starts_with("--size 1920x1080: monitor HDMI-1 1280x800+0+0 has another size; "),
         "{other_size:?}"
     );
+}
+
+#[test]
+fn the_frames_of_a_calibrated_projector_are_the_folders_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let guess = &files(&FIXED, &Found::default(), &BTreeMap::new())[PROJECTOR_FILE];
+    let path = folder.path().join(PROJECTOR_FILE);
+    fs::write(&path, guess).unwrap();
+    assert_eq!(folder::calibrated(folder.path()).unwrap(), None);
+    let mut file = ProjectorFile::read(&path).unwrap();
+    file.frames = ["proj_view", "table"].map(|child| StaticFrame::new("optical", child, &Isometry3::identity())).into();
+    file.write(&path).unwrap();
+    let mut found = Found::default();
+    found.add_projector(&folder::calibrated(folder.path()).unwrap().unwrap());
+    let answers = answers(&FIXED, &found).unwrap();
+    assert_eq!((&*answers.mount, &*answers.fixed_frame), ("optical", "table"));
 }
 
 #[test]

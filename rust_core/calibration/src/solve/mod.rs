@@ -47,6 +47,7 @@ pub(crate) use noise::{cauchy_loss, cauchy_weight};
 pub(crate) use normal_equations::NormalEquations;
 pub use refusal::Refusal;
 pub use solver::solve;
+pub(crate) use spread::LargestPlane;
 pub(crate) use zoom::{zoom, ZoomEstimate};
 
 /// Terms of Brown and Conrady's distortion to solve for.

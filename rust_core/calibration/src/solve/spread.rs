@@ -17,25 +17,47 @@ const PIECES: usize = 40;
 /// Maximum number of points for trying planes.
 const TRIED: usize = 500;
 
+/// Plane that most points lie on: the points p with `normal` · p = `offset`.
+pub(crate) struct LargestPlane {
+    pub(crate) normal: Vector3<f64>,
+    /// Metres.
+    pub(crate) offset: f64,
+    /// Share of the points.
+    pub(crate) share: f64,
+}
+
+impl LargestPlane {
+    /// Finds the plane among at least four points.
+    pub(crate) fn find(points: &[Point3<f64>], seed: u64) -> Option<Self> {
+        let mut random = SplitMix64::new(seed, 0x91a7);
+        let few: Vec<Point3<f64>> = if points.len() <= TRIED {
+            points.to_vec()
+        } else {
+            (0..TRIED).map(|_| points[random.below(points.len())]).collect()
+        };
+        let mut best = None;
+        for _ in 0..if few.len() < 4 { 0 } else { PLANES } {
+            let [a, b, c] = random.distinct::<3>(few.len()).map(|i| few[i]);
+            let Some(normal) = (b - a).cross(&(c - a)).try_normalize(1e-9) else { continue };
+            let (normal, offset) = refined(&few, normal, normal.dot(&a.coords));
+            let share = share_on(&few, &normal, offset);
+            if best.as_ref().is_none_or(|best: &Self| share > best.share) {
+                best = Some(Self { normal, offset, share });
+            }
+        }
+        best
+    }
+
+    /// The plane fitted to all points near it.
+    pub(crate) fn refined(self, points: &[Point3<f64>]) -> Self {
+        let (normal, offset) = refined(points, self.normal, self.offset);
+        Self { normal, offset, share: share_on(points, &normal, offset) }
+    }
+}
+
 /// Share of points off the largest plane.
 pub(super) fn off_plane(points: &[Point3<f64>], seed: u64) -> f64 {
-    if points.len() < 4 {
-        return 0.0;
-    }
-    let mut random = SplitMix64::new(seed, 0x91a7);
-    let few: Vec<Point3<f64>> = if points.len() <= TRIED {
-        points.to_vec()
-    } else {
-        (0..TRIED).map(|_| points[random.below(points.len())]).collect()
-    };
-    let mut most = 3;
-    for _ in 0..PLANES {
-        let [a, b, c] = random.distinct::<3>(few.len()).map(|i| few[i]);
-        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(1e-9) else { continue };
-        let (normal, offset) = refined(&few, normal, normal.dot(&a.coords));
-        most = most.max(few.iter().filter(|point| is_on(point, &normal, offset)).count());
-    }
-    1.0 - most as f64 / few.len() as f64
+    LargestPlane::find(points, seed).map_or(0.0, |plane| 1.0 - plane.share)
 }
 
 /// Share of pieces of the image off the largest plane, each piece by its median depth, which suppresses noise. `None`
@@ -73,6 +95,10 @@ pub(super) fn is_flat(off_plane: f64) -> bool {
 
 fn is_on(point: &Point3<f64>, normal: &Vector3<f64>, offset: f64) -> bool {
     (normal.dot(&point.coords) - offset).abs() < THICKNESS * point.z
+}
+
+fn share_on(points: &[Point3<f64>], normal: &Vector3<f64>, offset: f64) -> f64 {
+    points.iter().filter(|point| is_on(point, normal, offset)).count() as f64 / points.len() as f64
 }
 
 /// Least-squares plane through the points near a plane.

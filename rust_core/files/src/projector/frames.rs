@@ -12,6 +12,8 @@ use serde::Deserialize;
 
 use super::checked_numbers::Matrix;
 
+/// Frame of the table's top, which `projector_calibrate solve --table` writes.
+pub const TABLE_FRAME: &str = "table";
 /// Largest error of a quaternion's norm; smaller ones are normalised.
 const NORM_TOLERANCE: f64 = 0.01;
 /// Rounding error of a norm, which is not normalised, so that a written file is read back exactly.
@@ -31,6 +33,17 @@ pub struct StaticFrame {
 }
 
 impl StaticFrame {
+    /// Creates a frame with a pose in its parent.
+    pub fn new(parent: &str, child: &str, parent_from_child: &Isometry3<f64>) -> Self {
+        Self {
+            parent: parent.to_owned(),
+            child: child.to_owned(),
+            translation_m: parent_from_child.translation.vector.into(),
+            // Composed rotations drift from the norm 1, which the file needs.
+            rotation: UnitQuaternion::new_normalize(parent_from_child.rotation.into_inner()),
+        }
+    }
+
     /// Takes points of the child to the parent.
     pub fn parent_from_child(&self) -> Isometry3<f64> {
         // A rotation that was written by hand is rounded.

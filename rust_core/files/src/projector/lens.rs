@@ -3,7 +3,7 @@
 //! The lens is that of the raw image: K and D. P and R belong to the rectified one, so in a file written here P is K
 //! and R the identity.
 
-use nalgebra::{Isometry3, UnitQuaternion};
+use nalgebra::Isometry3;
 use rcs_calibration::Lens;
 use rcs_camera::{CameraInfoFields, LensProblem};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -83,13 +83,7 @@ impl ProjectorFile {
 
     /// File of a calibrated projector: its lens, and the pose of its optical frame [`Self::FRAME_ID`] in `parent`.
     pub fn calibrated(lens: &Lens, parent: &str, parent_from_projector: &Isometry3<f64>) -> Self {
-        let pose = StaticFrame {
-            parent: parent.to_owned(),
-            child: Self::FRAME_ID.to_owned(),
-            translation_m: parent_from_projector.translation.vector.into(),
-            // Composed rotations drift from the norm 1, which the file needs.
-            rotation: UnitQuaternion::new_normalize(parent_from_projector.rotation.into_inner()),
-        };
+        let pose = StaticFrame::new(parent, Self::FRAME_ID, parent_from_projector);
         Self { frames: vec![pose], ..Self::from_lens(lens, Self::FRAME_ID) }
     }
 }
@@ -98,7 +92,7 @@ impl ProjectorFile {
 mod tests {
     use std::path::Path;
 
-    use nalgebra::{Translation3, Vector3};
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
     use proptest::prelude::*;
     use rcs_calibration::{Distortion, DistortionModel};
 

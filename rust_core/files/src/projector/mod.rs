@@ -53,6 +53,6 @@ mod write;
 
 pub use camera_file::write_camera;
 pub use file::ProjectorFile;
-pub use frames::StaticFrame;
+pub use frames::{StaticFrame, TABLE_FRAME};
 pub use in_place::{check_writable, file_before, restore_before, text_with_pose, write_frame, write_pose};
 pub use lens::{fields_of, lens_of};
