@@ -20,6 +20,7 @@ pub(crate) const PROGRAMS: [&str; 9] = [
     "projector_calibrate",
     "projector_window",
     "publish_cloud",
+    "simulate_scan",
     "turret_aim",
 ];
 

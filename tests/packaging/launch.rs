@@ -57,10 +57,15 @@ impl Roslaunch {
     }
 }
 
+/// The exit status of `roslaunch`, and what it prints.
+fn ended(arguments: &str) -> (i32, String) {
+    static RUNNING: LazyLock<Mutex<Roslaunch>> = LazyLock::new(|| Mutex::new(Roslaunch::start()));
+    RUNNING.lock().unwrap().run(arguments).unwrap()
+}
+
 /// What `roslaunch` prints with these arguments, with which it must succeed.
 fn roslaunch(arguments: &str) -> String {
-    static RUNNING: LazyLock<Mutex<Roslaunch>> = LazyLock::new(|| Mutex::new(Roslaunch::start()));
-    let (status, printed) = RUNNING.lock().unwrap().run(arguments).unwrap();
+    let (status, printed) = ended(arguments);
     assert_eq!(status, 0, "{arguments}: {printed}");
     printed
 }
@@ -98,6 +103,16 @@ fn demo_opens_rviz_when_asked_to() {
     assert_eq!(nodes("demo.launch use_rviz:=false"), cameras);
     assert_eq!(nodes("demo.launch use_rviz:=true"), [&cameras[..], &["/rviz"]].concat());
     assert_eq!(nodes("demo.launch"), nodes("demo.launch use_rviz:=true"));
+}
+
+#[test]
+fn a_rehearsal_starts_the_parts_of_its_robot_and_refuses_others() {
+    let of_fetch = ["/head_pan", "/head_tilt", "/paper_scene", "/simulated_robot", "/simulated_turret"];
+    assert_eq!(nodes("rehearsal.launch"), of_fetch);
+    assert_eq!(nodes("rehearsal.launch robot:=table"), ["/simulated_robot"]);
+    assert_eq!(nodes("rehearsal.launch robot:=board"), ["/simulated_robot"]);
+    let (status, printed) = ended("--nodes rviz_camera_stream rehearsal.launch robot:=pr2");
+    assert!(status != 0 && printed.contains("pr2"), "{status}: {printed}");
 }
 
 #[test]

@@ -10,10 +10,11 @@ use rcs_tests::programs::repository;
 use rcs_tests::sources::{missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 29] = [
+const LAYERS: [(&str, &[&str]); 30] = [
     ("text", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
     ("user_files", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image"]),
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
+    ("scan_simulator", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("process", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("camera", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -71,7 +72,7 @@ const APART: [(&str, &[&str]); 13] = [
 /// The folders of all crates, by the names that the tables give them.
 fn crate_folders() -> BTreeMap<String, PathBuf> {
     let core = LAYERS.iter().map(|(name, _)| ((*name).to_owned(), repository().join("rust_core").join(name)));
-    let tests = ["tests", "tests/support", "tests/fuzz_harness", "tests/scan_simulator"];
+    let tests = ["tests", "tests/support", "tests/fuzz_harness"];
     let tests = tests.map(|name| (name.to_owned(), repository().join(name)));
     core.chain(tests).collect()
 }
@@ -106,7 +107,6 @@ fn own_name(dependency: &str) -> Option<String> {
     let name = dependency.strip_prefix("rcs_")?;
     Some(match name {
         "test_support" => "tests/support".to_owned(),
-        "scan_simulator" => "tests/scan_simulator".to_owned(),
         "fuzz_harness" => "tests/fuzz_harness".to_owned(),
         _ => name.to_owned(),
     })
@@ -282,6 +282,7 @@ fn the_pool_of_threads_is_named_by_all_that_use_it() {
         "rust_core/camera_stream/src/lib.rs",
         "rust_core/camera_stream/src/runtime/mod.rs",
         "rust_core/capi/src/camera.rs",
+        "rust_core/samples/src/simulate_scan/mod.rs",
     ];
     assert_eq!(found, BTreeSet::from(expected));
 }

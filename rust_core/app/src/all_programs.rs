@@ -1,6 +1,6 @@
 //! All programs in one: a package holds one binary, and a link to it for each program, named as the program.
 //!
-//! Nine programs that each hold the same libraries are three times as large as one that holds all nine. Which one is
+//! Programs that each hold the same libraries are three times as large as one that holds all. Which one is
 //! meant is the name by which it is started (`argv[0]`), as with busybox.
 
 use std::ffi::OsStr;
@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Command;
 use rcs_node_support::ros_names::RosName;
-use rcs_samples::{line_of_sight, nav_path_markers, publish_cloud, turret_aim};
+use rcs_samples::{line_of_sight, nav_path_markers, publish_cloud, simulate_scan, turret_aim};
 
 use crate::{projector, projector_blend, projector_window};
 
@@ -38,7 +38,7 @@ const fn node(
 }
 
 /// Every program.
-pub static PROGRAMS: [Program; 9] = [
+pub static PROGRAMS: [Program; 10] = [
     node("camera_stream", rcs_camera_stream::main, rcs_camera_stream::cli::command, rcs_camera_stream::cli::ROS_NAMES),
     node("line_of_sight", line_of_sight::main, line_of_sight::command, line_of_sight::ROS_NAMES),
     node("nav_path_markers", nav_path_markers::main, nav_path_markers::command, nav_path_markers::ROS_NAMES),
@@ -59,6 +59,13 @@ pub static PROGRAMS: [Program; 9] = [
     },
     node("projector_window", projector_window::main, projector_window::command, projector_window::ROS_NAMES),
     node("publish_cloud", publish_cloud::main, publish_cloud::command, publish_cloud::ROS_NAMES),
+    Program {
+        name: "simulate_scan",
+        main: simulate_scan::main,
+        command: simulate_scan::command,
+        ros_names: simulate_scan::ROS_NAMES,
+        has_parameters: false,
+    },
     node("turret_aim", turret_aim::main, turret_aim::command, turret_aim::ROS_NAMES),
 ];
 

@@ -49,3 +49,4 @@ pub use run::UserEvent;
 pub use screen_image::{ImageError, ReceivedImage, ScreenImage};
 pub use sink::ImageSink;
 pub use system_window::WindowOptions;
+pub use x11::ScreenGrabber;

@@ -183,9 +183,10 @@ fn wait_for(running: &Running, texts: &[&str]) {
 #[test]
 fn a_live_scan_says_how_to_hold_the_board_and_takes_a_pose_each_time_it_rests() {
     let (master, folder) = (RosMaster::start().unwrap(), tempfile::tempdir().unwrap());
-    let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_simulate_scan")));
+    let mut command = master.environment(Command::new(program("simulate_scan")));
     let robot =
-        Running::start(command.args(["--seed", "3", "robot", "--small", "--board"]).arg(folder.path())).unwrap();
+        Running::start(command.args(["--seed", "3", "robot", "--small", "--scene", "board"]).arg(folder.path()))
+            .unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
     python.run("rospy.wait_for_service('/simulated_robot/next_view', 300)").unwrap();
     let mut command = master.environment(Command::new(program("projector_calibrate")));

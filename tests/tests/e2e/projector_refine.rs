@@ -15,7 +15,7 @@ const COMMENT: &str = "# measured on Monday\n";
 
 /// A folder with the robot's truth.yaml and a file from before a bump, and the robot.
 fn robot(master: &RosMaster, folder: &Path) -> (Running, PathBuf) {
-    let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_simulate_scan")));
+    let mut command = master.environment(Command::new(program("simulate_scan")));
     let robot = Running::start(command.args(["--seed", "1", "robot", "--small"]).arg(folder)).unwrap();
     assert!(wait_until(PATIENCE, || folder.join("tape.yaml").exists()), "{:?}", robot.errors());
     let path = folder.join("projector.yaml");

@@ -46,7 +46,7 @@ fn threads_that_share_work_have_names_in_every_program() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let run = |name: &str, arguments: &[&str]| assert_named(Command::new(program(name)).args(arguments));
-    let simulate = |arguments: &[&str]| assert_named(Command::new(env!("CARGO_BIN_EXE_simulate_scan")).args(arguments));
+    let simulate = |arguments: &[&str]| assert_named(Command::new(program("simulate_scan")).args(arguments));
 
     // The demo's image, so large that it takes a while.
     let demo = |name: &str| repository().join(name).to_str().unwrap().to_owned();

@@ -15,7 +15,7 @@ in this package. [Nodes](nodes.md) explains what is behind an argument.
 ";
 
 /// Files in the order of the page.
-const FILES: [&str; 6] = ["projection", "fetch", "two_projectors", "arm", "paper", "demo"];
+const FILES: [&str; 7] = ["projection", "fetch", "two_projectors", "arm", "paper", "rehearsal", "demo"];
 
 /// An argument of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 //! open it again. The connection needs no main thread.
 
 mod awake;
+mod grab;
 mod inspect;
 mod keep_over;
 mod keyboard;
@@ -16,6 +17,7 @@ mod session;
 mod transfer;
 mod window;
 
+pub use grab::ScreenGrabber;
 pub(crate) use inspect::inspect;
 pub(crate) use keep_over::keep_over;
 pub(crate) use session::X11Session;

@@ -79,6 +79,31 @@ impl Room {
         Self { solids: vec![Solid::plane(Vector3::new(0.0, 0.0, distance_m), turned, Surface::plain(0.8))] }
     }
 
+    /// Table that is seen from above at a slope of 45°, 1.3 m from the origin, with six boxes and three balls on it.
+    pub fn table(seed: u64) -> Self {
+        let random = &mut Random::new(&[seed, 0x7461_626c]);
+        let middle = Vector3::new(0.0, 0.0, 1.3);
+        let slope = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_4);
+        let mut solids = vec![Solid::plane(middle, slope, Surface::plain(0.7))];
+        let room_from_table = Isometry3::from_parts(middle.into(), solids[0].solid_from_room.rotation.inverse());
+        for index in 0..9 {
+            // Three rows of three.
+            let (column, row) = (f64::from(index % 3) - 1.0, f64::from(index / 3) - 1.0);
+            let half_m =
+                Vector3::new(random.uniform(0.03, 0.07), random.uniform(0.03, 0.07), random.uniform(0.03, 0.1));
+            let shape = if index % 3 == 1 { Shape::Ball(half_m.z) } else { Shape::Cuboid(half_m) };
+            let at = Vector3::new(
+                0.28 * column + random.uniform(-0.05, 0.05),
+                0.25 * row + random.uniform(-0.05, 0.05),
+                half_m.z,
+            );
+            let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), random.uniform(0.0, 1.5));
+            let place = room_from_table * Isometry3::from_parts(at.into(), turned);
+            solids.push(Solid::new(shape, place.translation.vector, place.rotation, Surface::random(random, 0.4)));
+        }
+        Self { solids }
+    }
+
     /// Number of the solids of a cluttered room that stand before its walls.
     pub fn objects(&self) -> usize {
         self.solids.len().saturating_sub(WALLS)
@@ -320,6 +345,20 @@ mod tests {
                 assert!(room.is_blocked(&Point3::origin(), &behind) || hit.normal.dot(&direction).abs() < 0.1);
             }
             assert_eq!(hits, 500, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn things_stand_on_a_table_that_slopes_away() {
+        let room = Room::table(1);
+        let down = |y: f64| room.hit(&Point3::origin(), &Vector3::new(0.9, y, 1.0)).unwrap().point;
+        let table = Vector3::new(0.0, -1.0, -1.0).normalize();
+        for y in [-0.4, 0.0, 0.4] {
+            assert!((table.dot(&(down(y) - Point3::new(0.0, 0.0, 1.3)))).abs() < 1e-9, "{}", down(y));
+        }
+        for solid in &room.solids[1..] {
+            let above_m = table.dot(&(solid.centre - Point3::new(0.0, 0.0, 1.3)));
+            assert!((0.03..=0.1).contains(&above_m), "{above_m}");
         }
     }
 

@@ -1,15 +1,17 @@
-//! `simulate_scan`: a robot, a projector and a cluttered table that do not exist, for `./demo --calibrate` and to try
-//! `projector_calibrate` on.
+//! `simulate_scan`: a projector, a depth camera and things to light that do not exist, to rehearse `projector_calibrate`
+//! on.
 //!
 //! Writes capture folders as a scan leaves them, the projector's true file, and one as a tape measure yields it; and
-//! draws onto the camera's image where the light of a projector's file lands. Or is that robot live, on ROS topics.
+//! draws onto the camera's image where the light of a projector's file lands. Or is camera and projector live, on ROS
+//! topics.
 
-mod robot;
+mod live;
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{bail, Context, Result};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
 use rcs_calibration::board::Chessboard;
 use rcs_calibration::patterns::{gray_code, Pattern};
@@ -18,6 +20,8 @@ use rcs_files::canvas::Canvas;
 use rcs_files::capture::{Capture, CapturedRobot, PatternImage};
 use rcs_files::image_file;
 use rcs_files::projector::ProjectorFile;
+use rcs_node_support::lifecycle;
+use rcs_node_support::ros_names::{publishes, serves, subscribes, RosName};
 use rcs_scan_simulator::{Conditions, DepthCamera, Random, Rig, Room, Scan, View};
 use rcs_scene::Image;
 
@@ -33,19 +37,31 @@ const BOARD_POSES: [([f64; 2], [f64; 3]); 5] = [
     ([-0.5, 0.1], [-0.18, 0.1, 1.3]),
 ];
 
-/// Simulates a scan of a cluttered table by a projector and an RGB-D camera
+/// Topics and services of the subcommand `robot`.
+pub const ROS_NAMES: &[RosName] = &[
+    publishes("CAMERA/rgb/image_raw", "sensor_msgs/Image", "the camera's image; with CAMERA/rgb/camera_info"),
+    publishes("CAMERA/depth_registered/image_raw", "sensor_msgs/Image", "its depth"),
+    subscribes("/projector/patterns", "sensor_msgs/Image", "the projector's image; not with --screen"),
+    serves("~next_view", "std_srvs/Trigger", "holds the board in its next pose"),
+];
+
+/// Simulates a projector, a depth camera, and things to calibrate them on
 #[derive(Debug, Parser)]
-#[command(name = "simulate_scan")]
+#[command(
+    name = "simulate_scan",
+    version,
+    after_help = "Example: roslaunch rviz_camera_stream rehearsal.launch robot:=table"
+)]
 struct Arguments {
     /// Everything follows from it: room, projector, camera, light, noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(subcommand)]
-    command: Command,
+    command: Task,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum Task {
     /// Writes capture_0, capture_1 and so on, truth.yaml and tape.yaml
     Scan {
         /// The folder to write to
@@ -54,18 +70,22 @@ enum Command {
         #[arg(long, default_value_t = 1)]
         places: u32,
     },
-    /// Is the robot: its projector shows what arrives on /projector/patterns, and its head camera publishes what it
-    /// sees of that, on the topics of Fetch's
+    /// Is a depth camera and a projector: publishes what the camera sees of the projector's light
     Robot {
         /// A folder to write truth.yaml and tape.yaml to
         folder: PathBuf,
+        /// What the projector lights
+        #[arg(long, value_enum, default_value = "room")]
+        scene: Scene,
+        /// The camera's name: before its topics and its frame, CAMERA_rgb_optical_frame
+        #[arg(long, value_name = "CAMERA", default_value = "head_camera")]
+        camera: String,
+        /// The projector shows what this monitor shows, by name or number, or auto; else /projector/patterns
+        #[arg(long, value_name = "MONITOR")]
+        screen: Option<String>,
         /// Camera and projector have a quarter of the pixels: 320×240 and 640×400
         #[arg(long)]
         small: bool,
-        /// A printed chessboard:8x6:45mm is held before a wall, in another pose after each call of
-        /// /simulated_robot/next_view
-        #[arg(long)]
-        board: bool,
     },
     /// Draws where the light of a projector's file lands: green crosses are what is to be lit, orange dots the light
     Light {
@@ -77,33 +97,62 @@ enum Command {
     },
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
+/// What the projector lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Scene {
+    /// A cluttered room.
+    Room,
+    /// A table with boxes, seen from above at a slope.
+    Table,
+    /// A printed chessboard:8x6:45mm before a wall, in another pose after each call of ~next_view.
+    Board,
+}
+
+impl Scene {
+    /// The rooms, which the service `~next_view` goes through.
+    fn rooms(self, seed: u64, rig: &Rig) -> Vec<Room> {
+        match self {
+            Self::Room => vec![Room::cluttered(seed)],
+            Self::Table => vec![Room::table(seed)],
+            Self::Board => with_board(rig),
+        }
+    }
+}
+
+/// The command line.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
     rcs_process::name_threads();
+    lifecycle::run_main(|arguments: Arguments| run(&arguments))
+}
+
+fn run(arguments: &Arguments) -> Result<()> {
     let (room, rig) = (Room::cluttered(arguments.seed), Rig::random(arguments.seed));
     match &arguments.command {
-        Command::Scan { folder, places } => {
+        Task::Scan { folder, places } => {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
             for place in 0..*places {
                 let capture = scan(&room, &rig.at_place(place), arguments.seed);
                 capture.write(&folder.join(format!("capture_{place}")))?;
             }
-            write_projectors(folder, &rig, arguments.seed)
+            write_projectors(folder, &rig, arguments.seed, CAMERA_FRAME)
         }
-        Command::Robot { folder, small, board } => {
+        Task::Robot { folder, scene, camera, screen, small } => {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-            let rig = if *small { robot::small(&rig) } else { rig };
-            write_projectors(folder, &rig, arguments.seed)?;
-            let rooms = if *board { with_board(&rig) } else { vec![room] };
-            let views: Vec<View> = rooms.iter().map(|room| View::new(room, &rig)).collect();
-            robot::run(&views, arguments.seed)
+            let rig = if *small { live::small(&rig) } else { rig };
+            write_projectors(folder, &rig, arguments.seed, &live::camera_frame(camera))?;
+            let views: Vec<View> = scene.rooms(arguments.seed, &rig).iter().map(|room| View::new(room, &rig)).collect();
+            live::run(&views, arguments.seed, camera, screen.as_deref())
         }
-        Command::Light { projector, output } => {
+        Task::Light { projector, output } => {
             let file = ProjectorFile::read(projector)?;
             let lens = file.lens().context("the projector's lens")?;
             let Some(frame) = file.frames.first() else { bail!("{}: no frames", projector.display()) };
-            let translation = Translation3::from(Vector3::from(frame.translation_m));
-            let pose = Isometry3::from_parts(translation, frame.rotation).inverse();
+            let pose = frame.parent_from_child().inverse();
             let image = light(&View::new(&room, &rig), &lens, &pose, arguments.seed);
             Ok(image_file::write(output, &image)?)
         }
@@ -152,14 +201,13 @@ fn by_tape(rig: &Rig, seed: u64) -> (Lens, Isometry3<f64>) {
 }
 
 /// Writes truth.yaml and tape.yaml.
-fn write_projectors(folder: &Path, rig: &Rig, seed: u64) -> Result<()> {
-    write_projector(&folder.join("truth.yaml"), &rig.projector, &rig.projector_from_camera())?;
-    let (lens, pose) = by_tape(rig, seed);
-    write_projector(&folder.join("tape.yaml"), &lens, &pose)
-}
-
-fn write_projector(path: &Path, lens: &Lens, projector_from_camera: &Isometry3<f64>) -> Result<()> {
-    Ok(ProjectorFile::calibrated(lens, CAMERA_FRAME, &projector_from_camera.inverse()).write(path)?)
+fn write_projectors(folder: &Path, rig: &Rig, seed: u64, camera_frame: &str) -> Result<()> {
+    let truth = (rig.projector, rig.projector_from_camera());
+    for (name, (lens, projector_from_camera)) in [("truth.yaml", truth), ("tape.yaml", by_tape(rig, seed))] {
+        let file = ProjectorFile::calibrated(&lens, camera_frame, &projector_from_camera.inverse());
+        file.write(&folder.join(name))?;
+    }
+    Ok(())
 }
 
 /// The camera's image with crosses on things and dots where light that is meant for them lands.

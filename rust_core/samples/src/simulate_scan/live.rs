@@ -1,7 +1,6 @@
-//! The robot, live on ROS topics: its projector shows what arrives on one topic, its head camera publishes what it sees
-//! of that, with depth.
+//! Camera and projector, live on ROS topics: the projector shows what arrives on a topic or what a monitor shows, the
+//! camera publishes what it sees of that, with depth.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,11 +10,10 @@ use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_ros::{NodeEvent, Publisher, RosNode, ServiceCall};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Scan, View};
-use signal_hook::consts::{SIGINT, SIGTERM};
-
-use crate::CAMERA_FRAME;
+use rcs_window::ScreenGrabber;
 
 /// What the projector shows.
 const SHOWN: &str = "/projector/patterns";
@@ -49,19 +47,30 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Runs the robot until a signal comes or ROS asks it to end. The camera sees the first view, and the next one after
-/// each call of the service `~next_view`.
-pub(crate) fn run(views: &[View], seed: u64) -> Result<()> {
-    let ended = Arc::new(AtomicBool::new(false));
-    for signal in [SIGTERM, SIGINT] {
-        signal_hook::flag::register(signal, Arc::clone(&ended))?;
-    }
-    let is_ended = || ended.load(Ordering::Relaxed);
-    let node = RosNode::connect("simulated_robot", &is_ended).context("ROS")?;
-    let shown = node.subscribe(SHOWN, MessageKind::Image, 1)?;
+/// The optical frame of a camera.
+pub(crate) fn camera_frame(camera: &str) -> String {
+    format!("{camera}_rgb_optical_frame")
+}
+
+/// Runs camera and projector until a signal comes or ROS asks it to end. The camera sees the first view, and the next
+/// one after each call of the service `~next_view`.
+pub(crate) fn run(views: &[View], seed: u64, camera: &str, screen: Option<&str>) -> Result<()> {
+    let screen = screen.map(ScreenGrabber::open).transpose()?;
+    lifecycle::with_node("simulated_robot", |node, end| simulate(node, end, views, seed, camera, screen.as_ref()))
+}
+
+fn simulate(
+    node: &RosNode,
+    end: &EndRequest,
+    views: &[View],
+    seed: u64,
+    camera: &str,
+    screen: Option<&ScreenGrabber>,
+) -> Result<()> {
+    let shown = screen.is_none().then(|| node.subscribe(SHOWN, MessageKind::Image, 1)).transpose()?;
     let seen: Vec<Seen<'_>> = views.iter().map(|view| Seen::new(view, seed)).collect();
     let rig = views.first().context("no view")?.rig();
-    let camera = HeadCamera::new(&node, rig.camera)?;
+    let camera = DepthCameraTopics::new(node, rig.camera, camera)?;
     node.serve_trigger("~next_view")?;
     let (size_px, mut index) = (rig.projector.size_px, 0);
     let mut levels = vec![0; size_px[0] as usize * size_px[1] as usize];
@@ -69,32 +78,47 @@ pub(crate) fn run(views: &[View], seed: u64) -> Result<()> {
     let mut due = Instant::now();
     for frame in 0.. {
         due += PERIOD;
-        while !is_ended() && Instant::now() < due {
+        let mut new = screen.map(|screen| screen.grey(size_px)).transpose()?;
+        while !end.is_requested() && Instant::now() < due {
             for event in node.events().wait(due.saturating_duration_since(Instant::now())) {
-                match event {
-                    NodeEvent::Message { topic, message: AnyMessage::Image(image), .. } if topic == *shown.topic() => {
-                        levels = pixels_of(&image, size_px)?.to_vec();
-                        light = seen[index].scan.light_of(&levels);
+                match (event, &shown) {
+                    (NodeEvent::Message { topic, message: AnyMessage::Image(image), .. }, Some(shown))
+                        if topic == *shown.topic() =>
+                    {
+                        new = Some(pixels_of(&image, size_px)?.to_vec());
                     }
                     _ => {}
                 }
             }
         }
-        if is_ended() || node.is_asked_to_end() {
+        if end.is_requested() {
             break;
         }
-        for call in node.calls().wait(Duration::ZERO) {
-            if let ServiceCall::Trigger { reply, .. } = call {
-                index = (index + 1) % seen.len();
-                light = seen[index].scan.light_of(&levels);
-                reply.send(true, "moved");
-            }
+        let has_moved = next_view(node);
+        if has_moved {
+            index = (index + 1) % seen.len();
+        }
+        let new = new.filter(|new| *new != levels);
+        if has_moved || new.is_some() {
+            levels = new.unwrap_or(levels);
+            light = seen[index].scan.light_of(&levels);
         }
         let Seen { scan, depths } = &seen[index];
         camera.send(scan.expose(&light, frame), &depths[frame as usize % depths.len()])?;
     }
-    node.shutdown();
     Ok(())
+}
+
+/// `true` if the service was called.
+fn next_view(node: &RosNode) -> bool {
+    let mut is_called = false;
+    for call in node.calls().wait(Duration::ZERO) {
+        if let ServiceCall::Trigger { reply, .. } = call {
+            is_called = true;
+            reply.send(true, "moved");
+        }
+    }
+    is_called
 }
 
 /// The levels of an image for the projector.
@@ -104,21 +128,23 @@ fn pixels_of(image: &Image, size_px: [u32; 2]) -> Result<&[u8]> {
     Ok(image.data())
 }
 
-/// The topics of Fetch's head camera.
-struct HeadCamera {
+/// The topics of an RGB-D camera, with the names that OpenNI's drivers give.
+struct DepthCameraTopics {
     lens: Lens,
+    frame: String,
     image: Publisher<Image>,
     depth: Publisher<Image>,
     info: Publisher<CameraInfo>,
 }
 
-impl HeadCamera {
-    fn new(node: &RosNode, lens: Lens) -> Result<Self> {
+impl DepthCameraTopics {
+    fn new(node: &RosNode, lens: Lens, camera: &str) -> Result<Self> {
         Ok(Self {
             lens,
-            image: node.latched_publisher("/head_camera/rgb/image_raw", 1)?,
-            depth: node.latched_publisher("/head_camera/depth_registered/image_raw", 1)?,
-            info: node.latched_publisher("/head_camera/rgb/camera_info", 1)?,
+            frame: camera_frame(camera),
+            image: node.latched_publisher(&format!("/{camera}/rgb/image_raw"), 1)?,
+            depth: node.latched_publisher(&format!("/{camera}/depth_registered/image_raw"), 1)?,
+            info: node.latched_publisher(&format!("/{camera}/rgb/camera_info"), 1)?,
         })
     }
 
@@ -126,11 +152,11 @@ impl HeadCamera {
     fn send(&self, grey: Vec<u8>, depth_m: &[f32]) -> Result<()> {
         let size_px = self.lens.size_px;
         let stamp = rcs_ros::node_time().map(|time| time.stamp).unwrap_or_default();
-        let header = || Header { seq: 0, stamp, frame_id: CAMERA_FRAME.to_owned() };
+        let header = || Header { seq: 0, stamp, frame_id: self.frame.clone() };
         let millimetres = depth_m.iter().flat_map(|depth| ((depth * 1000.0).round() as u16).to_le_bytes()).collect();
         self.depth.send(Image::new(header(), size_px, "16UC1", 2 * size_px[0], Arc::new(millimetres)))?;
         self.image.send(Image::new(header(), size_px, "mono8", size_px[0], Arc::new(grey)))?;
-        let info = ProjectorFile::from_lens(&self.lens, CAMERA_FRAME).camera_info;
+        let info = ProjectorFile::from_lens(&self.lens, &self.frame).camera_info;
         self.info.send(CameraInfo { header: header(), ..info })?;
         Ok(())
     }
