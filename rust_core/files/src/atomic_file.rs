@@ -42,6 +42,22 @@ pub fn write_atomically<E>(
     written
 }
 
+/// Checks that [`write_atomically`] could write a file now, or that files could be written into a folder.
+///
+/// # Errors
+/// The system's.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let trial = match fs::metadata(&target) {
+        Ok(known) if known.is_dir() => unfinished_name(&target.join("trial")),
+        // A pipe or a device.
+        Ok(known) if !known.is_file() => return Ok(()),
+        _ => unfinished_name(&target),
+    };
+    File::create(&trial)?;
+    fs::remove_file(&trial)
+}
+
 /// Renames a finished file, which is on the disk before it replaces another.
 ///
 /// # Errors

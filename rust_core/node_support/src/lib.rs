@@ -9,6 +9,7 @@ pub mod frames;
 pub mod key_value;
 pub mod lifecycle;
 pub mod monitor_arguments;
+pub mod near;
 pub mod node_options;
 pub mod node_status;
 pub mod nudge;

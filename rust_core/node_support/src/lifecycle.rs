@@ -147,15 +147,12 @@ pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNod
     started(RosNode::connect(default_name, &|| end.is_requested()))
 }
 
-/// As [`connect`], without waiting: `None` also if there is no master.
+/// As [`connect`], without waiting.
 ///
 /// # Errors
-/// As those of [`connect`].
+/// As those of [`connect`], and [`NodeError::NoMaster`].
 pub fn connect_now(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNode>>, NodeError> {
-    match RosNode::connect_now(default_name, &|| end.is_requested()) {
-        Err(NodeError::NoMaster { .. }) => Ok(None),
-        result => started(result),
-    }
+    started(RosNode::connect_now(default_name, &|| end.is_requested()))
 }
 
 fn started(result: Result<RosNode, NodeError>) -> Result<Option<Arc<RosNode>>, NodeError> {

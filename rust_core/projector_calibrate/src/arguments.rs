@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use rcs_calibration::board::Chessboard;
+use rcs_files::atomic_file::check_writable;
 use rcs_files::sizes::pair;
 pub(super) use rcs_files::sizes::size_px;
 
@@ -65,13 +66,13 @@ pub(super) fn positive_seconds(text: &str) -> Result<Duration, String> {
     (!time.is_zero()).then_some(time).ok_or_else(|| "not more than 0 seconds".to_owned())
 }
 
-/// Checks that the folder of a file to write exists, before anything is shown.
-pub(super) fn check_folder(path: &Path) -> Result<(), Failure> {
+/// Checks that a file or a folder can be written, before anything is shown.
+pub(super) fn check_output(path: &Path) -> Result<(), Failure> {
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if parent.is_dir() {
-        return Ok(());
+    if !parent.is_dir() {
+        return Err(Failure::Unreadable(anyhow!("{}: the folder {} does not exist", path.display(), parent.display())));
     }
-    Err(Failure::Unreadable(anyhow!("{}: the folder {} does not exist", path.display(), parent.display())))
+    check_writable(path).map_err(|error| Failure::Unreadable(anyhow!("{}: cannot be written: {error}", path.display())))
 }
 
 #[cfg(test)]

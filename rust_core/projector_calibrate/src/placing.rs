@@ -188,7 +188,7 @@ fn look_up_with(node: &RosNode, end: &EndRequest, target: &str, source: &str) ->
             Ok(transform) => return Ok(transform),
             Err(error) if Instant::now() > until => return Err(tf_failed(error)),
             Err(_) if end.is_requested() => {
-                return Err(Failure::Refused(anyhow::anyhow!("interrupted")));
+                return Err(Failure::Interrupted(anyhow::anyhow!("interrupted before TF was known")));
             }
             Err(_) => {}
         }

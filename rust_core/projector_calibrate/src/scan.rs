@@ -1,5 +1,6 @@
 //! `projector_calibrate scan`: the scan engine of [`rcs_scan`] on ROS topics and a window, or on a bag.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -15,7 +16,7 @@ use rcs_scan::{
     patterns, preview, CameraTopics, DepthTopic, ScanCamera, ScanEvent, ScanOptions, ScanResult, ScanSession,
 };
 
-use super::arguments::{check_folder, chessboard, seconds, size_px};
+use super::arguments::{check_output, chessboard, seconds, size_px};
 use super::board::BoardScan;
 use super::live::{DeviceArguments, ImageTopic, LiveSession, LiveSetup, Progress};
 use super::pictures::Pictures;
@@ -24,6 +25,8 @@ use super::{show, Failure};
 
 /// The topic of the preview, private to the node.
 const PREVIEW_TOPIC: &str = "~preview";
+/// The folder of an incomplete capture, in the folder of the complete one.
+const INCOMPLETE_FOLDER: &str = "incomplete";
 /// The largest step: more patterns cannot be decoded.
 const MAX_STEP: i64 = 8;
 
@@ -31,7 +34,7 @@ const MAX_STEP: i64 = 8;
 ///
 /// Nothing may move meanwhile, half a minute or so. The camera's exposure must be fixed. Measures the delay from
 /// showing to seeing; refuses a scan with a wrong exposure, motion or a mirrored image. Ctrl-C, or Escape in the
-/// window, ends it: the images so far are written if they are enough.
+/// window, ends it: the images so far are written into DIR/incomplete if they are enough, and a capture in DIR stays.
 ///
 /// With --bag, a scan that was recorded: the camera's topics, while the patterns were shown by
 /// `projector_calibrate show --patterns DIR --seconds 1 --pause 0.5`. No ROS master is needed.
@@ -42,8 +45,8 @@ and --depth (16UC1 in millimetres, 32FC1 in metres; or CompressedImage) or --clo
 head camera
                   /tf, /tf_static and the parameter robot_description, which the capture keeps for solve
 Topic published: ~preview (sensor_msgs/Image, latched), what is decoded so far in the colours of --preview
-Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, or a topic or a bag that is silent or cannot be
-used
+Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, no master, or a topic or a bag that is silent or
+cannot be used; 130 interrupted
 
 Examples: projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1
           projector_calibrate scan --bag scan.bag --size 1280x800 -o scan1
@@ -54,7 +57,7 @@ pub(super) struct ScanArguments {
     /// Width and height of the projector's image, pixels: its native resolution
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: [u32; 2],
-    /// The folder to write to; made if it does not exist, a capture in it is replaced
+    /// The folder to write to; made if it does not exist, a capture in it is replaced by a complete one
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// The devices.
@@ -155,7 +158,7 @@ fn scan_live(session: &mut LiveSession<'_>, arguments: &ScanArguments) -> Result
     scanned.capture.robot = session.camera.robot();
     progress.publish(preview::of_decoded(&scanned.decoded, projector_px));
     session.check_valid()?;
-    write(arguments, &scanned)
+    write(arguments, scanned)
 }
 
 /// Scans what bags have recorded.
@@ -170,7 +173,7 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     let mut progress = Progress::new("reading the bag", None, footage.lens.size_px, arguments.size);
     let scanned = recorded::scan(&footage, &options, &mut |event| progress.show(&event));
     progress.finish();
-    write(arguments, &scanned?)
+    write(arguments, scanned?)
 }
 
 /// Scans the images in a folder.
@@ -182,35 +185,41 @@ fn scan_pictures(arguments: &ScanArguments, pictures: &Pictures<'_>) -> Result<(
         return Err(Failure::Unreadable(text));
     }
     match pictures.scan(pictures.folder, set) {
-        Ok(scanned) => write(arguments, &scanned),
+        Ok(scanned) => write(arguments, scanned),
         Err(failure) if failure.is_refusal() => Err(Failure::Refused(anyhow!("{folder}: {failure}"))),
         Err(failure) => Err(Failure::Unreadable(anyhow!("{folder}: {failure}"))),
     }
 }
 
-/// Writes the capture and the preview.
-fn write(arguments: &ScanArguments, scanned: &ScanResult) -> Result<(), Failure> {
-    let ScanResult { capture, decoded, is_complete } = scanned;
+/// Writes the capture and the preview. An incomplete capture replaces no complete one, and is an error.
+fn write(arguments: &ScanArguments, scanned: ScanResult) -> Result<(), Failure> {
+    let ScanResult { capture, decoded, ended } = scanned;
     if capture.robot.frames.is_empty() && arguments.pictures.images.is_none() {
         log::warn!(
             "no chain of frames in the capture: '{}' is not in TF; solve cannot tell whether joints move the camera",
             capture.camera_frame_id
         );
     }
-    capture.write(&arguments.output).map_err(Failure::refused)?;
-    if let Some(path) = &arguments.preview {
-        let image = preview::of_decoded(decoded, capture.projector_size_px);
+    let folder = match &ended {
+        None => arguments.output.clone(),
+        Some(_) => arguments.output.join(INCOMPLETE_FOLDER),
+    };
+    // The folder of the complete capture.
+    fs::create_dir_all(&arguments.output).map_err(Failure::refused)?;
+    capture.write(&folder).map_err(Failure::refused)?;
+    if let Some(path) = arguments.preview.as_ref().filter(|_| ended.is_none()) {
+        let image = preview::of_decoded(&decoded, capture.projector_size_px);
         image_file::write(path, &image).map_err(Failure::refused)?;
     }
     let (count, lit) = (decoded.count(), decoded.lit.max(1));
     eprintln!(
         "written{}: {} pictures, {count} pixels decoded ({:.0} % of the lit ones), {}",
-        if *is_complete { "" } else { " though interrupted" },
+        if ended.is_none() { "" } else { ", incomplete" },
         capture.images.len(),
         100.0 * count as f64 / lit as f64,
-        arguments.output.join(CAPTURE_FILE).display()
+        folder.join(CAPTURE_FILE).display()
     );
-    Ok(())
+    ended.map_or(Ok(()), |failure| Err(failure.into()))
 }
 
 impl ScanArguments {
@@ -259,13 +268,13 @@ impl ScanArguments {
         if self.patterns.is_some() && self.bag.is_empty() && self.pictures.images.is_none() {
             return Err(Failure::Unreadable(anyhow!("--patterns needs --bag or --pictures")));
         }
-        check_folder(&self.output)?;
+        check_output(&self.output)?;
         if self.output.exists() && !self.output.is_dir() {
             return Err(Failure::Unreadable(anyhow!("{}: not a folder", self.output.display())));
         }
         if let Some(path) = &self.preview {
             ImageFormat::of(path).map_err(Failure::unreadable)?;
-            check_folder(path)?;
+            check_output(path)?;
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ use rcs_node_support::nudge::{Nudge, NudgedProjector};
 use rcs_scan::{Refinement, ScanCamera, ScanEvent, ScanOptions, ScanSession};
 use rcs_window::MonitorChoice;
 
+use super::arguments::check_output;
 use super::known_projector::KnownProjector;
 use super::live::{CameraArguments, LiveSession, LiveSetup, PlacedProjector, Progress};
 use super::placing::CameraPose;
@@ -54,6 +55,7 @@ pub(super) fn run(
     report: Option<PathBuf>,
 ) -> Result<(), Failure> {
     projector.frame()?;
+    [&output, &report].into_iter().flatten().try_for_each(|path| check_output(path))?;
     let setup = LiveSetup {
         name: "the refinement",
         monitor,

@@ -13,7 +13,7 @@ use rcs_files::projector::ProjectorFile;
 use rcs_files::verification;
 use rcs_scan::{ScanCamera, ScanEvent, ScanOptions, ScanSession, Verification};
 
-use super::arguments::{check_folder, seconds};
+use super::arguments::{check_output, seconds};
 use super::camera_chain::CameraChain;
 use super::correspondences::Correspondences;
 use super::known_projector::KnownProjector;
@@ -123,7 +123,7 @@ fn verify_live(arguments: &VerifyArguments, path: &Path) -> Result<(), Failure> 
     if let Some(image) = &arguments.arrows {
         ImageFormat::of(image).map_err(Failure::unreadable)?;
     }
-    [&arguments.arrows, &arguments.report].into_iter().flatten().try_for_each(|path| check_folder(path))?;
+    [&arguments.arrows, &arguments.report].into_iter().flatten().try_for_each(|path| check_output(path))?;
     let projector = KnownProjector::read(path)?;
     let setup = LiveSetup {
         name: "the verification",

@@ -154,12 +154,9 @@ impl Watch<'_> {
 
     /// RMS and median of the reprojection error, pixels of the projector.
     fn drift(&mut self) -> anyhow::Result<[f64; 2]> {
-        let as_error = |failure: Failure| match failure {
-            Failure::Refused(error) | Failure::Unreadable(error) => error,
-        };
-        let projector = KnownProjector::read(&self.arguments.projector).map_err(as_error)?;
+        let projector = KnownProjector::read(&self.arguments.projector).map_err(Failure::into_error)?;
         self.screen.size_px = projector.lens.size_px;
-        let pose = self.camera.place(&projector).map_err(as_error)?.projector_from_camera();
+        let pose = self.camera.place(&projector).map_err(Failure::into_error)?.projector_from_camera();
         let end = self.end;
         let frames = usize::from(self.arguments.camera.frames);
         let options =

@@ -228,6 +228,11 @@ impl TopicSubscription {
         &self.topic.name
     }
 
+    /// The type of its messages.
+    pub fn kind(&self) -> MessageKind {
+        self.topic.kind
+    }
+
     /// `true` if a connected publisher latches its messages.
     pub fn is_latched(&self) -> bool {
         !lock(&self.topic.receiver.state).latched.is_empty()

@@ -69,12 +69,16 @@ pub trait ScanCamera {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScanCameraError {
     /// Nothing was received.
-    #[error("nothing was received on {topic} within {} s: is the camera's driver running?", waited.as_secs())]
+    #[error("nothing was received on {topic} within {} s: {reason}", waited.as_secs())]
     Silent {
         /// The topic.
         topic: String,
         /// The timeout.
         waited: Duration,
+        /// What is known of its publishers.
+        reason: String,
+        /// Topics that may be meant, with types and publishers, a line each.
+        known_topics: Vec<String>,
     },
     /// A message or topic that cannot be used.
     #[error("{topic}: {reason}")]

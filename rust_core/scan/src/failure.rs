@@ -47,8 +47,8 @@ pub enum ScanFailure {
     /// The images do not belong together.
     #[error("{0}")]
     Problem(ScanProblem),
-    /// The end was requested before there was enough.
-    #[error("interrupted before enough was seen")]
+    /// The end was requested.
+    #[error("interrupted before everything was seen")]
     Interrupted,
     /// Too few camera pixels were decoded; their number.
     #[error(
@@ -101,6 +101,11 @@ pub enum ScanFailure {
 }
 
 impl ScanFailure {
+    /// `true` if what was seen before is right: the scan was interrupted, or a device failed.
+    pub(crate) fn leaves_images(&self) -> bool {
+        matches!(self, Self::Interrupted | Self::Camera(_) | Self::Size { .. } | Self::Screen { .. })
+    }
+
     /// `true` if the images are refused, `false` if a device or a file cannot be used.
     pub fn is_refusal(&self) -> bool {
         !matches!(

@@ -1,7 +1,7 @@
 //! From the images of a scan to its capture: decoding and its checks, for a live scan and one from a bag.
 
 use rcs_calibration::patterns::{Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Images, Keystone, Lens, ScanProblem};
+use rcs_calibration::{decode, DecodeError, Decoded, Images, Keystone, Lens, ScanProblem};
 use rcs_files::capture::{Capture, CapturedRobot, PatternImage};
 
 use crate::depth_average::DepthAverage;
@@ -24,8 +24,8 @@ pub struct ScanResult {
     pub capture: Capture,
     /// Its decoded pixels.
     pub decoded: Decoded,
-    /// `false` if the scan was interrupted when it had enough.
-    pub is_complete: bool,
+    /// The reason why the scan ended early, with enough to decode; `None` if it is complete.
+    pub ended: Option<ScanFailure>,
 }
 
 /// The images of a scan.
@@ -38,17 +38,26 @@ pub(crate) struct ScanImages<'a> {
     pub(crate) images: Vec<PatternImage>,
     pub(crate) light: &'a Illumination,
     pub(crate) depth: Option<&'a DepthAverage>,
-    /// `false` if the scan was interrupted.
-    pub(crate) is_complete: bool,
+    /// The reason why the scan ended early.
+    pub(crate) ended: Option<ScanFailure>,
 }
 
 impl ScanImages<'_> {
     /// Decodes the images and makes a capture of them.
     ///
     /// # Errors
-    /// [`ScanFailure`]: their fault. [`ScanFailure::Interrupted`] if more of them might have been enough.
+    /// [`ScanFailure`]: their fault, or the reason why there are not enough of them.
     pub(crate) fn finish(mut self, warn: &mut dyn FnMut(&str)) -> Result<ScanResult, ScanFailure> {
         drop_unpaired(&mut self.images);
+        let ended = self.ended.take();
+        match self.judge(warn) {
+            Ok(decoded) => Ok(self.result(decoded, ended)),
+            Err(fault) => Err(ended.unwrap_or(fault)),
+        }
+    }
+
+    /// Decodes the images and checks what they yield.
+    fn judge(&self, warn: &mut dyn FnMut(&str)) -> Result<Decoded, ScanFailure> {
         let decoded = self.decode()?;
         for problem in decoded.quality.problems() {
             let is_reported = matches!(problem, ScanProblem::Clipped(_)) && self.light.is_overexposed();
@@ -61,7 +70,7 @@ impl ScanImages<'_> {
         }
         let count = decoded.count();
         if (count as f64) < MIN_DECODED * decoded.pixels.len() as f64 {
-            return Err(if self.is_complete { ScanFailure::Undecoded(count) } else { ScanFailure::Interrupted });
+            return Err(ScanFailure::Undecoded(count));
         }
         let share = count as f64 / decoded.lit.max(1) as f64;
         if share < FEW_DECODED {
@@ -70,6 +79,10 @@ impl ScanImages<'_> {
         if self.depth.is_some_and(|depth| depth.frames == 0) {
             return Err(ScanFailure::NoDepth);
         }
+        Ok(decoded)
+    }
+
+    fn result(self, decoded: Decoded, ended: Option<ScanFailure>) -> ScanResult {
         let capture = Capture {
             projector_size_px: self.projector_px,
             camera: self.lens,
@@ -80,20 +93,14 @@ impl ScanImages<'_> {
             robot: CapturedRobot::default(),
             warnings: Vec::new(),
         };
-        Ok(ScanResult { capture, decoded, is_complete: self.is_complete })
+        ScanResult { capture, decoded, ended }
     }
 
-    fn decode(&self) -> Result<Decoded, ScanFailure> {
+    fn decode(&self) -> Result<Decoded, DecodeError> {
         let images = self.images.iter().map(|image| (image.pattern, image.grey.as_slice()));
         let (patterns, levels): (Vec<Pattern>, Vec<&[u8]>) = images.unzip();
         let images = Images { size_px: self.lens.size_px, patterns: &patterns, levels };
-        decode(&images, self.projector_px).map_err(|error| {
-            if self.is_complete {
-                error.into()
-            } else {
-                ScanFailure::Interrupted
-            }
-        })
+        decode(&images, self.projector_px)
     }
 }
 

@@ -30,9 +30,9 @@ impl ScanSession<'_> {
         (self.observe)(ScanEvent::Delay(light.delay, patterns.len()));
         light.warn(&mut |warning| self.warn(warning));
         let mut images = Vec::new();
-        let is_complete = match self.capture_all(&patterns, &light, &mut images) {
-            Ok(()) => true,
-            Err(ScanFailure::Interrupted) => false,
+        let ended = match self.capture_all(&patterns, &light, &mut images) {
+            Ok(()) => None,
+            Err(failure) if failure.leaves_images() => Some(failure),
             Err(failure) => return Err(failure),
         };
         let images = ScanImages {
@@ -42,7 +42,7 @@ impl ScanSession<'_> {
             images,
             light: &light,
             depth: self.camera.has_depth().then_some(&self.depth),
-            is_complete,
+            ended,
         };
         images.finish(&mut |warning| (self.observe)(ScanEvent::Warning(warning)))
     }

@@ -5,12 +5,12 @@ use anyhow::anyhow;
 use rcs_files::projector::TABLE_FRAME;
 use rcs_files::sizes::size_px;
 use rcs_node_support::dialog::{Dialog, DialogError};
+use rcs_node_support::near::near;
 
 use crate::arguments::{self, SetupArgs, Show, NONE};
 use crate::display_type::{self, short_name, DisplayType};
 use crate::error::SetupError;
 use crate::found::Found;
-use crate::near::near;
 use crate::profile::Profile;
 
 /// The answer that is no topic but a grid to begin with.

@@ -17,7 +17,6 @@ mod error;
 mod folder;
 mod found;
 mod launch;
-mod near;
 mod plan;
 mod profile;
 mod projector_guess;

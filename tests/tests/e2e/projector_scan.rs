@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// projector pixel (0.7 x + 4, 0.6 y + 2); `mirrored` shows the image mirrored. `packed` publishes compressed images.
 const ROBOT: &str = "
 from sensor_msgs.msg import CompressedImage
-packed = False
+packed, period = False, 0.05
 SIZE, CAMERA = (128, 80), (160, 120)
 mirrored, picture = False, bytes(CAMERA[0] * CAMERA[1])
 def lit_by(x, y):
@@ -60,7 +60,7 @@ def see():
         depth = struct.pack('<H', 1200) * len(picture)
         publisher('/head_camera/depth_registered/image_raw', Image, False).publish(image('16UC1', 2 * CAMERA[0], depth))
         latch('/head_camera/rgb/camera_info', info('head_camera_optical', *CAMERA, f=130.0))
-        time.sleep(0.05)
+        time.sleep(period)
 projector = rospy.Subscriber('/projector/patterns', Image, show)
 threading.Thread(target=see, daemon=True).start()
 ";
@@ -331,7 +331,79 @@ fn a_silent_topic_is_named() {
     let python = PythonNode::start(&master, &[]).unwrap();
     python.run(ROBOT).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let mut scan = scan(&master, &folder.path().join("scan"), &["--depth", "/nobody/depth"]);
-    assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(2), "{:?}", scan.errors());
-    assert!(scan.errors().iter().any(|line| line.contains("/nobody/depth")), "{:?}", scan.errors());
+    for (topic, reason) in [
+        ("/nobody/depth", "/nobody/depth within 10 s: nobody publishes it"),
+        ("/depth_registered/image_raw", "did you mean /head_camera/depth_registered/image_raw?"),
+        ("/head_camera/rgb/camera_info", "publishes it as sensor_msgs/CameraInfo, not as sensor_msgs/Image"),
+    ] {
+        let mut scan = scan(&master, &folder.path().join("scan"), &["--depth", topic]);
+        assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(2), "{:?}", scan.errors());
+        let errors = scan.errors();
+        assert!(errors.iter().any(|line| line.contains(reason)), "{reason}: {errors:?}");
+        let known = "  /head_camera/depth_registered/image_raw  sensor_msgs/Image  /python_node";
+        assert!(errors.iter().any(|line| line == known), "{errors:?}");
+    }
+}
+
+#[test]
+fn without_a_master_or_a_place_to_write_nothing_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(program("projector_calibrate"));
+        command.current_dir(&folder).env("ROS_MASTER_URI", "http://localhost:1").env_remove("DISPLAY");
+        let output = command.args(["scan", "--size", "128x80", "-o"]).args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    // Without a display there would be no window.
+    for arguments in [&["scan"][..], &["scan", "--show-on", "/projector/patterns"]] {
+        let (code, errors) = run(arguments);
+        assert_eq!((code, errors.lines().count()), (Some(2), 1), "{errors}");
+        assert!(errors.contains("no ROS master at http://localhost:1") && errors.contains("start roscore"), "{errors}");
+    }
+    // Nobody may make files there.
+    let (code, errors) = run(&["/proc/scan"]);
+    assert_eq!((code, errors.lines().count()), (Some(2), 1), "{errors}");
+    assert!(errors.contains("/proc/scan: cannot be written"), "{errors}");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+}
+
+/// After half of the patterns, the camera's images come at another period.
+const CHANGE_PERIOD: &str = "
+def change(message):
+    global period
+    if len(shares) == 15:
+        period = next_period
+    shares.append(message.header.seq)
+shares = []
+changing = rospy.Subscriber('/projector_calibrate/preview', Image, change)
+";
+
+#[test]
+fn a_scan_that_ends_early_is_kept_beside_the_complete_one() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run(ROBOT).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("scan");
+    let mut complete = scan(&master, &output, &["--frames", "1"]);
+    assert_eq!(complete.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", complete.errors());
+    let before = Capture::read(&output).unwrap();
+
+    // Slow enough to be interrupted, and silent.
+    for (next_period, signal, code, reason) in
+        [("1", Some("INT"), 130, "interrupted"), ("1000", None, 2, "/python_node publishes it and sends nothing")]
+    {
+        let _ = fs::remove_dir_all(output.join("incomplete"));
+        python.run(format!("period, next_period = 0.05, {next_period}\n{CHANGE_PERIOD}")).unwrap();
+        let mut scan = scan(&master, &output, &["--frames", "1"]);
+        assert!(python.wait_for(PATIENCE, "len(shares) > 15"), "{:?}", scan.errors());
+        signal.into_iter().for_each(|signal| scan.signal(signal));
+        assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(code), "{:?}", scan.errors());
+        let errors = scan.errors();
+        assert!(errors.iter().any(|line| line.contains("written, incomplete: ")), "{errors:?}");
+        assert!(errors.iter().any(|line| line.contains(reason)), "{errors:?}");
+        assert_eq!(Capture::read(&output).unwrap(), before);
+        let kept = Capture::read(&output.join("incomplete")).unwrap();
+        assert!((10..30).contains(&kept.images.len()), "{}", kept.images.len());
+    }
 }

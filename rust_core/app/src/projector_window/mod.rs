@@ -14,7 +14,7 @@ use rcs_displays::{time_from_stamp, unpack_image};
 use rcs_light::{BlackoutFile, Measured, Now, Pulse};
 use rcs_messages::{header, AnyMessage, Image, MessageKind};
 use rcs_process::lock;
-use rcs_ros::{NodeEvent, RosNode};
+use rcs_ros::{NodeError, NodeEvent, RosNode};
 use rcs_transforms::Time;
 use rcs_window::{
     self as window, ImageSink, MonitorChoice, MonitorInfo, ReceivedImage, ScreenImage, UserEvent, WindowRole,
@@ -121,7 +121,10 @@ fn run(arguments: WindowArguments) -> anyhow::Result<()> {
         return Ok(window::keep_over(title, &arguments.monitor.monitor, || end.is_requested())?);
     }
     // A window that waits for the master is black, on the monitor of the command line.
-    let node = lifecycle::connect_now(NAME, &end)?;
+    let node = match lifecycle::connect_now(NAME, &end) {
+        Err(NodeError::NoMaster { .. }) => None,
+        connected => connected?,
+    };
     let arguments = node.as_deref().map_or(Ok(arguments), with_parameters)?;
     show_topic(arguments, node, &end)
 }

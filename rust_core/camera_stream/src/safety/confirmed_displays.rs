@@ -1,7 +1,7 @@
 //! The displays whose light a measured surface must confirm: all, none, or those of some names.
 
 use rcs_displays::SceneState;
-use rcs_node_support::key_value::nearest;
+use rcs_node_support::near::near;
 use rcs_scene::DisplayMask;
 
 use super::names::{ConfigNames, NONE};
@@ -63,7 +63,8 @@ fn problem(name: &str, names: &ConfigNames) -> Option<String> {
     if names.displays.iter().any(|display| display == name) {
         return None;
     }
-    let hint = nearest(name, &names.displays).map(|near| format!(" did you mean '{near}'?")).unwrap_or_default();
+    let near = near(name, names.displays.iter().map(String::as_str));
+    let hint = near.first().map(|near| format!(" did you mean '{near}'?")).unwrap_or_default();
     let all = match names.displays.as_slice() {
         [] => "it has none".to_owned(),
         displays => format!("displays: {}", displays.join(", ")),

@@ -9,7 +9,7 @@ use rcs_files::atomic_file::write_atomically;
 use rcs_files::FileError;
 
 use super::pdf::Page;
-use crate::arguments::{check_folder, chessboard};
+use crate::arguments::{check_output, chessboard};
 use crate::Failure;
 
 /// Sheets of A4 to A0, millimetres.
@@ -48,7 +48,7 @@ pub(crate) struct BoardArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &BoardArguments) -> Result<(), Failure> {
     let BoardArguments { board, output } = arguments;
-    check_folder(output)?;
+    check_output(output)?;
     let (sheet, file) = drawn(board)?;
     let failed = |error: std::io::Error| FileError { path: output.clone(), problem: format!("cannot write: {error}") };
     write_atomically(output, |writer| writer.write_all(&file).map_err(failed), failed).map_err(Failure::refused)?;

@@ -71,7 +71,9 @@ impl BoardScan {
                 Err(failure) => return Err(failure.into()),
             }
         }
-        guide.finish()
+        let finished = guide.finish();
+        finished
+            .map_err(|failure| if end.is_requested() { Failure::Interrupted(failure.into_error()) } else { failure })
     }
 
     /// Takes the images in folders, one for each pose.
@@ -149,13 +151,9 @@ impl Guide {
         let mut scan = ScanSession::new(&mut *session.screen, &mut session.camera, options, observe);
         let corners = scan.wait_for_board(&self.scan.board, self.last.as_deref())?;
         self.last = Some(corners);
-        let scanned = scan.scan()?;
+        let mut scanned = scan.scan()?;
         // Half a pose would be solved with as if it were whole.
-        if scanned.is_complete {
-            Ok(scanned)
-        } else {
-            Err(ScanFailure::Interrupted)
-        }
+        scanned.ended.take().map_or(Ok(scanned), Err)
     }
 
     /// Writes a pose and judges all of them.

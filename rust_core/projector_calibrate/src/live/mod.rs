@@ -4,6 +4,7 @@
 //! A window needs the main thread, so the work runs on another one. If the monitor has another size than the projector,
 //! the window closes and the session is void: its work ends without writing anything.
 
+mod known_topics;
 mod progress;
 mod ros_camera;
 mod screens;
@@ -16,7 +17,7 @@ use anyhow::{anyhow, Context};
 use clap::Args;
 use rcs_node_support::lifecycle::{self, EndRequest};
 use rcs_node_support::window_watch::WindowWatch;
-use rcs_ros::RosNode;
+use rcs_ros::{NodeError, RosNode};
 use rcs_scan::{CameraTopics, DepthTopic, ProjectorScreen};
 use rcs_window::{self as window, ImageSink, MonitorChoice, UserEvent, WindowOptions};
 
@@ -108,13 +109,14 @@ impl LiveSession<'_> {
 }
 
 fn interrupted(name: &str) -> Failure {
-    Failure::Refused(anyhow!("interrupted before {name} began"))
+    Failure::Interrupted(anyhow!("interrupted before {name} began"))
 }
 
 /// State that the window's thread and the work share.
 #[derive(Clone)]
 struct LiveState {
     end: EndRequest,
+    node: Arc<RosNode>,
     is_void: Arc<AtomicBool>,
     is_working: Arc<AtomicBool>,
 }
@@ -138,23 +140,30 @@ impl LiveState {
 }
 
 impl LiveSetup {
-    /// Connects the devices and runs `work`.
+    /// Connects to the master, then the devices, and runs `work`.
     ///
     /// # Errors
-    /// [`Failure`]: a topic or a window cannot be used, or the error of `work`.
+    /// [`Failure`]: no master answers, a topic or a window cannot be used, or the error of `work`.
     pub(super) fn run(
         self,
         work: impl FnOnce(&mut LiveSession<'_>) -> Result<(), Failure> + Send + 'static,
     ) -> Result<(), Failure> {
         let end = EndRequest::watch_signals().context("cannot handle signals").map_err(Failure::Unreadable)?;
-        let state = LiveState { end, is_void: Arc::default(), is_working: Arc::default() };
+        let node = lifecycle::connect_now("projector_calibrate", &end).map_err(|error| match error {
+            NodeError::NoMaster { .. } => {
+                Failure::Unreadable(anyhow!("{error}: start roscore or the robot, or set ROS_MASTER_URI to its master"))
+            }
+            error => Failure::unreadable(error),
+        })?;
+        let node = node.ok_or_else(|| interrupted(self.name))?;
+        let state = LiveState { end, node, is_void: Arc::default(), is_working: Arc::default() };
         if let Some(topic) = &self.show_on {
             let size_px = self.projector_px;
             let screen = |node: &RosNode| {
                 let topic = ImageTopic::new(node, topic, self.projector_frame.clone())?;
                 Ok(Box::new(TopicScreen { topic, size_px }) as Box<dyn ProjectorScreen>)
             };
-            return self.connect(&state, screen, work);
+            return self.connect_devices(&state, screen, work);
         }
         self.run_in_window(&state, work)
     }
@@ -179,7 +188,7 @@ impl LiveSetup {
             let started = check_monitor(monitor, size_px).and_then(|()| {
                 let Some((setup, work)) = start.take() else { return Ok(()) };
                 let screen = WindowScreen { sink: sink.clone(), monitor: monitor.name.clone(), size_px };
-                let work = move |state: &LiveState| setup.connect(state, |_| Ok(Box::new(screen)), work);
+                let work = move |state: &LiveState| setup.connect_devices(state, |_| Ok(Box::new(screen)), work);
                 working = Some(state.spawn(sink.clone(), work)?);
                 Ok(())
             });
@@ -201,21 +210,20 @@ impl LiveSetup {
         result.unwrap_or_else(|| Ok(Err(interrupted(name)))).map_err(Failure::Refused)?
     }
 
-    /// Connects the node, the screen and the camera, runs `work` and ends the node.
-    fn connect(
+    /// Connects the screen and the camera, runs `work` and ends the node.
+    fn connect_devices(
         &self,
         state: &LiveState,
         make_screen: impl FnOnce(&RosNode) -> anyhow::Result<Box<dyn ProjectorScreen>>,
         work: impl FnOnce(&mut LiveSession<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let (name, end) = (self.name, &state.end);
-        let node = lifecycle::connect("projector_calibrate", end).map_err(Failure::unreadable)?;
-        let node = node.ok_or_else(|| interrupted(name))?;
-        let result = make_screen(&node).map_err(Failure::Unreadable).and_then(|screen| {
-            let camera = RosCamera::connect(&node, end, &self.topics, self.needs_lens);
+        let LiveState { end, node, is_void, .. } = state;
+        let name = self.name;
+        let result = make_screen(node).map_err(Failure::Unreadable).and_then(|screen| {
+            let camera = RosCamera::connect(node, end, &self.topics, self.needs_lens);
             let camera =
                 camera.map_err(|error| if end.is_requested() { interrupted(name) } else { Failure::Unreadable(error) });
-            work(&mut LiveSession { node: &node, end, camera: camera?, screen, name, is_void: &state.is_void })
+            work(&mut LiveSession { node, end, camera: camera?, screen, name, is_void })
         });
         node.shutdown();
         result

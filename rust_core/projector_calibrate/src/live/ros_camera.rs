@@ -12,8 +12,9 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_ros::{NodeError, NodeEvent, RosNode, TopicSubscription};
 use rcs_scan::{depth_of, grey_image, lens_of_topic};
-use rcs_scan::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ScanCamera, ScanCameraError};
+use rcs_scan::{CameraFrame, CameraTopics, DepthFrame, DepthTopic, ScanCamera, ScanCameraError, ScanFailure};
 
+use super::known_topics::silent_topic;
 use crate::known_projector::KnownProjector;
 use crate::placing::{projector_from_parent, tf_failed, RobotFrames, TF_TIMEOUT};
 use crate::Failure;
@@ -115,13 +116,13 @@ impl<'a> RosCamera<'a> {
             first_info,
             robot,
         };
-        while let Some(silent) = camera.silent_topic() {
-            let is_info = silent.topic() == camera.info.topic();
+        while let Some(topic) = camera.missing() {
+            let is_info = topic.topic() == camera.info.topic();
             if !needs_lens && is_info && camera.newest_frame.is_some() && started.elapsed() >= OPTIONAL_INFO {
                 break;
             }
             if started.elapsed() >= FIRST_MESSAGE {
-                return Err(ScanCameraError::Silent { topic: silent.topic().to_string(), waited: FIRST_MESSAGE }.into());
+                return Err(silent_topic(node, topic.topic(), topic.kind(), FIRST_MESSAGE).into());
             }
             camera.receive()?;
         }
@@ -160,7 +161,7 @@ impl<'a> RosCamera<'a> {
     }
 
     /// A topic without a message so far.
-    fn silent_topic(&self) -> Option<&TopicSubscription> {
+    fn missing(&self) -> Option<&TopicSubscription> {
         let info = self.first_info.is_none().then_some(&self.info);
         let image = || self.newest_frame.is_none().then_some(&self.image);
         info.or_else(image).or_else(|| self.depth.as_ref().filter(|_| self.newest_depth.is_none()))
@@ -228,7 +229,7 @@ impl<'a> RosCamera<'a> {
             match self.robot.frames.newest(target, source) {
                 Ok(transform) => return Ok(transform),
                 Err(error) if Instant::now() > until => return Err(tf_failed(error)),
-                Err(_) => self.receive().map_err(Failure::refused)?,
+                Err(_) => self.receive().map_err(ScanFailure::from)?,
             }
         }
     }
@@ -258,7 +259,7 @@ impl ScanCamera for RosCamera<'_> {
             // `after` may lie in the future.
             let silent = Instant::now().saturating_duration_since(started.max(after));
             if silent >= timeout {
-                return Err(ScanCameraError::Silent { topic: self.image.topic().to_string(), waited: timeout });
+                return Err(silent_topic(self.node, self.image.topic(), self.image.kind(), timeout));
             }
             self.receive()?;
         }
@@ -288,7 +289,7 @@ fn kind_of_images(node: &RosNode, end: &EndRequest, topic: &str, deadline: Insta
             return Ok(if is_packed { MessageKind::CompressedImage } else { MessageKind::Image });
         }
         if Instant::now() >= deadline {
-            return Err(ScanCameraError::Silent { topic: name, waited: FIRST_MESSAGE }.into());
+            return Err(silent_topic(node, &name, MessageKind::Image, FIRST_MESSAGE).into());
         }
         if end.wait_for(POLL_PERIOD) {
             return Err(ScanCameraError::Interrupted.into());

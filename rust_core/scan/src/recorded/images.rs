@@ -66,7 +66,7 @@ impl ImageSet {
             check_keystone(&images, depth, &lens, projector_px, &mut warn)?;
         }
         let (frame_id, depth) = (String::new(), depth.as_ref());
-        let images = ScanImages { projector_px, lens, frame_id, images, light: &light, depth, is_complete: true };
+        let images = ScanImages { projector_px, lens, frame_id, images, light: &light, depth, ended: None };
         let mut scanned = images.finish(&mut warn)?;
         scanned.capture.is_camera_calibrated = camera.is_some();
         Ok(scanned)

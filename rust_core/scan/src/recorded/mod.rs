@@ -80,7 +80,7 @@ pub fn scan(
         images,
         light: &light,
         depth: depth.as_ref(),
-        is_complete: true,
+        ended: None,
     };
     let mut scanned = images.finish(&mut warn)?;
     // A camera that adapts its exposure would have been noticed live, when black and white alternate.

@@ -91,7 +91,7 @@ fn a_scan_is_decoded_however_late_its_images_are_seen() {
         let lag = lag_frames * PERIOD;
         let outcome = Outcome::of(Faults { lag, ..Faults::default() });
         let scanned = outcome.result.as_ref().unwrap();
-        assert!(scanned.is_complete && outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+        assert!(scanned.ended.is_none() && outcome.warnings.is_empty(), "{:?}", outcome.warnings);
         let Delay { seen, settled } = outcome.delay.unwrap();
         assert!(seen + PERIOD >= lag && seen <= lag + PERIOD, "{seen:?} {lag:?}");
         assert!(settled >= seen && settled <= lag + 2 * PERIOD, "{settled:?} {lag:?}");
@@ -132,7 +132,7 @@ fn a_projector_that_hangs_upside_down_is_fine() {
     let turned = Matrix3::new(-1.0, 0.0, right, 0.0, -1.0, bottom, 0.0, 0.0, 1.0);
     let conditions = Conditions { image_from_panel: turned, ..Faults::default().conditions };
     let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
-    assert!(outcome.result.unwrap().is_complete && outcome.warnings.is_empty());
+    assert!(outcome.result.unwrap().ended.is_none() && outcome.warnings.is_empty());
 }
 
 #[test]
@@ -251,7 +251,8 @@ fn an_interrupted_scan_is_kept_if_it_saw_enough() {
     let outcome = Outcome::until(Faults::default(), 33);
     let scanned = outcome.result.as_ref().unwrap();
     let images = scanned.capture.images.len();
-    assert!(!scanned.is_complete && (20..33).contains(&images) && images.is_multiple_of(2), "{images}");
+    assert!(matches!(scanned.ended, Some(ScanFailure::Interrupted)));
+    assert!((20..33).contains(&images) && images.is_multiple_of(2), "{images}");
     let (_, right) = outcome.shares();
     assert!(right > 0.8, "{right}");
     let folder = tempfile::tempdir().unwrap();
@@ -262,4 +263,14 @@ fn an_interrupted_scan_is_kept_if_it_saw_enough() {
         assert!(matches!(failure, ScanFailure::Interrupted), "{most_shown}: {failure:?}");
         assert!(is_refused(&failure));
     }
+}
+
+#[test]
+fn what_was_seen_before_the_camera_fell_silent_is_kept() {
+    let outcome = Outcome::of(Faults { silent_after: Some(Duration::from_secs(20)), ..Faults::default() });
+    let scanned = outcome.result.as_ref().unwrap();
+    assert!(matches!(scanned.ended, Some(ScanFailure::Camera(ScanCameraError::Silent { .. }))), "{:?}", scanned.ended);
+    assert!(scanned.capture.images.len() < 36, "{}", scanned.capture.images.len());
+    let (_, right) = outcome.shares();
+    assert!(right > 0.8, "{right}");
 }

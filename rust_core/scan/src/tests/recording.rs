@@ -111,7 +111,7 @@ impl Recording {
     fn is_decoded(&self) {
         let (result, warnings) = self.scan();
         let scanned = result.unwrap();
-        assert!(scanned.is_complete && warnings.is_empty(), "{warnings:?}");
+        assert!(scanned.ended.is_none() && warnings.is_empty(), "{warnings:?}");
         let (decoded, right) = shares(&scanned.decoded, &self.world.borrow());
         assert!(decoded > 0.8 && right > 0.99, "{decoded} {right}");
         let depth_m = scanned.capture.depth_m.unwrap();

@@ -254,7 +254,12 @@ impl ScanCamera for SimulatedCamera {
         loop {
             let grey = world.expose();
             if world.faults.silent_after.is_some_and(|after| world.elapsed() > after) {
-                return Err(ScanCameraError::Silent { topic: "/camera/image".to_owned(), waited: timeout });
+                return Err(ScanCameraError::Silent {
+                    topic: "/camera/image".to_owned(),
+                    waited: timeout,
+                    reason: "it has fallen silent".to_owned(),
+                    known_topics: Vec::new(),
+                });
             }
             if world.now > after {
                 let size_px = world.faults.frame_px.unwrap_or([160, 120]);

@@ -4,13 +4,16 @@
 const MAX_NAMES: usize = 3;
 
 /// The names that are most like `name`: almost spelt so, or with it as a part.
-pub(crate) fn near<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+pub fn near<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let wanted = name.to_lowercase();
     let distance = |other: &str| {
-        let is_part = other.contains(name) || name.contains(other);
+        let other = other.to_lowercase();
+        // A single letter is a part of most names.
+        let is_part = other.contains(&wanted) || (wanted.contains(&other) && 2 * other.len() >= wanted.len());
         if is_part {
             1
         } else {
-            strsim::osa_distance(name, other)
+            strsim::osa_distance(&wanted, &other)
         }
     };
     let mut near: Vec<&str> = names.into_iter().filter(|other| distance(other) <= name.len().div_ceil(3)).collect();
@@ -29,5 +32,7 @@ mod tests {
         assert_eq!(near("torso_lft_link", frames), ["torso_lift_link"]);
         assert_eq!(near("torso_lift", frames), ["torso_lift_link"]);
         assert_eq!(near("gripper", frames), [""; 0]);
+        assert_eq!(near("Mpa", frames), ["map"]);
+        assert_eq!(near("lidar_link", ["a", "l"]), [""; 0]);
     }
 }
