@@ -75,6 +75,7 @@ impl Profile {
                 ("/widget/clusters", "sensor_msgs/PointCloud2"),
                 ("/widget/desired_object", "sensor_msgs/PointCloud2"),
                 ("/move_base/NavfnROS/plan", "nav_msgs/Path"),
+                ("/move_base/TrajectoryPlannerROS/global_plan", "nav_msgs/Path"),
                 ("/visualization_marker_array", "visualization_msgs/MarkerArray"),
             ],
             Self::Fixed | Self::Mobile | Self::TwoComputers => &[],

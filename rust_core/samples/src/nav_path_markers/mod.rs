@@ -1,13 +1,14 @@
-//! `nav_path_markers`: a planned `nav_msgs/Path` as arrows on the floor.
+//! `nav_path_markers`: a planned `nav_msgs/Path` as arrows on the floor, and a circle around its goal.
 
 mod arrows;
 mod markers;
 
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::{Command, CommandFactory, Parser};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3, Vector3};
 use rcs_messages::nav_msgs::Path;
 use rcs_messages::visualization_msgs::MarkerArray;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -24,7 +25,8 @@ use rcs_node_support::ros_names::{publishes, subscribes, RosName};
 /// Topics of the node.
 pub const ROS_NAMES: &[RosName] = &[
     subscribes("/move_base/NavfnROS/plan", "nav_msgs/Path", "the plan"),
-    publishes("/visualization_marker_array", "visualization_msgs/MarkerArray", "the arrows, latched"),
+    subscribes("/move_base/TrajectoryPlannerROS/global_plan", "nav_msgs/Path", "the part of it that the robot follows"),
+    publishes("/visualization_marker_array", "visualization_msgs/MarkerArray", "the arrows and the circle, latched"),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "whether the plan is shown, and as how many arrows"),
 ];
 
@@ -33,9 +35,10 @@ const POLL_PERIOD: Duration = Duration::from_millis(100);
 /// Time for the last message to reach its subscribers.
 const FLUSH_TIME: Duration = Duration::from_millis(200);
 
-/// Shows a planned nav_msgs/Path as arrows on the floor, in one visualization_msgs/MarkerArray.
+/// Shows a planned nav_msgs/Path as arrows on the floor and a circle around its goal, in one
+/// visualization_msgs/MarkerArray.
 ///
-/// The last arrow's tip is the goal. A new plan replaces the arrows of the one before with one message; an empty plan
+/// The last arrow's tip is the goal. Of several topics, the plan that came last is shown. A new plan replaces the arrows of the one before with one message; an empty plan
 /// and the end of the node delete them. Every option may be given as a private parameter, too: --goal-color is
 /// ~goal_color. ROS's remappings and special arguments work.
 #[derive(Parser)]
@@ -50,10 +53,14 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the nod
 Example: nav_path_markers --spacing 0.4 --color '#3399ff' --markers-topic /path_arrows"
 )]
 struct PathMarkersArguments {
-    /// Topic of the path
-    #[arg(long, value_name = "TOPIC", default_value = "/move_base/NavfnROS/plan")]
-    path_topic: String,
-    /// Topic of the arrows
+    /// Topic of the path. Can be given several times
+    #[arg(
+        long,
+        value_name = "TOPIC",
+        default_values = ["/move_base/NavfnROS/plan", "/move_base/TrajectoryPlannerROS/global_plan"]
+    )]
+    path_topic: Vec<String>,
+    /// Topic of the markers
     #[arg(long, value_name = "TOPIC", default_value = "/visualization_marker_array")]
     markers_topic: String,
     /// Namespace of the markers, by which viewers can hide them
@@ -77,9 +84,12 @@ struct PathMarkersArguments {
     /// Colour of the arrows: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
     #[arg(long, default_value = "#3399ff", value_parser = color)]
     color: [u8; 3],
-    /// Colour of the last arrow
+    /// Colour of the last arrow and of the circle
     #[arg(long, value_name = "COLOR", default_value = "#33cc33", value_parser = color)]
     goal_color: [u8; 3],
+    /// Radius of the circle around the goal [m; 0: no circle]
+    #[arg(long, value_name = "M", default_value_t = 0.35, value_parser = within(0.0, 100.0))]
+    goal_radius: f64,
     /// Opacity, from 0 to 1
     #[arg(long, default_value_t = 1.0, value_parser = within(0.0, 1.0))]
     alpha: f64,
@@ -101,12 +111,14 @@ pub fn main() -> ExitCode {
 fn run(node: &RosNode, end: &EndRequest) -> anyhow::Result<()> {
     let arguments: PathMarkersArguments = with_parameters(node)?;
     let mut markers = PathMarkers::start(node, &arguments)?;
-    let subscription = node.subscribe(&arguments.path_topic, MessageKind::Path, 1)?;
-    markers.status.set(Level::Ok, &format!("no plan yet on {}", subscription.topic()), "");
+    let subscribe = |topic: &String| node.subscribe(topic, MessageKind::Path, 1);
+    let subscriptions = arguments.path_topic.iter().map(subscribe).collect::<Result<Vec<_>, _>>()?;
+    let topics: Vec<&str> = subscriptions.iter().map(|subscription| &**subscription.topic()).collect();
+    markers.status.set(Level::Ok, &format!("no plan yet on {}", topics.join(" or ")), "");
     while !end.is_requested() {
         for event in node.events().wait(POLL_PERIOD) {
-            if let NodeEvent::Message { message: AnyMessage::Path(path), .. } = event {
-                markers.show(&path)?;
+            if let NodeEvent::Message { topic, message: AnyMessage::Path(path), .. } = event {
+                markers.take(&topic, &path)?;
             }
         }
         markers.status.publish_if_due()?;
@@ -120,8 +132,8 @@ struct PathMarkers {
     sequence: Sequence,
     markers: Publisher<MarkerArray>,
     status: NodeStatus,
-    /// Frame of the published arrows; `None` if there are none.
-    frame_id: Option<String>,
+    /// Frame of the published arrows, and the topic of their plan; `None` if there are none.
+    shown: Option<(String, Arc<str>)>,
 }
 
 impl PathMarkers {
@@ -132,6 +144,7 @@ impl PathMarkers {
             thickness_m: arguments.thickness,
             color: rgba(arguments.color, arguments.alpha),
             goal_color: rgba(arguments.goal_color, arguments.alpha),
+            goal_radius_m: arguments.goal_radius,
             lifetime: Duration::from_secs_f64(arguments.lifetime),
         };
         Ok(Self {
@@ -143,12 +156,21 @@ impl PathMarkers {
             sequence: Sequence::new(style),
             markers: node.latched_publisher(&arguments.markers_topic, 1)?,
             status: NodeStatus::start(node, "path")?,
-            frame_id: None,
+            shown: None,
         })
     }
 
+    /// Shows a topic's plan. An empty one ends only the plan of its own topic.
+    fn take(&mut self, topic: &Arc<str>, path: &Path) -> anyhow::Result<()> {
+        let is_of_another = self.shown.as_ref().is_some_and(|(_, shown)| shown != topic);
+        if path.poses.is_empty() && is_of_another {
+            return Ok(());
+        }
+        self.show(topic, path)
+    }
+
     /// Replaces the arrows by those of a plan; an invalid plan deletes them.
-    fn show(&mut self, path: &Path) -> anyhow::Result<()> {
+    fn show(&mut self, topic: &Arc<str>, path: &Path) -> anyhow::Result<()> {
         let frame_id = frame_of(path);
         let Some(poses) = poses(path) else {
             self.status.set(Level::Error, "the plan has a pose with a non-finite number or an invalid quaternion", "");
@@ -167,16 +189,17 @@ impl PathMarkers {
         self.status.set(level, message, &format!("{} poses in {frame_id}, {} arrows", poses.len(), arrows.len()));
         self.status.value("arrows", &arrows.len());
         self.status.value("frame", &frame_id);
-        self.markers.send(self.sequence.show(&arrows, frame_id))?;
-        self.frame_id = (!arrows.is_empty()).then(|| frame_id.to_owned());
+        let goal = poses.last().map(|goal| Point3::from(goal.translation.vector + Vector3::z() * self.layout.height_m));
+        self.markers.send(self.sequence.show(&arrows, goal, frame_id))?;
+        self.shown = (!arrows.is_empty()).then(|| (frame_id.to_owned(), Arc::clone(topic)));
         Ok(())
     }
 
     /// Deletes all arrows and waits for the message to arrive.
     fn delete_all(&mut self) -> anyhow::Result<()> {
         self.status.value("arrows", &0);
-        if let Some(frame_id) = self.frame_id.take() {
-            self.markers.send(self.sequence.show(&[], &frame_id))?;
+        if let Some((frame_id, _)) = self.shown.take() {
+            self.markers.send(self.sequence.show(&[], None, &frame_id))?;
             std::thread::sleep(FLUSH_TIME);
         }
         Ok(())

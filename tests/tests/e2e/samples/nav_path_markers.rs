@@ -23,10 +23,12 @@ def plan(*places, frame='map'):
         pose.pose.position.x, pose.pose.position.y, pose.pose.orientation.w = x, y, 1
         path.poses.append(pose)
     return path
-arrays, states = [], []
+arrays, circles, states = [], [], []
 def see(array):
-    ids = lambda action: [marker.id for marker in array.markers if marker.action == action]
-    arrays.append((ids(Marker.ADD), ids(Marker.DELETE), array.markers))
+    ids = lambda arrows, action: [marker.id for marker in arrows if marker.action == action]
+    arrows = [marker for marker in array.markers if marker.ns == 'nav_path']
+    circles.extend((marker.action, marker.pose.position.x, marker.pose.position.y) for marker in array.markers if marker not in arrows)
+    arrays.append((ids(arrows, Marker.ADD), ids(arrows, Marker.DELETE), arrows))
 viewer = rospy.Subscriber('/arrows', MarkerArray, see)
 monitor = rospy.Subscriber('/diagnostics', DiagnosticArray, lambda array: states.extend(array.status))
 def tip(marker):
@@ -55,11 +57,32 @@ fn a_plan_is_arrows_up_to_its_goal_and_the_next_plan_replaces_them_in_one_messag
     sample.wait_for("any(s.name == 'nav_path_markers: path' and s.message == 'the plan is shown' for s in states)");
 
     // Who comes late gets the last plan.
-    assert_eq!(sample.late("/arrows", "[marker.action for marker in m.markers]"), "[0, 0, 2, 2, 2, 2]");
+    let actions = sample.late("/arrows", "[marker.action for marker in m.markers if marker.ns == 'nav_path']");
+    assert_eq!(actions, "[0, 0, 2, 2, 2, 2]");
 
     sample.end();
     sample.wait_for("len(arrays) == 3");
     assert_eq!(sample.python("arrays[2][:2]"), "([], [0, 1, 2, 3, 4, 5])");
+    assert_eq!(
+        sample.python("circles"),
+        "[(0, 1.0, 2.0), (0, 1.0, 0.0), (2, 0.0, 0.0)]",
+        "around each goal, until the end"
+    );
+}
+
+#[test]
+fn of_two_plans_the_last_is_shown_and_an_empty_one_ends_only_its_own() {
+    let topics = "_path_topic:=[/plan, /followed]";
+    let mut sample = Sample::start("nav_path_markers", VIEWER, &[topics, "--markers-topic", "/arrows"]);
+    sample.python("latch('/plan', plan((0, 0), (1, 0)))");
+    sample.wait_for("circles == [(0, 1.0, 0.0)]");
+    sample.python("latch('/followed', plan((0, 0), (0.5, 0), frame='odom'))");
+    sample.wait_for("circles[1:] == [(0, 0.5, 0.0)]");
+    // The first plan is not the one that is shown.
+    sample.python("latch('/plan', plan()); time.sleep(0.5); latch('/followed', plan())");
+    sample.wait_for("circles[2:] == [(2, 0.0, 0.0)]");
+    assert_eq!(sample.python("len(arrays)"), "3");
+    sample.end();
 }
 
 /// Publishes a plan left or right of the middle in turn, and notes of each image whether it shows the one and the
@@ -89,7 +112,7 @@ fn no_image_shows_two_plans_or_none() {
     let fixture = RosFixture::start(&config(&[markers], &[CameraPub::default()]), &[]).unwrap();
     let mut node = fixture.master.environment(Command::new(program("nav_path_markers")));
     let arguments = ["--path-topic", "/plan", "--markers-topic", "/arrows", "--length", "0.4", "--spacing", "0.4"];
-    let _node = Running::start(node.args(arguments).args(["--width", "0.3"])).unwrap();
+    let _node = Running::start(node.args(arguments).args(["--width", "0.3", "--goal-radius", "0"])).unwrap();
     // From above: rviz's light does.
     fixture.python("latch('/tf_static', tf('map', 'eye', xyz=(0, 0, 2), q=(1, 0, 0, 0)))");
     fixture.python("latch('/eye/camera_info', info())");
