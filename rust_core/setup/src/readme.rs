@@ -28,6 +28,11 @@ pub(crate) fn doctor_command(plan: &Plan) -> String {
 /// The commands that calibrate the projector.
 pub(crate) fn calibrate_commands(plan: &Plan) -> Vec<String> {
     let Answers { size_px: [width, height], image, depth, mount, monitor, profile, .. } = &plan.answers;
+    // A fixed camera may be in no tree of frames: the capture alone places the projector in its frame.
+    let placing = match profile {
+        Profile::Fixed => "--in-camera-frame".to_owned(),
+        _ => format!("--parent {mount}"),
+    };
     let (Some(image), Some(depth)) = (image, depth) else {
         return vec![format!("{ROSRUN} projector_calibrate manual -o {}", plan.path("lens.yaml"))];
     };
@@ -42,7 +47,7 @@ pub(crate) fn calibrate_commands(plan: &Plan) -> Vec<String> {
              --camera-info {camera_info} --depth {depth} -o {capture}"
         ),
         format!(
-            "{ROSRUN} projector_calibrate solve {capture} --size {width}x{height} --parent {mount} -o {}",
+            "{ROSRUN} projector_calibrate solve {capture} --size {width}x{height} {placing} -o {}",
             plan.path(PROJECTOR_FILE)
         ),
     ]
@@ -84,9 +89,16 @@ fn what_appears(plan: &Plan) -> &'static str {
 }
 
 fn how_to_calibrate(plan: &Plan) -> String {
-    let Answers { image, depth, mount, .. } = &plan.answers;
+    let Answers { image, depth, mount, profile, .. } = &plan.answers;
     if image.is_some() && depth.is_some() {
-        "End the projection first: the patterns need the monitor.".to_owned()
+        let frame = match profile {
+            Profile::Fixed => {
+                " The lens is placed in the camera's frame: if TF does not have that frame, add `fixed_frame:=` and its \
+                 name to the command that starts the projection."
+            }
+            _ => "",
+        };
+        format!("End the projection first: the patterns need the monitor.{frame}")
     } else {
         format!(
             "Without a depth camera, measure with a tape. Copy K and P of `lens.yaml` into `{PROJECTOR_FILE}`, and the \

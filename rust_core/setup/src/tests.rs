@@ -309,6 +309,10 @@ fn the_readme_has_the_next_commands_with_absolute_paths() {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(readme(&FIXED).contains("projector_calibrate manual -o /tmp/first/lens.yaml"));
+    let text =
+        readme(&[&FIXED[..4], &["--image", "/camera/image", "--depth", "/camera/depth", "--show", "/a=Path"]].concat());
+    let solve = "solve /tmp/first/capture --size 1280x800 --in-camera-frame -o /tmp/first/projector.yaml\n";
+    assert!(text.contains(solve) && text.contains("fixed_frame:="), "{text}");
 }
 
 #[test]
