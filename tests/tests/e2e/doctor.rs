@@ -194,6 +194,7 @@ fn faults_of_the_graph_are_named_with_what_to_do() {
     nothing.has("✗ camera_info: No CameraInfo received on [/eye/camera_info]");
     nothing.has("? transform: ");
     nothing.has("✗ display Global Status: Fixed Frame: No TF data; start what publishes TF");
+    nothing.has("? display detections: nobody publishes /detections yet; start its publisher, or correct the topic");
     nothing.has("? limit /detections: no message in 1 s, the limit is 1 s");
     nothing.has("✗ image: nobody publishes /view/image");
     nothing.has("? exposure: ");

@@ -17,6 +17,8 @@ use crate::scene::SceneState;
 
 /// Name of the status of a topic's publishers. rviz has none: it does not report a topic of another type.
 pub(crate) const PUBLISHER: &str = "Publisher";
+/// Beginning of its text, in rviz's words, while nobody publishes any topic of a display that has received nothing.
+pub(crate) const NO_PUBLISHERS: &str = "No publishers on";
 /// Name of the status of the fixed frame.
 pub(crate) const FIXED_FRAME: &str = "Fixed Frame";
 
@@ -196,7 +198,7 @@ fn add_publishers(
     // A display may subscribe to several topics of which one is enough, so it is warned about only if all are silent.
     let nobody = known.iter().all(|(topic, _)| publications.get(topic).is_none());
     if let (Some((topic, _)), false, true) = (known.first(), entry.has_received, nobody) {
-        let text = format!("No publishers on [{topic}].  Topic may not exist.");
+        let text = format!("{NO_PUBLISHERS} [{topic}].  Topic may not exist.");
         entry.statuses.to_mut().set(Level::Warn, PUBLISHER, text);
     }
 }
