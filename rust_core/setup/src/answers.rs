@@ -341,12 +341,21 @@ pub(crate) fn warnings(answers: &Answers, found: &Found) -> Vec<String> {
         })
     };
     let frames = [frame("--mount", &answers.mount), frame("--fixed-frame", &answers.fixed_frame)];
+    // A camera that does not run yet is no fault.
+    let camera = |option: &str, topic: Option<&String>| {
+        let topic = topic.filter(|topic| !found.topics.contains_key(*topic))?;
+        let images = found.topics.iter().filter(|(_, ros_type)| *ros_type == "sensor_msgs/Image");
+        let near = near(topic, images.map(|(name, _)| name.as_str())).join(", ");
+        (!near.is_empty()).then(|| format!("{option} {topic}: nobody publishes it (did you mean {near}?)"))
+    };
+    let cameras = [camera("--image", answers.image.as_ref()), camera("--depth", answers.depth.as_ref())];
     let unchecked = match (found.has_master, known.is_empty()) {
         (false, _) => Some("no ROS master answers: frames, topics and rates are not checked".to_owned()),
         (true, true) => Some("nothing publishes TF or a robot's description: frames are not checked".to_owned()),
         (true, false) => None,
     };
-    unchecked.into_iter().chain(frames.into_iter().flatten()).chain(monitor_warning(answers, found)).collect()
+    let unknown = frames.into_iter().chain(cameras).flatten();
+    unchecked.into_iter().chain(unknown).chain(monitor_warning(answers, found)).collect()
 }
 
 /// A monitor that is not there, has another size, or cannot be checked.

@@ -143,12 +143,16 @@ fn an_unusable_answer_is_asked_for_again_and_the_end_of_the_input_ends() {
 }
 
 #[test]
-fn a_frame_that_is_not_there_is_a_warning_with_near_names() {
+fn a_frame_or_camera_that_is_not_there_is_a_warning_with_near_names() {
     let words = ["--profile", "mobile", "--mount", "projector_mont", "--monitor", "DP-7", "--size", "1280x800"];
     let warnings = answers::warnings(&answers(&words, &robot()).unwrap(), &robot());
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("--mount projector_mont") && warnings[0].contains("did you mean projector_mount?"));
     assert!(warnings[1].contains("--monitor DP-7: not connected; monitors: 0: eDP-1"), "{}", warnings[1]);
+    let mistyped = [&words[..], &["--image", "/camera/colour/image_raw", "--depth", "/elsewhere/depth"]].concat();
+    let warnings = answers::warnings(&answers(&mistyped, &robot()).unwrap(), &robot());
+    let expected = "--image /camera/colour/image_raw: nobody publishes it (did you mean /camera/color/image_raw?)";
+    assert!(warnings.len() == 3 && warnings[1] == expected, "{warnings:?}");
     let nothing = answers::warnings(&answers(&FIXED, &Found::default()).unwrap(), &Found::default());
     assert!(nothing[0].starts_with("no ROS master answers: ") && nothing[1].starts_with("no display is open: "));
     let without_frames = Found { frames: BTreeSet::new(), links: BTreeSet::new(), ..robot() };
