@@ -329,12 +329,12 @@ fn a_mirrored_projector_is_refused_and_nothing_is_written() {
 fn a_silent_topic_is_named() {
     let master = RosMaster::start().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(ROBOT).unwrap();
+    python.run(format!("{ROBOT}\nlatch('/points', cloud(0xff0000))")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (topic, reason) in [
-        ("/nobody/depth", "/nobody/depth within 10 s: nobody publishes it"),
+        ("/nobody/depth", "nothing was received on /nobody/depth within 10 s: nobody publishes it"),
         ("/depth_registered/image_raw", "did you mean /head_camera/depth_registered/image_raw?"),
-        ("/head_camera/rgb/camera_info", "publishes it as sensor_msgs/CameraInfo, not as sensor_msgs/Image"),
+        ("/points", "/python_node publishes it as sensor_msgs/PointCloud2, not as sensor_msgs/Image"),
     ] {
         let mut scan = scan(&master, &folder.path().join("scan"), &["--depth", topic]);
         assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(2), "{:?}", scan.errors());
@@ -388,13 +388,14 @@ fn a_scan_that_ends_early_is_kept_beside_the_complete_one() {
     let mut complete = scan(&master, &output, &["--frames", "1"]);
     assert_eq!(complete.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", complete.errors());
     let before = Capture::read(&output).unwrap();
+    python.run(CHANGE_PERIOD).unwrap();
 
     // Slow enough to be interrupted, and silent.
     for (next_period, signal, code, reason) in
         [("1", Some("INT"), 130, "interrupted"), ("1000", None, 2, "/python_node publishes it and sends nothing")]
     {
         let _ = fs::remove_dir_all(output.join("incomplete"));
-        python.run(format!("period, next_period = 0.05, {next_period}\n{CHANGE_PERIOD}")).unwrap();
+        python.run(format!("period, next_period = 0.05, {next_period}; shares.clear()")).unwrap();
         let mut scan = scan(&master, &output, &["--frames", "1"]);
         assert!(python.wait_for(PATIENCE, "len(shares) > 15"), "{:?}", scan.errors());
         signal.into_iter().for_each(|signal| scan.signal(signal));
