@@ -150,7 +150,7 @@ fn cells(arg: &Arg) -> Vec<String> {
     let defaults: Vec<String> = arg.get_default_values().iter().map(|value| code(&value.to_string_lossy())).collect();
     let default = match (in_words, &*defaults) {
         (Some(words), _) => text(&words),
-        (None, [value, ..]) if takes_values && !arg.is_hide_default_value_set() => value.clone(),
+        (None, [_, ..]) if takes_values && !arg.is_hide_default_value_set() => defaults.join(", "),
         _ if arg.is_required_set() => "required".to_owned(),
         _ if takes_values => "none".to_owned(),
         _ => "off".to_owned(),

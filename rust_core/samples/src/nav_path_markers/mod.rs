@@ -25,8 +25,8 @@ use rcs_node_support::ros_names::{publishes, subscribes, RosName};
 /// Topics of the node.
 pub const ROS_NAMES: &[RosName] = &[
     subscribes("/move_base/NavfnROS/plan", "nav_msgs/Path", "the plan"),
-    subscribes("/move_base/TrajectoryPlannerROS/global_plan", "nav_msgs/Path", "the part of it that the robot follows"),
-    publishes("/visualization_marker_array", "visualization_msgs/MarkerArray", "the arrows and the circle, latched"),
+    subscribes("/move_base/TrajectoryPlannerROS/global_plan", "nav_msgs/Path", "its followed part"),
+    publishes("/visualization_marker_array", "visualization_msgs/MarkerArray", "arrows and circle, latched"),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "whether the plan is shown, and as how many arrows"),
 ];
 
@@ -53,7 +53,7 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the nod
 Example: nav_path_markers --spacing 0.4 --color '#3399ff' --markers-topic /path_arrows"
 )]
 struct PathMarkersArguments {
-    /// Topic of the path. Can be given several times
+    /// Topic of the path; may be repeated
     #[arg(
         long,
         value_name = "TOPIC",
@@ -84,10 +84,10 @@ struct PathMarkersArguments {
     /// Colour of the arrows: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
     #[arg(long, default_value = "#3399ff", value_parser = color)]
     color: [u8; 3],
-    /// Colour of the last arrow and of the circle
+    /// Colour of the last arrow and the circle
     #[arg(long, value_name = "COLOR", default_value = "#33cc33", value_parser = color)]
     goal_color: [u8; 3],
-    /// Radius of the circle around the goal [m; 0: no circle]
+    /// Radius of the goal's circle [m; 0: none]
     #[arg(long, value_name = "M", default_value_t = 0.35, value_parser = within(0.0, 100.0))]
     goal_radius: f64,
     /// Opacity, from 0 to 1
