@@ -345,8 +345,8 @@ pub(crate) fn warnings(answers: &Answers, found: &Found) -> Vec<String> {
     let camera = |option: &str, topic: Option<&String>| {
         let topic = topic.filter(|topic| !found.topics.contains_key(*topic))?;
         let images = found.topics.iter().filter(|(_, ros_type)| *ros_type == "sensor_msgs/Image");
-        let near = near(topic, images.map(|(name, _)| name.as_str())).join(", ");
-        (!near.is_empty()).then(|| format!("{option} {topic}: nobody publishes it (did you mean {near}?)"))
+        let near = near(topic, images.map(|(name, _)| name.as_str()));
+        near.first().map(|near| format!("{option} {topic}: nobody publishes it (did you mean {near}?)"))
     };
     let cameras = [camera("--image", answers.image.as_ref()), camera("--depth", answers.depth.as_ref())];
     let unchecked = match (found.has_master, known.is_empty()) {
