@@ -17,10 +17,11 @@ use super::Failure;
 /// camera's optical frame), and on request the projector's pixel for every decoded pixel of the camera, which needs no
 /// depth.
 #[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate decode capture -o points.csv --pixels pixels.csv")]
 #[command(after_help = "\
-Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable folder
-
-Example: projector_calibrate decode capture -o points.csv --pixels pixels.csv")]
+Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable folder")]
 pub(super) struct DecodeArguments {
     /// The capture folder, with capture.yaml
     #[arg(value_name = "DIR")]
@@ -50,9 +51,8 @@ pub(super) fn run(arguments: &DecodeArguments) -> Result<(), Failure> {
         write_points(path, points, columns).map_err(Failure::refused)?;
         depths = format!(", {} points with depth", points.len());
     }
-    let count = decoded.count();
-    let share = 100.0 * count as f64 / decoded.lit.max(1) as f64;
-    eprintln!("decoded: {count} of {} lit pixels ({share:.1} %){depths}", decoded.lit);
+    let (count, percent) = (decoded.count(), 100.0 * decoded.share());
+    eprintln!("decoded: {count} of {} lit pixels ({percent:.1} %){depths}", decoded.lit);
     Ok(())
 }
 

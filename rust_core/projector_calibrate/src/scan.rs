@@ -153,8 +153,7 @@ fn scan_live(session: &mut LiveSession<'_>, arguments: &ScanArguments) -> Result
     let mut progress = Progress::new("looking for the projector's light", Some(topic), camera_px, projector_px);
     let mut observe = |event: ScanEvent<'_>| progress.show(&event);
     let scanned = ScanSession::new(&mut *session.screen, &mut session.camera, &options, &mut observe).scan();
-    progress.finish();
-    let mut scanned = scanned?;
+    let mut scanned = progress.finish_scan(scanned)?;
     scanned.capture.robot = session.camera.robot();
     progress.publish(preview::of_decoded(&scanned.decoded, projector_px));
     session.check_valid()?;
@@ -172,8 +171,7 @@ fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     let footage = BagFootage::open(&arguments.bag, &arguments.topics(), shown, arguments.start)?;
     let mut progress = Progress::new("reading the bag", None, footage.lens.size_px, arguments.size);
     let scanned = recorded::scan(&footage, &options, &mut |event| progress.show(&event));
-    progress.finish();
-    write(arguments, scanned?)
+    write(arguments, progress.finish_scan(scanned)?)
 }
 
 /// Scans the images in a folder.
@@ -211,12 +209,12 @@ fn write(arguments: &ScanArguments, scanned: ScanResult) -> Result<(), Failure> 
         let image = preview::of_decoded(&decoded, capture.projector_size_px);
         image_file::write(path, &image).map_err(Failure::refused)?;
     }
-    let (count, lit) = (decoded.count(), decoded.lit.max(1));
     eprintln!(
-        "written{}: {} pictures, {count} pixels decoded ({:.0} % of the lit ones), {}",
+        "written{}: {} pictures, {} pixels decoded ({:.0} % of the lit ones), {}",
         if ended.is_none() { "" } else { ", incomplete" },
         capture.images.len(),
-        100.0 * count as f64 / lit as f64,
+        decoded.count(),
+        100.0 * decoded.share(),
         folder.join(CAPTURE_FILE).display()
     );
     ended.map_or(Ok(()), |failure| Err(failure.into()))

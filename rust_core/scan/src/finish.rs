@@ -72,7 +72,7 @@ impl ScanImages<'_> {
         if (count as f64) < MIN_DECODED * decoded.pixels.len() as f64 {
             return Err(ScanFailure::Undecoded(count));
         }
-        let share = count as f64 / decoded.lit.max(1) as f64;
+        let share = decoded.share();
         if share < FEW_DECODED {
             warn(&format!("only {:.0} % of the lit pixels could be decoded", 100.0 * share));
         }

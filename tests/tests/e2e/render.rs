@@ -27,12 +27,15 @@ impl Render {
         command.env_remove("ROS_PACKAGE_PATH").current_dir(self.folder.path()).output().unwrap()
     }
 
-    /// Runs it successfully; it prints nothing.
-    pub(crate) fn good(&self, arguments: &str) {
+    /// Runs it successfully; it prints what is written, and nothing else.
+    pub(crate) fn good(&self, arguments: &str) -> String {
         let output = self.run(arguments);
         let printed = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{arguments}: {printed}");
-        assert_eq!((&*printed, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is printed on a pipe");
+        assert_eq!(printed, "", "{arguments}: on a pipe there is no progress");
+        let printed = String::from_utf8(output.stdout).unwrap();
+        assert!(printed.starts_with("written: ") && printed.lines().count() == 1, "{arguments}: {printed}");
+        printed
     }
 
     /// Runs it to a failure and returns the only line of its error output that is not a warning.
@@ -118,7 +121,8 @@ fn without_a_runtime_folder_the_image_is_drawn_all_the_same() {
 #[test]
 fn a_sequence_is_numbered_and_covers_the_bag() {
     let render = Render::with_scene();
-    render.good("-d scene.rviz --bag scene.bag --sequence new/folder --rate 2");
+    let printed = render.good("-d scene.rviz --bag scene.bag --sequence new/folder --rate 2");
+    assert_eq!(printed, "written: 7 pictures, new/folder/frame_000000.png to frame_000006.png\n");
     let mut names: Vec<String> = fs::read_dir(render.path("new/folder"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())

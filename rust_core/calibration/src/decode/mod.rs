@@ -58,6 +58,11 @@ impl Decoded {
     pub fn count(&self) -> usize {
         self.pixels.iter().filter(|pixel| pixel.is_decoded()).count()
     }
+
+    /// Decoded pixels as a share of the lit ones.
+    pub fn share(&self) -> f64 {
+        self.count() as f64 / self.lit.max(1) as f64
+    }
 }
 
 /// Decodes a scan of a projector of this size.

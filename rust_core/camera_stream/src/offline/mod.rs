@@ -6,6 +6,7 @@ mod projector;
 mod ros_time;
 
 use std::collections::HashMap;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -146,6 +147,8 @@ pub fn render(scene: &mut SceneState, job: &RenderJob<'_>, renderer: &mut dyn Re
     }
     output.finish()?;
     progress.finish_and_clear();
+    // It is written: a closed pipe, as of `head`, is no error.
+    let _ = writeln!(io::stdout(), "written: {}", job.target.described(moments.count()));
     player.status_log.conclude(&status_tree::scene(scene, moments.last()), moments.last());
     Ok(())
 }
@@ -210,6 +213,20 @@ impl RenderJob<'_> {
 }
 
 impl RenderTarget {
+    /// The files that this number of images is in.
+    fn described(&self, images: u64) -> String {
+        let [first, last] = [0, images.saturating_sub(1)].map(ImageSequence::name);
+        match self {
+            Self::Image { file } => file.display().to_string(),
+            Self::Sequence { folder, .. } if images == 1 => folder.join(first).display().to_string(),
+            Self::Sequence { folder, .. } => format!("{images} pictures, {} to {last}", folder.join(first).display()),
+            Self::Video { file, rate_hz } => {
+                let secs = images as f64 / rate_hz;
+                format!("{} ({secs:.1} s at {rate_hz} Hz)", file.display())
+            }
+        }
+    }
+
     fn open(&self) -> Result<Box<dyn Output>> {
         Ok(match self {
             Self::Image { file } => Box::new(ImageFile::new(file)),

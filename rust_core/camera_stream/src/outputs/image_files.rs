@@ -71,6 +71,11 @@ impl ImageSequence {
         }
         Ok(Self { folder: folder.to_owned(), next_number: 0, is_new: false })
     }
+
+    /// The name of an image's file.
+    pub(crate) fn name(number: u64) -> String {
+        format!("{PREFIX}{number:06}{ENDING}")
+    }
 }
 
 /// `true` for a file name of a sequence.
@@ -85,8 +90,7 @@ impl Output for ImageSequence {
             fs::create_dir_all(&self.folder).with_context(|| self.folder.display().to_string())?;
             self.is_new = false;
         }
-        let name = format!("{PREFIX}{:06}{ENDING}", self.next_number);
-        image_file::write(&self.folder.join(name), &frame.image.content(Instant::now()))?;
+        image_file::write(&self.folder.join(Self::name(self.next_number)), &frame.image.content(Instant::now()))?;
         self.next_number += 1;
         Ok(())
     }

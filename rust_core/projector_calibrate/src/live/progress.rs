@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_scan::preview::PreviewDecoder;
-use rcs_scan::ScanEvent;
+use rcs_scan::{ScanEvent, ScanFailure, ScanResult};
 use rcs_scene::Image;
 
 use super::screens::ImageTopic;
@@ -43,7 +43,8 @@ impl Progress {
                 let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left, {msg}");
                 self.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
                 self.bar.set_length(*images as u64);
-                self.bar.set_position(0);
+                // The time left is that of the images alone, without the search for the light.
+                self.bar.reset();
                 self.bar.set_message("");
             }
             ScanEvent::Captured { images, readable } => {
@@ -76,5 +77,38 @@ impl Progress {
     /// Removes the bar.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+
+    /// Leaves the bar of a scan with the share that was decoded in the end, in place of the estimate so far.
+    pub(crate) fn finish_scan(&self, scanned: Result<ScanResult, ScanFailure>) -> Result<ScanResult, ScanFailure> {
+        match &scanned {
+            Ok(ScanResult { decoded, .. }) => {
+                let message = format!("{:.0} % of the lit pixels decoded", 100.0 * decoded.share());
+                self.bar.abandon_with_message(message);
+            }
+            Err(_) => self.finish(),
+        }
+        scanned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use rcs_scan::Delay;
+
+    use super::*;
+
+    #[test]
+    fn the_time_left_counts_from_the_first_image() {
+        let mut progress = Progress::new("looking for the light", None, [1, 1], [1, 1]);
+        progress.bar.inc(5);
+        std::thread::sleep(Duration::from_millis(20));
+        let begin = Instant::now();
+        let delay = Delay { seen: Duration::ZERO, settled: Duration::ZERO };
+        progress.show(&ScanEvent::Delay(delay, 46));
+        assert!(progress.bar.elapsed() <= begin.elapsed());
+        assert_eq!((progress.bar.position(), progress.bar.length()), (0, Some(46)));
     }
 }
