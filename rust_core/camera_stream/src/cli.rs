@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
+use clap::{Arg, ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_files::image_file::ImageFormat;
 use rcs_render::RendererChoice;
 use rcs_setup::SetupArgs;
@@ -13,7 +13,7 @@ use rcs_text::graph_name;
 use rcs_window::MonitorChoice;
 
 use crate::doctor::viewer::Viewer;
-use crate::options::arguments::{ModelArgs, NodeArgs, ResourceArgs};
+use crate::options::arguments::{DrawingArgs, NodeArgs};
 use rcs_node_support::node_options::COMMAND_LINE_ONLY;
 use rcs_node_support::ros_names::{configures, publishes, reads, serves, subscribes, RosName};
 
@@ -85,7 +85,17 @@ pub const ROS_NAMES: &[RosName] = &[
 ///
 /// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
 #[derive(Debug, Parser)]
-#[command(name = "camera_stream", display_name = "rviz_camera_stream", version, args_conflicts_with_subcommands = true)]
+#[command(
+    name = "camera_stream",
+    display_name = "rviz_camera_stream",
+    version,
+    args_conflicts_with_subcommands = true,
+    before_help = "\
+Examples:
+  camera_stream setup my_scene
+  camera_stream -d scene.rviz --window HDMI-1 --stale-timeout 2
+  camera_stream render -d scene.rviz --bag scene.bag -o scene.png"
+)]
 pub struct Cli {
     /// What to do instead of running as a node.
     #[command(subcommand)]
@@ -93,15 +103,6 @@ pub struct Cli {
     /// The node's arguments.
     #[command(flatten)]
     pub node: NodeArgs,
-    /// Renderer: the faster of the CPU and a hardware GPU (auto); the CPU (cpu); or any GPU driver (gpu)
-    #[arg(long, global = true, value_name = "auto|cpu|gpu", default_value = "auto")]
-    pub renderer: RendererChoice,
-    /// How CameraInfos become images.
-    #[command(flatten)]
-    pub model: ModelArgs,
-    /// Which mesh files may be read.
-    #[command(flatten)]
-    pub resources: ResourceArgs,
 }
 
 impl Cli {
@@ -128,7 +129,7 @@ impl Cli {
             self.command,
             Some(Command::Check(_) | Command::Doctor(_) | Command::NewCamera(_) | Command::Setup(_))
         );
-        !draws_nothing && self.renderer != RendererChoice::Cpu
+        !draws_nothing && self.drawing().renderer != RendererChoice::Cpu
     }
 }
 
@@ -139,28 +140,45 @@ pub enum Command {
     ///
     /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of
     /// the bag's /clock if it has one, else those of recording (also with /clock:=/unused).
+    #[command(before_help = "\
+Examples:
+  camera_stream render -d scene.rviz --bag scene.bag -o scene.png
+  camera_stream render -d scene.rviz --bag scene.bag --video scene.mp4 \\
+      --start 5")]
     Render(RenderArgs),
     /// Prints which parts of a config are understood and drawn; with --live the status of each display in a running ROS
     ///
-    /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
+    /// It takes all options of the node, so that `check --live` can stand in front of a launch line. Those that change
+    /// nothing here are not listed.
     ///
     /// What changes no image, such as an unknown class of a disabled display, is a note and no failure.
     ///
     /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
     /// 2 invalid arguments, an unreadable config or no ROS master.
+    #[command(before_help = "\
+Examples:
+  camera_stream check scene.rviz
+  camera_stream check --live -d scene.rviz")]
     Check(CheckArgs),
     /// Goes down the chain from the ROS master to the light and prints what is wrong and what to do about it
     ///
     /// It takes a folder that `camera_stream setup` wrote or arguments of projection.launch (NAME:=VALUE), both of
-    /// which roslaunch reads, or with -d all arguments of the node. Each line is a check: ✓ well, ✗ wrong, ? not known.
+    /// which roslaunch reads, or with -d all options of the node. Each line is a check: ✓ well, ✗ wrong, ? not known.
     /// It runs without a graphical session.
     ///
     /// Exit status: 0 nothing is wrong, 1 something is, 2 invalid arguments, an unreadable file or no ROS master.
+    #[command(before_help = "\
+Examples:
+  camera_stream doctor my_scene
+  camera_stream doctor -d scene.rviz --window HDMI-1")]
     Doctor(DoctorArgs),
     /// Prints a CameraPub display to paste below a config's Displays; with -d it is added to the config
     ///
     /// Everything else in the config keeps its bytes. A name, an image topic or a namespace that a camera of the config
     /// has already is refused.
+    #[command(before_help = "\
+Examples:
+  camera_stream new-camera -d scene.rviz --name Left --image-topic /left/image")]
     NewCamera(NewCameraArgs),
     /// Writes a folder with a first projector file, scene, launch file and the next commands
     ///
@@ -169,6 +187,10 @@ pub enum Command {
     /// all that is missing is one error. Nothing is written until all answers are valid.
     ///
     /// Exit status: 0 written, 1 refused (the folder has files, say), 2 invalid or missing answers.
+    #[command(before_help = "\
+Examples:
+  camera_stream setup my_scene
+  camera_stream setup my_scene --profile fixed --size 1280x800 --try")]
     Setup(SetupArgs),
 }
 
@@ -195,11 +217,15 @@ pub struct NewCameraArgs {
 /// The arguments of `render`.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("target").required(true).args(["output", "sequence", "video"])))]
+#[command(override_usage = "\
+camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... -o <FILE.png>
+       camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... --sequence <DIR>
+       camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... --video <FILE.mp4>")]
 pub struct RenderArgs {
     /// The .rviz config with a CameraPub display
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
     pub display_config: PathBuf,
-    /// The fixed frame, overriding the config's
+    /// Fixed frame in place of the config's [default: none]
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
     /// The bag with /tf, CameraInfo and the displays' messages, or several, such as the parts of a split recording:
@@ -238,8 +264,8 @@ pub struct RenderArgs {
     /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Turn the images clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
-    /// mirrored-180, mirrored-270; with CAMERA= for one camera [default: 0]
+    /// Turn the image clockwise by 0, 90, 180 or 270 degrees, or mirror it before: mirrored, mirrored-90,
+    /// mirrored-180, mirrored-270; with CAMERA= for one [default: 0]
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
     pub orientation: Vec<String>,
     /// A parameter that displays read (robot_description, say), from a file
@@ -248,6 +274,9 @@ pub struct RenderArgs {
     /// Where package:// addresses are resolved before ROS_PACKAGE_PATH: a package or a folder of packages
     #[arg(long, value_name = "DIR")]
     pub package_path: Vec<PathBuf>,
+    /// How scenes are drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArgs,
 }
 
 /// The arguments of `check`.
@@ -290,9 +319,36 @@ pub struct DoctorArgs {
     pub(crate) monitor: Option<MonitorChoice>,
 }
 
+/// The heading in a command's help of the node's options that have an effect on the command.
+const SHARED: &str = "Shared with the node";
+
+/// Options of the node that have an effect on `check`.
+const OF_CHECK: [&str; 7] =
+    ["display_config", "fixed_frame", "projection", "undistort", "max_mesh_mb", "mesh_folder", "log_level_debug"];
+
+/// Options of the node, beside those of [`OF_CHECK`], that have an effect on `doctor`.
+const OF_DOCTOR: [&str; 4] = ["window", "stale_timeout", "stale_timeouts", "orientation"];
+
 /// The command line.
 pub fn command() -> clap::Command {
+    let for_check = |id: &str| OF_CHECK.contains(&id);
+    let for_doctor = |id: &str| for_check(id) || OF_DOCTOR.contains(&id);
     Cli::command()
+        .mut_subcommand("check", |command| with_effects(command, for_check))
+        .mut_subcommand("doctor", |command| with_effects(command, for_doctor))
+        .mut_subcommand("render", |command| with_effects(command, |_| true))
+}
+
+/// A command whose help has the node's options below one heading, without those of no effect: `check` and `doctor` take
+/// all, so that a launch line can be diagnosed.
+fn with_effects(command: clap::Command, has_effect: impl Fn(&str) -> bool) -> clap::Command {
+    let node = NodeArgs::augment_args(clap::Command::default());
+    let is_of_node = |arg: &Arg| node.get_arguments().any(|other| other.get_id() == arg.get_id());
+    command.mut_args(|arg| match (is_of_node(&arg), has_effect(arg.get_id().as_str())) {
+        (false, _) => arg.help_heading(None::<&str>),
+        (true, true) => arg.help_heading(SHARED),
+        (true, false) => arg.hide(true),
+    })
 }
 
 /// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.
@@ -380,7 +436,7 @@ mod tests {
         let args = ["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"];
         let cli = parse(&args).unwrap();
         assert_eq!(cli.node.display_config, Some(PathBuf::from("x.rviz")));
-        assert_eq!(cli.renderer, RendererChoice::Cpu);
+        assert_eq!(cli.drawing().renderer, RendererChoice::Cpu);
     }
 
     #[test]
@@ -433,7 +489,9 @@ mod tests {
             Cli::try_parse_from(args).map(|mut cli| {
                 let file = cli.config_mut().cloned().unwrap_or_default();
                 match cli.command {
-                    Some(Command::Check(args)) => (file, args.node.fixed_frame, cli.model.projection, cli.renderer),
+                    Some(Command::Check(CheckArgs { node: NodeArgs { fixed_frame, drawing, .. }, .. })) => {
+                        (file, fixed_frame, drawing.model.projection, drawing.renderer)
+                    }
                     other => panic!("{other:?}"),
                 }
             })

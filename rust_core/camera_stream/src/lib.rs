@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{anyhow, Context, Result};
-use clap::Parser;
+use clap::FromArgMatches as _;
 use rcs_node_support::lifecycle::{self, own_arguments};
 use rcs_node_support::user_file;
 use rcs_resources::{MeshStore, PackageIndex};
@@ -52,7 +52,8 @@ pub fn main() -> ExitCode {
         return status;
     }
     let (words, of_qt) = rviz_arguments::understood(own_arguments());
-    let mut cli = match Cli::try_parse_from(&words) {
+    let parsed = cli::command().try_get_matches_from(&words).and_then(|matches| Cli::from_arg_matches(&matches));
+    let mut cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             let error = cli::with_hints(error);
@@ -184,7 +185,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     let packages = PackageIndex::from_env(&args.package_path);
     // The user's own files may lie beside each other, in no package.
     let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();
-    let options = cli.resources.options_beside(&files);
+    let options = cli.drawing().resources.options_beside(&files);
     // Images must not depend on the speed of the disk: each mesh is loaded when it is first needed.
     let meshes = MeshStore::with_options(packages, options);
     let parameters = offline::read_parameters(&args.param, meshes.packages())?;
@@ -206,9 +207,9 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         projector: args.projector.as_deref(),
         section: BagSection { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
-        model: cli.model.model(),
+        model: args.drawing.model.model(),
         orientations: ForCamera::read_all("--orientation", &args.orientation, &config_names(config).cameras)?,
     };
-    let mut renderer = rcs_render::create(cli.renderer)?;
+    let mut renderer = rcs_render::create(args.drawing.renderer)?;
     offline::render(&mut scene, &job, renderer.as_mut())
 }

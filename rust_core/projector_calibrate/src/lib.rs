@@ -65,6 +65,11 @@ pub const ROS_NAMES: &[RosName] = &[
     name = "projector_calibrate",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1
+  projector_calibrate solve scan1 --size 1280x800 -o projector.yaml
+  projector_calibrate verify projector.yaml --monitor HDMI-1",
     after_help = "Exit codes: 0 written or shown; 1 refused, nothing written; 2 invalid arguments or unreadable files"
 )]
 struct CalibrateArguments {

@@ -14,10 +14,11 @@ use super::Failure;
 /// White, black, and stripes in Gray code, each with its inverse. With a step, the finest stripes are twice as many
 /// pixels wide and are shown shifted by each pixel instead: for cameras that cannot see finer ones.
 #[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate patterns --size 1280x800 --step 4 -o patterns")]
 #[command(after_help = "\
-Exit codes: 0 written; 1 not written; 2 invalid arguments
-
-Example: projector_calibrate patterns --size 1280x800 --step 4 -o patterns")]
+Exit codes: 0 written; 1 not written; 2 invalid arguments")]
 pub(super) struct PatternsArguments {
     /// Width and height of the projector's image, pixels
     #[arg(long, value_name = "WxH", value_parser = size_px)]

@@ -25,15 +25,17 @@ use super::Failure;
 /// with rviz's Publish Point on the depth camera's cloud (--clicked), or of a file, in the camera's optical frame
 /// (--things). The file keeps its lens, comments, names, topic and frames.
 #[derive(Debug, Clone, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate refine --spots --projector projector.yaml \\
+      --show-on /camera_stream/patterns
+  projector_calibrate refine capture --projector projector.yaml
+  projector_calibrate refine --clicked --camera-frame camera_optical_frame \\
+      --projector projector.yaml --monitor HDMI-1")]
 #[command(after_help = "\
-Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static; with --spots:
+Topics subscribed to with --clicked: /clicked_point (geometry_msgs/PointStamped), /tf and /tf_static; with --spots: \
 those of verify
-Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable files
-
-Examples: projector_calibrate refine --spots --projector projector.yaml --show-on /camera_stream/patterns
-          projector_calibrate refine capture --projector projector.yaml
-          projector_calibrate refine --clicked --camera-frame camera_optical_frame --projector projector.yaml \\
-              --monitor HDMI-1")]
+Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable files")]
 pub(super) struct RefineArguments {
     /// Files of points, or capture folders
     #[arg(value_name = "FILE", required_unless_present_any = ["things", "clicked", "spots", "list_monitors"])]

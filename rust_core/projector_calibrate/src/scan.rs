@@ -39,20 +39,21 @@ const MAX_STEP: i64 = 8;
 /// With --bag, a scan that was recorded: the camera's topics, while the patterns were shown by
 /// `projector_calibrate show --patterns DIR --seconds 1 --pause 0.5`. No ROS master is needed.
 #[derive(Debug, Clone, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1
+  projector_calibrate scan --bag scan.bag --size 1280x800 -o scan1
+  projector_calibrate scan --board chessboard:10x7:25mm --size 1280x800 \\
+      -o boards --image /webcam/image_raw --camera-info /webcam/camera_info
+  projector_calibrate scan --board chessboard:10x7:25mm --size 1280x800 \\
+      -o boards --pictures photos")]
 #[command(after_help = "\
-Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8; or CompressedImage), --camera-info,
-and --depth (16UC1 in millimetres, 32FC1 in metres; or CompressedImage) or --cloud; the defaults are those of Fetch's
-head camera
-                  /tf, /tf_static and the parameter robot_description, which the capture keeps for solve
+Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8; or CompressedImage), \
+--camera-info, and --depth (16UC1 in millimetres, 32FC1 in metres; or CompressedImage) or --cloud; the defaults are \
+those of Fetch's head camera. /tf, /tf_static and the parameter robot_description, which the capture keeps for solve
 Topic published: ~preview (sensor_msgs/Image, latched), what is decoded so far in the colours of --preview
-Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, no master, or a topic or a bag that is silent or
-cannot be used; 130 interrupted
-
-Examples: projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1
-          projector_calibrate scan --bag scan.bag --size 1280x800 -o scan1
-          projector_calibrate scan --board chessboard:10x7:25mm --image /webcam/image_raw \\
-              --camera-info /webcam/camera_info --size 1280x800 -o boards
-          projector_calibrate scan --board chessboard:10x7:25mm --pictures photos --size 1280x800 -o boards")]
+Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, no master, or a topic or a bag that is silent \
+or cannot be used; 130 interrupted")]
 pub(super) struct ScanArguments {
     /// Width and height of the projector's image, pixels: its native resolution
     #[arg(long, value_name = "WxH", value_parser = size_px)]

@@ -28,13 +28,15 @@ use super::Failure;
 /// border (the outermost pixels), ramp (levels of grey), name (the monitor's name and resolution) and orientation
 /// (marks that tell a mirrored or turned image).
 #[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate show --test grid --monitor HDMI-1
+  projector_calibrate show --patterns patterns --seconds 1 --pause 0.5 \\
+      --monitor HDMI-1")]
 #[command(after_help = "\
 Keys: space, enter, right, down, page down: next; backspace, left, up, page up: previous; home, end; escape, q: end
-Exit codes: 0 ended by a key, Ctrl-C or after the last picture; 1 the window failed; 2 invalid arguments or an
-unreadable file
-
-Examples: projector_calibrate show --test grid --monitor HDMI-1
-          projector_calibrate show --patterns patterns --seconds 1 --pause 0.5 --monitor HDMI-1")]
+Exit codes: 0 ended by a key, Ctrl-C or after the last picture; 1 the window failed; 2 invalid arguments or an \
+unreadable file")]
 pub(super) struct ShowArguments {
     /// The folder of patterns, or its patterns.yaml
     #[arg(long, value_name = "DIR|FILE", conflicts_with = "test")]

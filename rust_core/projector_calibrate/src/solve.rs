@@ -29,13 +29,16 @@ use super::Failure;
 /// that the projector is mounted on, or --in-camera-frame. The capture knows the joints, and where the camera was. For
 /// points and photos, --camera-frame names its frame.
 #[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate solve capture --size 1280x800 -o projector.yaml \\
+      --report report
+  projector_calibrate solve boards --board chessboard:10x7:25mm \\
+      --size 1280x800 -o projector.yaml --camera camera.yaml")]
 #[command(after_help = "\
-Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or
-unreadable files
-
-Examples: projector_calibrate solve capture --size 1280x800 -o projector.yaml --report report
-          projector_calibrate solve boards --board chessboard:10x7:25mm --size 1280x800 -o projector.yaml \\
-              --camera camera.yaml --report report")]
+Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or \
+unreadable files")]
+#[command(override_usage = "projector_calibrate solve [OPTIONS] --size <WxH> -o <FILE> <FILE>...")]
 pub(super) struct SolveArguments {
     /// Files of points, capture folders or, with --board, a folder of them
     #[arg(value_name = "FILE", required = true)]

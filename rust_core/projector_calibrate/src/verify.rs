@@ -27,15 +27,16 @@ use super::Failure;
 /// camera's images. Afterwards both stay shown for a while. Given files of points or capture folders beside
 /// --projector, compares with these instead and shows nothing.
 #[derive(Debug, Clone, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate verify projector.yaml --limit 2 --monitor HDMI-1
+  projector_calibrate verify capture --projector projector.yaml --limit 2")]
 #[command(after_help = "\
-Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8), --camera-info, and --depth (16UC1 in
-millimetres, 32FC1 in metres) or --cloud; the defaults are those of Fetch's head camera. /tf, if the file places the
-projector in another frame than the camera's
-Exit codes: 0 within the limit; 1 beyond it, or too little light was found; 2 invalid arguments, unreadable files, or a
-topic that is silent or cannot be used
-
-Examples: projector_calibrate verify projector.yaml --limit 2 --monitor HDMI-1
-          projector_calibrate verify capture --projector projector.yaml --limit 2")]
+Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8), --camera-info, and --depth (16UC1 \
+in millimetres, 32FC1 in metres) or --cloud; the defaults are those of Fetch's head camera. /tf, if the file places \
+the projector in another frame than the camera's
+Exit codes: 0 within the limit; 1 beyond it, or too little light was found; 2 invalid arguments, unreadable files, or \
+a topic that is silent or cannot be used")]
 pub(super) struct VerifyArguments {
     /// The projector's file; with --projector, files of points or capture folders to compare it with
     #[arg(value_name = "FILE")]

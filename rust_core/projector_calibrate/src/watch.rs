@@ -27,12 +27,13 @@ const IDLE_TIMEOUT: Duration = Duration::from_secs(2);
 /// --every, it measures by itself, but only while that node's images are dark because there is nothing to show.
 /// /diagnostics has the drift in pixels, a warning beyond --limit. It changes nothing: refine mends.
 #[derive(Debug, Clone, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate watch projector.yaml --every 600 --limit 3")]
 #[command(after_help = "\
 Topics subscribed to: as verify. Topics published: /diagnostics, and ~patterns of the camera_stream
 Service: ~verify (std_srvs/Trigger)
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 2 invalid arguments, or a topic that is silent
-
-Example: projector_calibrate watch projector.yaml --every 600 --limit 3")]
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 2 invalid arguments, or a topic that is silent")]
 pub(super) struct WatchArguments {
     /// The projector's file, which is read anew for each measurement
     #[arg(value_name = "FILE")]

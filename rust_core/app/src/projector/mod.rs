@@ -42,13 +42,15 @@ const POLL_PERIOD: Duration = Duration::from_millis(100);
     name = "projector",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  projector projector.yaml --camera-info-topic /proj_view/camera_info",
     after_help = "\
 Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)
-Services: ~save writes the pose that dynamic_reconfigure has moved into the file, ~revert moves it back (std_srvs/Trigger)
+Services: ~save writes the pose that dynamic_reconfigure has moved into the file, ~revert moves it back \
+(std_srvs/Trigger)
 Parameters: each option is one, too: --file is ~file
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
-
-Example: projector projector.yaml --camera-info-topic /proj_view/camera_info"
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments"
 )]
 struct ProjectorArguments {
     /// The projector's YAML file

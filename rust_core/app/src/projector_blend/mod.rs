@@ -42,10 +42,12 @@ const GAP_PX: usize = 8;
     name = "projector_blend",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  projector_blend left.yaml right.yaml --cloud wall.pcd --frame map -o \\
+      blend",
     after_help = "\
-Exit codes: 0 the files are written; 1 they are not; 2 invalid arguments
-
-Example: projector_blend left.yaml right.yaml --cloud wall.pcd --frame map -o blend --preview blend.png"
+Exit codes: 0 the files are written; 1 they are not; 2 invalid arguments"
 )]
 struct BlendArguments {
     /// The projectors' files, two or more, each with a frame that places it

@@ -56,12 +56,14 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
     name = "projector_window",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  projector_window --monitor HDMI-1 image:=/proj_view/image",
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
 Parameters: each option is one, too: --stale-timeout is ~stale_timeout
-Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 invalid arguments
-
-Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
+Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 invalid \
+arguments"
 )]
 struct WindowArguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]

@@ -11,6 +11,8 @@ mod nodes;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rcs_app::all_programs::PROGRAMS;
+
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
@@ -39,4 +41,26 @@ fn the_page_of_nodes_is_what_the_programs_say() {
 #[test]
 fn the_page_of_launch_files_is_what_the_files_say() {
     check("launch-files.md", &launch_files::page());
+}
+
+#[test]
+fn the_help_of_each_command_begins_with_examples_that_it_takes_and_that_fit_a_terminal() {
+    for program in &PROGRAMS {
+        let mut root = (program.command)().term_width(80);
+        root.build();
+        for command in std::iter::once(&root).chain(root.get_subcommands().filter(|inner| inner.get_name() != "help")) {
+            let examples = command.get_before_help().map(ToString::to_string).unwrap_or_default();
+            assert!(examples.starts_with("Examples:\n  "), "{}: {examples}", command.get_name());
+            let help = command.clone().render_long_help().to_string();
+            assert_eq!(help.lines().find(|line| line.chars().count() > 80), None, "{}", command.get_name());
+            assert!(help.starts_with(&examples), "an example is too long: {help}");
+            for example in examples.replace("\\\n", "").lines().skip(1) {
+                // What contains := is ROS's.
+                let words = example.split_whitespace().filter(|word| !word.contains(":="));
+                let matches = root.clone().try_get_matches_from(words).unwrap_or_else(|error| panic!("{error}"));
+                let is_of_command = matches.subcommand_name() == Some(command.get_name());
+                assert!(is_of_command || command.get_name() == program.name, "{example}");
+            }
+        }
+    }
 }

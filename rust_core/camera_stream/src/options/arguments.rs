@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 use rcs_camera::Projection;
+use rcs_render::RendererChoice;
 
 use super::prediction::PredictionSettings;
 use crate::outputs::depth_image::DepthEncoding;
@@ -14,16 +15,30 @@ use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
 /// Sizes in MB that a mesh file can be limited to.
 pub(crate) const MESH_MB: RangeInclusive<u64> = 1..=4096;
 
+/// How scenes are drawn, by the node and over a bag.
+#[derive(Args, Clone, Debug)]
+pub struct DrawingArgs {
+    /// Renderer: the faster of the CPU and a hardware GPU (auto); the CPU (cpu); or any GPU driver (gpu)
+    #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
+    pub renderer: RendererChoice,
+    /// How CameraInfos become images.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Which mesh files may be read.
+    #[command(flatten)]
+    pub resources: ResourceArgs,
+}
+
 /// How CameraInfos become images.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ModelArgs {
     /// Use P as rviz does (half a pixel off, more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror), or exactly
-    #[arg(long, global = true, value_enum, default_value = "rviz")]
+    #[arg(long, value_enum, default_value = "rviz")]
     pub projection: Projection,
     /// Correct for the projector's lens where the CameraInfo has D ≠ 0; P is used exactly then
-    #[arg(long, global = true)]
+    #[arg(long)]
     pub undistort: bool,
-    #[arg(long, global = true, hide = true, overrides_with = "undistort")]
+    #[arg(long, hide = true, overrides_with = "undistort")]
     no_undistort: bool,
 }
 
@@ -31,10 +46,10 @@ pub struct ModelArgs {
 #[derive(Args, Clone, Debug)]
 pub struct ResourceArgs {
     /// Largest mesh or texture file that is read, 1 to 4096
-    #[arg(long, global = true, value_name = "MB", default_value_t = 512, value_parser = mesh_mb)]
+    #[arg(long, value_name = "MB", default_value_t = 512, value_parser = mesh_mb)]
     pub max_mesh_mb: u64,
     /// Folder outside of ROS packages whose meshes and textures may be read; repeatable
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, value_name = "DIR")]
     pub mesh_folder: Vec<PathBuf>,
 }
 
@@ -68,6 +83,9 @@ pub struct NodeArgs {
     /// The operator's page.
     #[command(flatten)]
     pub web: WebArgs,
+    /// How scenes are drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub rviz: RvizArgs,

@@ -23,7 +23,7 @@ use crate::safety::ages::limits::StaleTimeout;
 use crate::safety::confirmed_displays::ConfirmedDisplays;
 use crate::safety::names::{ConfigNames, ForCamera, NONE};
 use crate::safety::rules::KeepOutFrame;
-use arguments::{ConfirmArgs, LightArgs, ModelArgs, NodeArgs, ResourceArgs, UnseenLight};
+use arguments::{ConfirmArgs, DrawingArgs, LightArgs, ModelArgs, NodeArgs, ResourceArgs, UnseenLight};
 use rcs_node_support::node_options::{InvalidOption, NodeOptions};
 pub(crate) use web::WebOptions;
 
@@ -99,9 +99,9 @@ impl Options {
         let node = cli.node_args();
         Ok(Self {
             fixed_frame: node.fixed_frame.clone().filter(|frame| !["", NONE].contains(&frame.as_str())),
-            renderer: cli.renderer,
-            model: cli.model.model(),
-            resources: cli.resources.options(),
+            renderer: node.drawing.renderer,
+            model: node.drawing.model.model(),
+            resources: node.drawing.resources.options(),
             windows: ForCamera::read_all(&name_of("window"), &node.windows.window, &names.cameras)?,
             light: LightOptions::new(&node.light, names, name_of)?,
             web: WebOptions::new(&node.web, name_of)?,
@@ -168,6 +168,14 @@ impl Cli {
             Some(Command::Check(args)) => &args.node,
             Some(Command::Doctor(args)) => &args.node,
             _ => &self.node,
+        }
+    }
+
+    /// How `render` or the node draws.
+    pub(crate) fn drawing(&self) -> &DrawingArgs {
+        match &self.command {
+            Some(Command::Render(args)) => &args.drawing,
+            _ => &self.node_args().drawing,
         }
     }
 }
@@ -290,8 +298,8 @@ mod tests {
         }
         let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
         let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
-        let resources = Cli::try_parse_from([&args[..], &folders].concat()).unwrap().resources;
-        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
+        let cli = Cli::try_parse_from([&args[..], &folders].concat()).unwrap();
+        let options = cli.drawing().resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
         assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
     }
 }

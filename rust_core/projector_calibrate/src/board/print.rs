@@ -32,10 +32,11 @@ const RULER_MM: u32 = 150;
 /// Print it at 100 %, not "fit to page", on the smallest sheet from A4 to A0 on which it fits, and glue it onto
 /// something flat and stiff, such as glass or aluminium. Then measure the ruler.
 #[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  projector_calibrate board -o board.pdf")]
 #[command(after_help = "\
-Exit codes: 0 written; 1 not written; 2 invalid arguments
-
-Example: projector_calibrate board -o board.pdf")]
+Exit codes: 0 written; 1 not written; 2 invalid arguments")]
 pub(crate) struct BoardArguments {
     /// Inner corners, where four squares meet, and a square's side
     #[arg(long, value_name = "chessboard:CxR:SIDE", default_value = "chessboard:10x7:25mm", value_parser = chessboard)]

@@ -21,14 +21,14 @@ use super::Failure;
 ///
 /// fx = w Z/W, fy = h Z/H, cx = w X/W, cy = h Y/H; with two distances fx = w (Z2 - Z1)/(W2 - W1).
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Exit codes: 0 written; 1 refused, nothing written (--check alone: the file has faults); 2 invalid arguments or an
-unreadable file
-
+#[command(before_help = "\
 Examples:
   projector_calibrate manual
-  projector_calibrate manual --size 1280x800 --distance 1.2 --projected 0.9x0.56 --axis 0.45,0.6 \\
-    --distance2 2.4 --projected2 1.83x1.14 --axis2 0.915,1.22 -o projector.yaml")]
+  projector_calibrate manual --size 1280x800 --distance 1.2 \\
+      --projected 0.9x0.56 --axis 0.45,0.6 -o projector.yaml")]
+#[command(after_help = "\
+Exit codes: 0 written; 1 refused, nothing written (--check alone: the file has faults); 2 invalid arguments or an \
+unreadable file")]
 pub(super) struct ManualArguments {
     /// Width and height of the image in pixels, w and h
     #[arg(long, value_name = "WxH", value_parser = size_px)]

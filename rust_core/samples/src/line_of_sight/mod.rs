@@ -47,13 +47,14 @@ const FLUSH_TIME: Duration = Duration::from_millis(200);
     name = "line_of_sight",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  line_of_sight --target-cloud /widget/desired_object --radius 0.08",
     after_help = "\
 Topics subscribed to: the target, /tf, /tf_static
 Topics published: the collision object (moveit_msgs/CollisionObject, latched), the marker (visualization_msgs/Marker, \
 latched), /diagnostics
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments
-
-Example: line_of_sight --target-cloud /widget/desired_object --lens-frame proj_view --radius 0.08"
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments"
 )]
 struct LineOfSightArguments {
     #[command(flatten)]

@@ -46,11 +46,12 @@ const FLUSH_TIME: Duration = Duration::from_millis(200);
     name = "nav_path_markers",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  nav_path_markers --spacing 0.4 --markers-topic /path_arrows",
     after_help = "\
 Topics: the path (nav_msgs/Path), the markers (visualization_msgs/MarkerArray, latched), /diagnostics
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments
-
-Example: nav_path_markers --spacing 0.4 --color '#3399ff' --markers-topic /path_arrows"
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments"
 )]
 struct PathMarkersArguments {
     /// Topic of the path; may be repeated

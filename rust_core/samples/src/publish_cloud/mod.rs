@@ -29,12 +29,13 @@ pub const ROS_NAMES: &[RosName] = &[publishes("cloud", "sensor_msgs/PointCloud2"
     name = "publish_cloud",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  publish_cloud objects.pcd --frame base_link cloud:=/objects",
     after_help = "\
 Topic published: cloud (sensor_msgs/PointCloud2, latched)
 Parameters: each option is one, too: --file is ~file
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
-
-Example: publish_cloud objects.pcd --frame base_link cloud:=/objects"
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments"
 )]
 struct PublishCloudArguments {
     /// The PCD file

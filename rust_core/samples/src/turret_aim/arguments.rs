@@ -18,12 +18,13 @@ use rcs_node_support::node_options::within;
     name = "turret_aim",
     display_name = "rviz_camera_stream",
     version,
+    before_help = "\
+Examples:
+  turret_aim --target-frame cup --pan-joint pan --tilt-joint tilt",
     after_help = "\
 Topics subscribed to: the target, the projector's CameraInfo, the joint states, /tf, /tf_static
 Topics published: the commands (std_msgs/Float64 for each joint, or trajectory_msgs/JointTrajectory), /diagnostics
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments
-
-Example: turret_aim --target-cloud /widget/desired_object --pan-joint pan --tilt-joint tilt"
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments"
 )]
 pub(super) struct TurretArguments {
     #[command(flatten)]
