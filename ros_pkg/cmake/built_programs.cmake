@@ -1,4 +1,4 @@
-# Has cargo build the programs, copies them to the devel space, and installs them.
+# Has cargo build the programs, copies them to the devel space, and installs them with their man pages and completions.
 #
 # Reads: workspace_root, programs, devel_programs, cargo_environment, rustc_program, RVIZ_CAMERA_STREAM_CARGO.
 # Cache: RVIZ_CAMERA_STREAM_TARGET_DIR.
@@ -11,6 +11,7 @@ if(NOT "$ENV{CARGO_TARGET_DIR}" STREQUAL "")
 endif()
 set(RVIZ_CAMERA_STREAM_TARGET_DIR "${default_target_dir}" CACHE PATH "cargo's build folder")
 set(built "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release")
+set(help "${CMAKE_CURRENT_BINARY_DIR}/help")
 
 # Every build calls cargo, which knows what has changed. make's job server is not available to custom commands, so cargo
 # must not see its variables.
@@ -28,6 +29,8 @@ add_custom_target(rviz_camera_stream_programs ALL
     "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_app --bins
   COMMAND "${CMAKE_COMMAND}" -E make_directory "${devel_programs}"
   ${copies}
+  COMMAND "${built}/write_help" "${help}"
+  COMMAND "${built}/write_help" "${CATKIN_DEVEL_PREFIX}/share"
   WORKING_DIRECTORY "${workspace_root}"
   COMMENT "cargo builds the nodes (the first time this takes minutes)"
   VERBATIM)
@@ -35,3 +38,4 @@ add_custom_target(rviz_camera_stream_programs ALL
 foreach(program ${programs})
   install(PROGRAMS "${built}/${program}" DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endforeach()
+install(DIRECTORY "${help}/" DESTINATION ${CATKIN_GLOBAL_SHARE_DESTINATION})

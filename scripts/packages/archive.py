@@ -5,7 +5,7 @@ import shutil
 import tarfile
 from pathlib import Path
 
-from staging import PACKAGE, copy_pages, install, normalise
+from staging import PACKAGE, copy_pages, install, install_help, normalise
 
 SETUP = '''\
 # To be sourced, by bash, zsh or sh in this folder: rosrun and roslaunch then find rviz_camera_stream here, and its programs
@@ -21,6 +21,14 @@ fi
 export ROS_PACKAGE_PATH="$rviz_camera_stream_folder/share:${ROS_PACKAGE_PATH:-/usr/share}"
 export CMAKE_PREFIX_PATH="$rviz_camera_stream_folder:${CMAKE_PREFIX_PATH:-/usr}"
 export PATH="$rviz_camera_stream_folder/lib/rviz_camera_stream:$PATH"
+export MANPATH="$rviz_camera_stream_folder/share/man:${MANPATH:-}"
+export XDG_DATA_DIRS="$rviz_camera_stream_folder/share:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}"
+if [ -n "${BASH_VERSION:-}" ]; then
+  CATKIN_ENV_HOOK_WORKSPACE=$rviz_camera_stream_folder
+  . "$rviz_camera_stream_folder/etc/catkin/profile.d/50.rviz_camera_stream.bash"
+  unset CATKIN_ENV_HOOK_WORKSPACE
+fi
+[ -z "${ZSH_VERSION:-}" ] || FPATH="$rviz_camera_stream_folder/share/zsh/site-functions:$FPATH"
 unset rviz_camera_stream_folder
 '''
 
@@ -36,6 +44,7 @@ def stage(built, folder, name, licences):
     (tree / 'setup.bash').write_text(SETUP)
     for setup in ('setup.sh', 'setup.zsh'):
         (tree / setup).symlink_to('setup.bash')
+    install_help(built, tree / 'share', 'zsh/site-functions')
     copy_pages(tree / 'share/doc' / PACKAGE)
     (tree / 'share/doc' / PACKAGE / 'third_party_licences.txt').write_text(licences)
     return tree

@@ -1,6 +1,5 @@
 """Debian packages from a tree of files, by dpkg-deb: the same tree gives the same bytes."""
 
-import gzip
 import hashlib
 import os
 import re
@@ -10,7 +9,7 @@ import xml.etree.ElementTree as ElementTree
 from email.utils import formatdate
 from pathlib import Path
 
-from staging import REPOSITORY, normalise, size_bytes
+from staging import REPOSITORY, compressed, normalise, size_bytes
 
 SUMMARY = 'what virtual cameras see of an rviz scene, as image topics'
 REVISION = '1'
@@ -40,11 +39,6 @@ class Manifest:
         maintainer = root.find('maintainer')
         self.maintainer = f'{maintainer.text.strip()} <{maintainer.get("email")}>'
         self.description = ' '.join(root.findtext('description').split())
-
-
-def compressed(path, text):
-    """Writes text as gzip without a name and a moment in it."""
-    path.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
 
 
 def copyright_text(manifest, licences):

@@ -1,5 +1,6 @@
 """The tree of files of a package, installed by the catkin package's own rules, with the programs that were built before."""
 
+import gzip
 import os
 import re
 import shutil
@@ -31,9 +32,27 @@ def install(built, prefix, python, tree, plugin=False):
     core = Path(built) / 'lib' / PACKAGE / 'librcs_capi.tar.xz'
     shutil.copy(core, place / 'lib' / PACKAGE / core.name)
     shutil.copy(Path(built) / 'share' / PACKAGE / 'prebuilt', place / 'share' / PACKAGE / 'prebuilt')
+    # Debian's own ROS has no setup file that would source what lies there.
+    shutil.rmtree(tree / 'usr/etc', ignore_errors=True)
     # rviz reads the description of each plugin that a manifest exports, and this package has none.
     manifest = place / 'share' / PACKAGE / 'package.xml'
     manifest.write_text(re.sub(r'\n\s*<export>\s*<rviz plugin="[^"]*"/>\s*</export>', '', manifest.read_text()))
+
+
+def install_help(built, share, zsh):
+    """Copies completions and man pages, packed, below `share`; `zsh` is the folder of zsh's."""
+    source = Path(built) / 'share'
+    for folder, place in [('bash-completion', 'bash-completion'), ('fish', 'fish'), ('zsh/site-functions', zsh)]:
+        shutil.copytree(source / folder, share / place)
+    pages = share / 'man/man1'
+    pages.mkdir(parents=True)
+    for page in (source / 'man/man1').iterdir():
+        compressed(pages / f'{page.name}.gz', page.read_text())
+
+
+def compressed(path, text):
+    """Writes text as gzip without a name and a moment in it."""
+    path.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
 
 
 def quietly(command, folder, environment):

@@ -156,6 +156,16 @@ fn plain_cmake_installs_programs_launch_files_and_configs() {
         }
     }
     assert!(installed > 10);
+    for file in ["man/man1/camera_stream-render.1", "zsh/site-functions/_camera_stream", "fish/vendor_completions.d"] {
+        assert!(prefix.join("share").join(file).exists(), "{file} is not installed");
+    }
+    let completed = succeed(&format!(
+        "source {}/share/bash-completion/completions/camera_stream
+         COMP_WORDS=(camera_stream render --seq) COMP_CWORD=2
+         _camera_stream camera_stream --seq render && echo \"${{COMPREPLY[@]}}\"",
+        prefix.display()
+    ));
+    assert_eq!(completed.trim(), "--sequence");
     for file in ["package.xml", "plugin_description.xml", "icons/classes/CameraPub.svg"] {
         assert!(share.join(file).is_file(), "{file} is not installed");
     }

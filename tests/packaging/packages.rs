@@ -13,6 +13,14 @@ use crate::{bash, printed_by, succeed};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// Where a program's man page and completions are below /usr/share.
+const HELP_FILES: [[&str; 2]; 4] = [
+    ["man/man1", "NAME.1.gz"],
+    ["bash-completion/completions", "NAME"],
+    ["zsh/vendor-completions", "_NAME"],
+    ["fish/vendor_completions.d", "NAME.fish"],
+];
+
 /// A folder as `scripts/packages/build_programs` leaves it, with a script in place of the programs.
 fn stand_in(version: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -28,6 +36,7 @@ fn stand_in(version: &str) -> tempfile::TempDir {
     }
     fs::write(programs.join("librcs_capi.tar.xz"), "").unwrap();
     fs::write(share.join("prebuilt"), format!("{version}\n")).unwrap();
+    succeed(&format!("{} {}/share", program("write_help").display(), folder.path().display()));
     folder
 }
 
@@ -96,10 +105,20 @@ fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
         for page in linked_by_the_readme() {
             has(&format!("{documents}/{page}"));
         }
+        let help = HELP_FILES.map(|[place, page]| [format!("/usr/share/{place}/"), page.to_owned()]);
+        for [place, page] in &help {
+            for program in PROGRAMS {
+                has(&format!("{place}{}", page.replace("NAME", program)));
+            }
+        }
+        has("/usr/share/man/man1/camera_stream-render.1.gz");
         let elsewhere = |path: &&String| {
             let lintian = format!("/usr/share/lintian/overrides/{name}");
             let is_ros = path.starts_with(&format!("{prefix}/lib/")) || path.starts_with(&format!("{prefix}/share/"));
-            !(is_ros || path.starts_with(&format!("{documents}/")) || **path == lintian)
+            let is_hook =
+                **path == format!("{prefix}/etc/catkin/profile.d/50.rviz_camera_stream.bash") && prefix != "/usr";
+            let is_help = is_hook || help.iter().any(|[place, _]| path.starts_with(place));
+            !(is_ros || is_help || path.starts_with(&format!("{documents}/")) || **path == lintian)
         };
         assert_eq!(paths.iter().find(elsewhere), None, "{name}");
         let field = |field: &str| succeed(&format!("dpkg-deb --field {} {field}", package.display()));
