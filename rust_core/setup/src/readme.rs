@@ -30,7 +30,7 @@ pub(crate) fn calibrate_commands(plan: &Plan) -> Vec<String> {
     let Answers { size_px: [width, height], image, depth, mount, monitor, profile, .. } = &plan.answers;
     // A fixed camera may be in no tree of frames: the capture alone places the projector in its frame.
     let placing = match profile {
-        Profile::Fixed => "--in-camera-frame".to_owned(),
+        Profile::Fixed => "--in-camera-frame --table".to_owned(),
         _ => format!("--parent {mount}"),
     };
     let (Some(image), Some(depth)) = (image, depth) else {

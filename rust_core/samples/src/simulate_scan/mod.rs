@@ -50,7 +50,7 @@ pub const ROS_NAMES: &[RosName] = &[
 #[command(
     name = "simulate_scan",
     version,
-    after_help = "Example: roslaunch rviz_camera_stream rehearsal.launch robot:=table"
+    before_help = "Example: roslaunch rviz_camera_stream rehearsal.launch robot:=table"
 )]
 struct Arguments {
     /// Everything follows from it: room, projector, camera, light, noise
