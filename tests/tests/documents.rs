@@ -84,13 +84,13 @@ const MOST_WORDS: [(&str, usize); 8] = [
     ("CHANGELOG.md", 550),
     ("docs/", 30_000),
     ("docs/contributing/", 5000),
-    ("docs/reference/nodes.md", 4100),
-    ("docs/reference/launch-files.md", 1300),
+    ("docs/reference/nodes.md", 4300),
+    ("docs/reference/launch-files.md", 1350),
     ("docs/reference/displays.md", 3800),
 ];
 
 /// Most words of the pages for users: all of docs but those for contributors.
-const MOST_WORDS_FOR_USERS: usize = 25_900;
+const MOST_WORDS_FOR_USERS: usize = 26_200;
 
 /// Words of a page. The bars between cells of a table are none.
 fn words(page: &Path) -> usize {

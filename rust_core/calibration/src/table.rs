@@ -23,7 +23,10 @@ pub struct Table {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TableProblem {
     /// Too small a share of the points lies on one plane.
-    #[error("no table: at most {:.0} % of the points lie on one plane, {:.0} % are needed; leave --table out", 100.0 * .0, 100.0 * LEAST_SHARE)]
+    #[error(
+        "no table: at most {:.0} % of the points lie on one plane, {:.0} % are needed; leave --table out",
+        100.0 * .0, 100.0 * LEAST_SHARE
+    )]
     NoPlane(f64),
     /// The camera looks along the plane.
     #[error("no table: the camera looks along the plane that most points lie on; it must look onto the table")]

@@ -315,7 +315,7 @@ fn the_readme_has_the_next_commands_with_absolute_paths() {
     assert!(readme(&FIXED).contains("projector_calibrate manual -o /tmp/first/lens.yaml"));
     let text =
         readme(&[&FIXED[..4], &["--image", "/camera/image", "--depth", "/camera/depth", "--show", "/a=Path"]].concat());
-    let solve = "solve /tmp/first/capture --size 1920x1080 --in-camera-frame -o /tmp/first/projector.yaml\n";
+    let solve = "solve /tmp/first/capture --size 1920x1080 --in-camera-frame --table -o /tmp/first/projector.yaml\n";
     assert!(text.contains(solve) && text.contains("fixed_frame:="), "{text}");
 }
 
