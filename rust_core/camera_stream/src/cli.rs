@@ -218,9 +218,9 @@ pub struct NewCameraArgs {
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("target").required(true).args(["output", "sequence", "video"])))]
 #[command(override_usage = "\
-camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... -o <FILE.png>
-       camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... --sequence <DIR>
-       camera_stream render [OPTIONS] -d <FILE> --bag <FILE.bag>... --video <FILE.mp4>")]
+camera_stream render [OPTIONS] -d <FILE> --bag <FILE>... -o <FILE.png>
+       camera_stream render [OPTIONS] -d <FILE> --bag <FILE>... --sequence <DIR>
+       camera_stream render [OPTIONS] -d <FILE> --bag <FILE>... --video <FILE>")]
 pub struct RenderArgs {
     /// The .rviz config with a CameraPub display
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
