@@ -55,6 +55,11 @@ impl Schedule {
         self.triggered = true;
     }
 
+    /// `true` if an image was triggered and not served yet.
+    pub fn is_triggered(&self) -> bool {
+        self.triggered
+    }
+
     /// Withdraws the trigger: it was served, or there is nobody to serve.
     pub fn clear_trigger(&mut self) {
         self.triggered = false;

@@ -38,6 +38,7 @@ pub const ROS_NAMES: &[RosName] = &[
         "sensor_msgs/Image",
         "with `--surface`: 255 where light is confirmed or need not be, 0 where it is not; while subscribed to",
     ),
+    publishes("~cue", "std_msgs/String", "latched: name of the cue that is shown, empty once something else is"),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "status of each display and camera, once a second"),
     publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images, with `--orientation` 90, 180 or 270"),
     subscribes("INFO", "sensor_msgs/CameraInfo", "size, P and optical frame of the virtual camera"),
@@ -56,6 +57,7 @@ pub const ROS_NAMES: &[RosName] = &[
         "mono8 of the projector's size, in place of the scene for 3 s each: `projector_calibrate` sends them; \
          `frame_id` names the projector",
     ),
+    subscribes("~set_cue", "std_msgs/String", "name of the cue to show"),
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
@@ -74,6 +76,8 @@ pub const ROS_NAMES: &[RosName] = &[
     serves("~pause", "std_srvs/SetBool", "keep the images that are shown"),
     serves("~test_picture", "std_srvs/Trigger", "show the next test picture"),
     serves("~is_idle", "std_srvs/Trigger", "true if all images are dark only because there is nothing to show"),
+    serves("~next_cue", "std_srvs/Trigger", "show the next cue; answers its name"),
+    configures("~", "`brightness`, `fade_seconds`, `cue`: of all cameras; a value that is not possible is an error"),
     configures("~CAMERA", "a CameraPub's blackout, frame rate, background, encoding, near clip and visibility"),
     configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
 ];

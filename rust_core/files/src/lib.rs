@@ -1,6 +1,6 @@
 //! File formats: a projector's geometry ([`projector`]), the calibration's input and output ([`capture`],
-//! [`correspondences`], [`calibration_report`], [`verification`]), point clouds ([`pcd`]), images
-//! ([`image_file`], [`image_folder`], [`canvas`]) and sizes as a user types them ([`sizes`]).
+//! [`correspondences`], [`calibration_report`], [`verification`]), an operator's cues ([`cue_file`]), point clouds
+//! ([`pcd`]), images ([`image_file`], [`image_folder`], [`canvas`]) and sizes as a user types them ([`sizes`]).
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -11,6 +11,7 @@ pub mod calibration_report;
 pub mod canvas;
 pub mod capture;
 pub mod correspondences;
+pub mod cue_file;
 mod file_error;
 pub mod image_file;
 pub mod image_folder;

@@ -222,6 +222,7 @@ any_message! {
     InteractiveMarkerUpdate(crate::visualization_msgs::InteractiveMarkerUpdate) "visualization_msgs/InteractiveMarkerUpdate" small, |m| m.markers.first().map(|m| &m.header);
     TFMessage(crate::tf2_msgs::TFMessage) "tf2_msgs/TFMessage" small, |m| m.transforms.first().map(|t| &t.header);
     Clock(crate::rosgraph_msgs::Clock) "rosgraph_msgs/Clock" small, |_| None;
+    Text(crate::std_msgs::String) "std_msgs/String" small, |_| None;
 }
 
 #[cfg(test)]

@@ -62,5 +62,5 @@ pub use choice::{create, RendererChoice};
 pub use cpu::{CpuRenderer, Culling};
 pub use depths::{DepthRequest, Depths};
 pub use gpu::{GpuRenderer, GpuStats};
-pub use post::{Blend, BlendError, KeepOut, LightMask, Orientation, PostProcess, Sphere};
+pub use post::{Blend, BlendError, Brightness, KeepOut, LightMask, Orientation, PostProcess, Sphere};
 pub use renderer::{Finished, RenderError, Renderer, View};

@@ -236,6 +236,25 @@ impl RosNode {
         })
     }
 
+    /// Subscribes to a topic of texts for as long as the node lives. `take` is called with each text and the name of the
+    /// sending node, on the thread of its connection.
+    ///
+    /// # Errors
+    /// [`NodeError::Name`] or [`NodeError::TypeMismatch`].
+    pub fn follow_texts(
+        &self,
+        topic: &str,
+        take: impl Fn(&str, &str) + Send + Sync + 'static,
+    ) -> Result<(), NodeError> {
+        let subscription = self.subscribe_with(topic, MessageKind::Text, None, move |_, received| {
+            if let AnyMessage::Text(text) = received.message {
+                take(&text.data, received.publisher);
+            }
+        })?;
+        self.keep(subscription);
+        Ok(())
+    }
+
     /// Subscribes to `/tf` and `/tf_static` for as long as the node lives.
     pub fn subscribe_transforms(&self) -> Result<(), NodeError> {
         // A static transform is sent once, so none may be dropped.

@@ -1,9 +1,10 @@
 // The light: one word for what the projectors show.
 
 import { byId, make, setAttribute, setText } from './elements.js';
+import { brightnessNote } from './show.js';
 
 // The word, the reason and the kind of a state.
-export function lightOf({ blackout, paused, test_picture: picture, cameras }) {
+export function lightOf({ blackout, paused, test_picture: picture, brightness, cameras }) {
   const by = (who) => (who ? `set by ${who}` : '');
   const dark = cameras.filter((camera) => camera.dark !== null);
   const reasons = [...new Set(dark.map((camera) => camera.dark))].join('; ');
@@ -16,14 +17,18 @@ export function lightOf({ blackout, paused, test_picture: picture, cameras }) {
   if (dark.length === cameras.length) {
     return cameras.every((camera) => camera.blackout) ? ['black', 'Black', reasons] : ['dark', 'Dark', reasons];
   }
+  if (brightness.share === 0) {
+    return ['dark', 'Dark', brightnessNote(brightness)];
+  }
   const some = dark.map((camera) => `${camera.name} is dark: ${camera.dark}`).join('; ');
+  const dim = brightnessNote(brightness);
   if (picture !== null) {
-    return ['test', 'Test picture', [picture, some].filter(Boolean).join('; ')];
+    return ['test', 'Test picture', [picture, dim, some].filter(Boolean).join('; ')];
   }
   if (paused.on) {
-    return ['paused', 'Paused', [by(paused.by), some].filter(Boolean).join('; ')];
+    return ['paused', 'Paused', [by(paused.by), dim, some].filter(Boolean).join('; ')];
   }
-  return some ? ['dark', `${dark.length} of ${cameras.length} dark`, some] : ['lit', 'Lit', ''];
+  return some ? ['dark', `${dark.length} of ${cameras.length} dark`, [dim, some].filter(Boolean).join('; ')] : ['lit', 'Lit', dim];
 }
 
 const LIGHTS = { lit: '#ffe082', dark: '#ffc857', black: '#000', paused: '#4ea1e0', test: '#9575cd', lost: '#e53935' };

@@ -11,6 +11,8 @@ import {
   answerTo, black, currentToken, isTokenWrong, post, release, report, send, setSocket, setState, setToken, socket, state,
 } from './node.js';
 import { makeServer } from './settings.js';
+import { watchShortcuts } from './shortcuts.js';
+import { nextCue, pressCue, showBrightness, showCues } from './show.js';
 
 const cameras = new Views(byId('cameras'), (camera) => camera.name, makeCamera);
 const displays = new Views(byId('displays-rows'), (display, index) => `${index} ${display.path}`, makeDisplay);
@@ -28,23 +30,17 @@ byId('test-picture').addEventListener('click', (event) => {
   post('test_picture', { ...answerTo(event) }, event.currentTarget, 'Test picture');
 });
 
-document.addEventListener('keydown', (event) => {
-  if (event.repeat) {
-    // A button that has the focus would be pressed again and again.
-    if (event.key === 'Enter') {
-      event.preventDefault();
-    }
-    return;
-  }
-  const isTyping = event.target.closest?.('input:not([type="checkbox"]):not([type="radio"]), select, textarea');
-  const key = event.ctrlKey || event.altKey || event.metaKey || isTyping ? '' : event.key.toLowerCase();
+watchShortcuts((key, event) => {
   if (key === 'b') {
-    event.preventDefault();
     black(byId('black'));
   } else if (key === 'l' && event.shiftKey && !byId('release').disabled) {
-    event.preventDefault();
     release(event, byId('release'));
+  } else if (key === ' ' && state?.cues.names.length) {
+    nextCue();
+  } else {
+    return pressCue(key);
   }
+  return true;
 });
 
 // --- log --------------------------------------------------------------------------------------------------------------
@@ -100,6 +96,8 @@ function showState(next) {
   byId('pause').toggleAttribute('data-on', state.paused.on);
   setText(byId('test-picture'), state.test_picture === null ? 'Test picture' : 'Next test picture');
   byId('test-picture').toggleAttribute('data-on', state.test_picture !== null);
+  showBrightness(state.brightness);
+  showCues(state.cues);
   cameras.show(state.cameras, state);
   setText(byId('displays-summary'), summaryOf(state.displays));
   displays.show(state.displays, state);

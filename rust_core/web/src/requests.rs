@@ -31,7 +31,7 @@ const API: &str = "/api/";
 const STREAM: &str = "/api/stream";
 
 /// The page's files: path and content.
-const FILES: [(&str, &[u8]); 10] = [
+const FILES: [(&str, &[u8]); 12] = [
     ("/", include_bytes!("../page/index.html")),
     ("/page.css", include_bytes!("../page/page.css")),
     ("/camera.js", include_bytes!("../page/camera.js")),
@@ -42,6 +42,8 @@ const FILES: [(&str, &[u8]); 10] = [
     ("/nudge.js", include_bytes!("../page/nudge.js")),
     ("/page.js", include_bytes!("../page/page.js")),
     ("/settings.js", include_bytes!("../page/settings.js")),
+    ("/shortcuts.js", include_bytes!("../page/shortcuts.js")),
+    ("/show.js", include_bytes!("../page/show.js")),
 ];
 
 /// Headers of all responses.

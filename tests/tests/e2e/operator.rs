@@ -383,3 +383,48 @@ fn the_record_of_an_image_in_a_window_comes_when_the_x_server_has_it() {
     fixture.python("blackout(True)");
     fixture.wait_for("records[-1].source.startswith('CameraPub;blackout by ')");
 }
+
+/// Sets settings of all cameras; an error of the node is none of the values.
+const SETTINGS: &str = "
+import dynamic_reconfigure.client
+settings = dynamic_reconfigure.client.Client('/camera_stream', timeout=300)
+def configure(**values):
+    try: return settings.update_configuration(values)['brightness']
+    except rospy.ServiceException: return None
+def reds(): return [color[0] for color in viewer.colors]";
+
+#[test]
+fn the_brightness_dims_all_outputs_and_fades_without_new_data() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &["--brightness", "0.5"]);
+    let is_half = || screen.pixels().chunks_exact(3).all(|pixel| *pixel == [128, 0, 0]);
+    fixture.wait_for("viewer.middle() == (128, 0, 0)");
+    assert!(wait_until(PATIENCE, is_half), "{}", fixture.log());
+    fixture.python(SETTINGS);
+    assert_eq!(fixture.python("settings.get_configuration(300)['brightness']"), "0.5");
+    fixture.python("viewer.forget(); configure(fade_seconds=3.0, brightness=1.0)");
+    fixture.wait_for(RED);
+    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    let colors = fixture.python("reds()");
+    assert_eq!(fixture.python("reds() == sorted(reds()) and len(reds()) > 4"), "True", "{colors}");
+    // Out of range, nothing changes: neither to the nearest value nor the one beside it.
+    for wrong in ["brightness=7.0", "brightness=-1.0", "brightness=float('nan')", "brightness=0.1, fade_seconds=9.0"] {
+        assert_eq!(fixture.python(format!("configure({wrong})")), "None", "{wrong}");
+    }
+    let values = "[rospy.get_param('/camera_stream/' + name) for name in ('brightness', 'fade_seconds')]";
+    assert_eq!(fixture.python(values), "[1.0, 3.0]");
+    assert_eq!(fixture.python("viewer.middle()"), "(255, 0, 0)");
+    fixture.wait_for_log("nothing changed: brightness: 7 is no number from 0 to 1").unwrap();
+    // A blackout does not wait for a fade, and its release does not start one.
+    fixture.python("configure(fade_seconds=5.0, brightness=0.2); viewer.forget(); blackout(True)");
+    fixture.wait_for("is_black()");
+    assert_eq!(fixture.python("configure(fade_seconds=0.0, brightness=0.4)"), "0.4");
+    fixture.python("viewer.forget(); blackout(False)");
+    fixture.wait_for("viewer.middle() == (102, 0, 0)");
+    assert_eq!(fixture.python("set(reds()) <= {0, 102}"), "True");
+    // A paused image is dimmed, too, and back again.
+    fixture.python("pause(True); configure(brightness=0.0)");
+    fixture.wait_for("is_black()");
+    fixture.python("latch('/cloud', wall(0x0000ff)); configure(brightness=1.0)");
+    fixture.wait_for(RED);
+}

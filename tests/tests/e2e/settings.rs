@@ -58,7 +58,7 @@ fn fixture(config: &str, args: &[&str]) -> RosFixture {
 fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() {
     let grouped = format!("{{Class: rviz/Group, Name: My sensors, Enabled: true, Displays: [{CLOUD}]}}");
     let fixture = fixture(&config(&[&grouped], &[camera()]), &["--no-watch"]);
-    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub', '/view/image/compressed']");
+    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream', '/camera_stream/CameraPub', '/view/image/compressed']");
     fixture.python("c = client(); updates = []; c.set_config_callback(lambda config: updates.append(config))");
 
     let names =
@@ -186,7 +186,7 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     assert_eq!(fixture.python("client('Second_eye').get_configuration(300)['background_green']"), "0");
     fixture.rewrite(&config(&[CLOUD, grid], &[green]));
     assert!(fixture.python(RELOAD).starts_with("(True, "));
-    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub', '/view/image/compressed']");
+    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream', '/camera_stream/CameraPub', '/view/image/compressed']");
     // A display that is removed takes its switch along: added again it is seen, as in rviz.
     for displays in [&[grid][..], &[CLOUD, grid]] {
         fixture.rewrite(&config(displays, &[camera()]));

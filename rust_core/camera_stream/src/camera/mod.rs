@@ -1,5 +1,6 @@
 //! One camera of the node: its place in the config, its settings, and the frames that it publishes.
 
+mod brightness;
 mod buffers;
 pub(crate) mod connections;
 pub(crate) mod frame;

@@ -31,6 +31,7 @@ use rcs_scene::{DepthImage, DisplayId, DisplayMask, Image, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
 
+use super::brightness::Dimmer;
 use super::buffers::FrameBuffers;
 use super::connections::CameraConnections;
 use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
@@ -63,15 +64,16 @@ pub(crate) struct CameraContext {
 
 /// A camera with its outputs and its trigger service.
 pub(crate) struct CameraPublisher {
-    context: Arc<CameraContext>,
+    pub(super) context: Arc<CameraContext>,
     pub(super) settings: RuntimeSettings,
     pub(super) connections: CameraConnections,
-    timing: FrameTiming,
+    pub(super) timing: FrameTiming,
     /// Evidence about its light.
     pub(super) light: CameraLight,
     pub(super) epoch: Epoch,
     pub(super) last_check: LastCheck,
     pub(super) buffers: FrameBuffers,
+    pub(super) dimmer: Dimmer,
     turned_info: TurnedInfo,
     pub(super) health: CameraHealth,
 }
@@ -115,6 +117,7 @@ impl CameraPublisher {
             epoch: Epoch::default(),
             last_check: LastCheck::default(),
             buffers: FrameBuffers::default(),
+            dimmer: Dimmer::default(),
             turned_info: TurnedInfo::default(),
             health: CameraHealth::default(),
         }
@@ -286,7 +289,8 @@ impl CameraPublisher {
     pub(crate) fn until_due(&self, now: Instant) -> Option<Duration> {
         // A camera that cannot draw is retried when a message arrives.
         let can_draw = (!self.health.has_problem() || self.buffers.front.is_some()) && self.is_watched();
-        can_draw.then(|| self.timing.until_due(self.connections.outputs.refresh(), now)).flatten()
+        let due = can_draw.then(|| self.timing.until_due(self.connections.outputs.refresh(), now)).flatten();
+        due.into_iter().chain(self.until_dimmed(now).filter(|_| self.is_watched())).min()
     }
 
     /// The operator's settings.
@@ -396,6 +400,7 @@ impl CameraPublisher {
 
     /// The frame if it is due and looks different from the last one, which is published again if only that is due.
     fn due(&mut self, spec: FrameSpec) -> Result<Option<FrameSpec>> {
+        self.follow_brightness(Some(&spec))?;
         let last = self.buffers.last();
         let lacks_depth = self.wants_depth() && self.buffers.front.as_ref().is_some_and(|last| last.depth.is_none());
         let changed = lacks_depth || last.is_none_or(|last| !last.looks_like(&spec));
@@ -508,6 +513,7 @@ impl CameraPublisher {
             return self.publish_substitute(black);
         }
         self.connections.outputs.renew(&last.image);
+        self.follow_brightness(None)?;
         if !self.take_new_watcher() && !self.timing.schedule.is_repetition_due(now) {
             return Ok(());
         }
@@ -554,7 +560,7 @@ impl CameraPublisher {
     }
 
     /// Hands the last frame to the outputs. `drawn`: when it was drawn, if it is a new one.
-    fn publish_last(&mut self, drawn: Option<Instant>) -> Result<()> {
+    pub(super) fn publish_last(&mut self, drawn: Option<Instant>) -> Result<()> {
         if self.buffers.last().is_some_and(|last| !last.may_leave(Instant::now())) {
             return self.apply_control();
         }
@@ -563,7 +569,9 @@ impl CameraPublisher {
         let is_new = !std::mem::replace(&mut last.is_published, true);
         let stamp = self.context.ros.now();
         let info = self.turned_info.of(&last.spec.info, last.spec.orientation);
-        let (image, depth) = (last.image.clone(), last.depth.clone());
+        let now = Instant::now();
+        let brightness = self.context.control.brightness().fade.at(now);
+        let (image, depth) = (self.dimmer.apply(&last.image, brightness, now), last.depth.clone());
         let shown = outputs.shown().filter(|_| is_new).map(|publisher| {
             let dark = last.spec.dark_reason().map(|dark| dark.why.as_str());
             let source = shown::source(&self.settings.view().name, dark, last.spec.oldest);

@@ -1,5 +1,8 @@
 //! A camera on the operator's page.
 
+use std::sync::Arc;
+
+use rcs_ros::settings::NamedValues;
 use rcs_ros::ReconfigureServer;
 
 use super::output::CameraPublisher;
@@ -43,6 +46,20 @@ impl CameraPublisher {
     pub(crate) fn servers(&self) -> impl Iterator<Item = &ReconfigureServer> {
         let topic = self.connections.outputs.topic.as_ref();
         self.settings.server().into_iter().chain(topic.and_then(TopicOutput::server))
+    }
+
+    /// The displays that it shows, by their paths, without the groups around them.
+    pub(crate) fn shown_displays(&self) -> Vec<String> {
+        self.settings.shown_displays()
+    }
+
+    /// The server of its settings, and the values that show these displays and hide all others.
+    ///
+    /// # Errors
+    /// A display that the config does not have, or there is no server.
+    pub(crate) fn values_showing(&self, shown: &[String]) -> Result<(Arc<str>, NamedValues), String> {
+        let server = self.settings.server().ok_or("its settings cannot be changed")?;
+        Ok((Arc::clone(server.name()), self.settings.values_showing(shown)?))
     }
 
     /// The switches of the displays: path, name of the parameter, and `true` for one that is on.

@@ -5,12 +5,13 @@
 
 use std::collections::HashSet;
 
-use rcs_ros::settings::{Setting, SettingGroup};
+use rcs_ros::settings::{NamedValues, Setting, SettingGroup};
 use rcs_ros::ParameterValue;
 use rcs_rviz_config::{CameraPubSettings, Config, Role, Visibility};
 use rcs_scene::{Encoding, FAR_CLIP_M};
 
 use crate::control::BLACKOUT;
+use crate::scene::status_tree::path_text;
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
@@ -87,6 +88,29 @@ pub(super) fn switches(config: &Config) -> Vec<Switch> {
         });
     }
     switches
+}
+
+/// The switches of displays, without those of groups.
+pub(super) fn displays(switches: &[Switch]) -> impl Iterator<Item = &Switch> {
+    switches.iter().filter(|switch| !switches.iter().any(|other| switch.is_around(other)))
+}
+
+/// The values that show these displays, by their paths, and hide all others.
+///
+/// # Errors
+/// A display that there is not.
+pub(super) fn values_showing(switches: &[Switch], shown: &[String]) -> Result<NamedValues, String> {
+    let listed = |switch: &Switch| shown.contains(&switch.text());
+    if let Some(unknown) = shown.iter().find(|text| !displays(switches).any(|switch| switch.text() == **text)) {
+        return Err(format!("the config has no display '{unknown}'"));
+    }
+    let value = |switch: &Switch| {
+        let is_on =
+            displays(switches).any(|display| listed(display) && (switch.is_around(display) || switch == display));
+        (switch.name.clone(), is_on.into())
+    };
+    let all = (VISIBILITY.to_owned(), (!shown.is_empty()).into());
+    Ok(switches.iter().map(value).chain([all]).collect())
 }
 
 /// The shortest decimal number that is the same in single precision: most likely the config's.
@@ -169,6 +193,11 @@ impl CameraParameters {
         Ok(())
     }
 
+    /// `true` if a display is shown, with all groups around it.
+    pub(super) fn shows(&self, switch: &Switch) -> bool {
+        self.visibility.shows(&switch.path())
+    }
+
     /// The table of the settings; those of the file are the defaults. `is_black`: the camera's own blackout is on,
     /// which is no setting of its images.
     pub(super) fn groups(&self, in_file: &Self, switches: &[Switch], is_black: bool) -> Vec<SettingGroup> {
@@ -207,6 +236,16 @@ impl Switch {
     /// The display's path and the parameter's name.
     pub(super) fn path_and_name(&self) -> (&[String], &str) {
         (&self.path, &self.name)
+    }
+
+    /// The path as the page and cues write it.
+    pub(super) fn text(&self) -> String {
+        path_text(&self.path)
+    }
+
+    /// `true` if it is the switch of a group around the other one.
+    fn is_around(&self, other: &Self) -> bool {
+        other.path.len() > self.path.len() && other.path.starts_with(&self.path)
     }
 
     fn path(&self) -> Vec<&str> {
@@ -293,6 +332,28 @@ mod tests {
         own.visibility.set(&["b"], false);
         own.forget(all.iter().filter(|switch| switch.path == ["a"]), &in_file);
         assert!(own.visibility.shows(&["a"]) && !own.visibility.shows(&["b"]));
+    }
+
+    #[test]
+    fn a_set_of_displays_ticks_them_and_the_groups_around_them_and_nothing_else() {
+        let grid = |name: &str| format!("{{Class: rviz/Grid, Name: {name}, Enabled: true}}");
+        let inner = format!("{{Class: rviz/Group, Name: h, Enabled: true, Displays: [{}, {}]}}", grid("a"), grid("b"));
+        let group = format!("{{Class: rviz/Group, Name: g, Enabled: true, Displays: [{inner}, {}]}}", grid("c"));
+        let switches = switches(&config(&[group, grid("a")].join(", ")));
+        let mut parameters = CameraParameters::of(&CameraPubSettings::default());
+        let mut show = |shown: &[&str]| {
+            let shown: Vec<String> = shown.iter().map(|text| (*text).to_owned()).collect();
+            let values = values_showing(&switches, &shown)?;
+            values.iter().for_each(|(name, value)| parameters.take(name, value, &switches).unwrap());
+            let displays = displays(&switches).filter(|switch| parameters.shows(switch)).map(Switch::text);
+            Ok::<Vec<String>, String>(displays.collect())
+        };
+        for shown in [&["g / h / b", "a"][..], &["g / c"], &[], &["g / h / a", "g / h / b", "g / c", "a"]] {
+            assert_eq!(show(shown).unwrap(), shown);
+        }
+        for unknown in ["b", "g", "g / h", "g/c", ""] {
+            assert_eq!(show(&["a", unknown]), Err(format!("the config has no display '{unknown}'")));
+        }
     }
 
     #[test]

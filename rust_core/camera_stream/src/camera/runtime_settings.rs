@@ -13,7 +13,7 @@ use rcs_ros::{ParameterValue, ReconfigureServer, RosNode};
 use rcs_rviz_config::CameraPubSettings;
 
 use super::plan::CameraPlan;
-use super::reconfigurable::{CameraParameters, Switch};
+use super::reconfigurable::{self, CameraParameters, Switch};
 use crate::control::{Control, BLACKOUT};
 
 /// The settings of one camera that can be changed while it runs.
@@ -67,6 +67,20 @@ impl RuntimeSettings {
             let (path, name) = switch.path_and_name();
             (path, name, self.current.is_on(switch))
         })
+    }
+
+    /// The displays that are shown, by their paths, without the groups around them.
+    pub(super) fn shown_displays(&self) -> Vec<String> {
+        let displays = reconfigurable::displays(&self.switches);
+        displays.filter(|switch| self.current.shows(switch)).map(Switch::text).collect()
+    }
+
+    /// The values that show these displays and hide all others.
+    ///
+    /// # Errors
+    /// A display that the config does not have.
+    pub(super) fn values_showing(&self, shown: &[String]) -> Result<NamedValues, String> {
+        reconfigurable::values_showing(&self.switches, shown)
     }
 
     /// The table of its settings.

@@ -1,4 +1,4 @@
-//! The operator's words: blackout, pause and test images, of all cameras and of each.
+//! The operator's words: blackout, pause, test images and brightness, of all cameras and of each.
 //!
 //! ```text
 //!  services, dynamic_reconfigure, keys of windows, page ─► Control ─┬─► control thread: black at once
@@ -10,6 +10,8 @@
 //! released for that camera. Blackouts are kept in a file before they are acknowledged, so that a node which ends
 //! during one does not come back lit, and written to the parameter server for others to read.
 
+pub(crate) mod brightness;
+pub(crate) mod cues;
 pub(crate) mod pattern;
 
 use std::fmt;
@@ -22,6 +24,8 @@ use rcs_ros::{ParameterValue, RosNode};
 use rcs_window::test_images::TestImage;
 use rcs_window::WindowKey;
 
+use crate::options::arguments::LightArgs;
+use brightness::{BrightnessSetting, Fade};
 use pattern::Pattern;
 
 /// Parameter of `~blackout`, and of a camera's own below its name.
@@ -52,6 +56,7 @@ struct ControlledState {
     test_image: Option<TestImage>,
     /// The pattern that came last.
     pattern: Option<Arc<Pattern>>,
+    brightness: BrightnessSetting,
     cameras: Vec<CameraState>,
     has_changed: bool,
 }
@@ -98,8 +103,8 @@ impl fmt::Debug for Control {
 }
 
 impl Control {
-    /// The control of a node, which is woken by each change. `is_black`: it starts with a blackout.
-    pub(crate) fn start(ros: &Arc<RosNode>, is_black: bool) -> Self {
+    /// The control of a node, which is woken by each change, with the blackout and the brightness of its options.
+    pub(crate) fn start(ros: &Arc<RosNode>, light: &LightArgs) -> Self {
         let (writer, woken) = (Arc::downgrade(ros), Arc::downgrade(ros));
         let tell = move |is_on: bool| {
             let set =
@@ -116,7 +121,9 @@ impl Control {
         };
         let file = BlackoutFile::of_node(rcs_ros::ros_folder().as_deref(), ros.name());
         let control = Self::new(file, tell, wake);
-        if is_black {
+        let fade = Fade::steady(light.brightness);
+        control.set(|state| state.brightness = BrightnessSetting { fade, fade_secs: light.fade_seconds });
+        if light.blackout {
             // An error is in the log, and it is black.
             let _ = control.set_blackout(true, "~blackout at the start");
         }
@@ -233,6 +240,29 @@ impl Control {
             log_test("all cameras", state.test_image, caller);
             state.test_image.map(TestImage::name)
         })
+    }
+
+    /// Begins a fade of all cameras to another brightness, or sets the duration of later ones.
+    ///
+    /// # Errors
+    /// A value out of its range; nothing has changed.
+    pub(crate) fn set_brightness(
+        &self,
+        share: Option<f64>,
+        fade_secs: Option<f64>,
+        caller: &str,
+    ) -> Result<(), String> {
+        self.set(|state| {
+            state.brightness = state.brightness.with(share, fade_secs, Instant::now())?;
+            Ok::<_, String>(())
+        })?;
+        share.iter().for_each(|share| log::info!("all cameras: brightness {share} by {caller}"));
+        Ok(())
+    }
+
+    /// The brightness of all cameras.
+    pub(crate) fn brightness(&self) -> BrightnessSetting {
+        lock(&self.state).brightness
     }
 
     /// Shows a pattern of a calibration for a while.

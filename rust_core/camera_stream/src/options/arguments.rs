@@ -8,6 +8,7 @@ use rcs_camera::Projection;
 use rcs_render::RendererChoice;
 
 use super::prediction::PredictionSettings;
+use crate::control::brightness::LONGEST_FADE_SECS;
 use crate::outputs::depth_image::DepthEncoding;
 use crate::safety::ages::limits::AgeLimit;
 use rcs_node_support::node_options::{within, COMMAND_LINE_ONLY};
@@ -140,6 +141,12 @@ pub struct LightArgs {
     /// Start blacked out, until ~blackout releases it
     #[arg(long)]
     pub blackout: bool,
+    /// Share of each level that is shown, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = within(0.0, 1.0))]
+    pub brightness: f64,
+    /// Time in which the brightness changes, 0 to 5 seconds
+    #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = within(0.0, LONGEST_FADE_SECS))]
+    pub fade_seconds: f64,
     /// Topic of a mono8 image over the projector's image, dark where there must be no light; with CAMERA= for one
     #[arg(long, value_name = "[CAMERA=]TOPIC")]
     pub mask_topic: Vec<String>,

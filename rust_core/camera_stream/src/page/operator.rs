@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::nudging::Nudging;
 use super::{parameters, state};
+use crate::runtime::cue_thread;
 use crate::runtime::shared::NodeState;
 
 /// The node for the pages.
@@ -51,15 +52,25 @@ impl PageOperator {
         let name = text(body, "server")?;
         let values = body["values"].as_object().ok_or_else(|| invalid("values: no object"))?;
         let unknown = || Refusal::Invalid(format!("server: there is no server {name}"));
+        let mut settings = self.shared.settings();
+        let names: Vec<&str> = values.keys().map(String::as_str).collect();
+        let names = names.join(", ");
+        if let Some(server) = settings.server(name) {
+            let request = parameters::request(values, server.groups()).map_err(Refusal::Invalid)?;
+            let set = settings.set(&self.shared.ros, &self.shared.control, &request, caller);
+            drop(settings);
+            cue_thread::follow(&self.shared);
+            return set.map(|_| format!("{names} set")).map_err(Refusal::Invalid);
+        }
+        drop(settings);
         let mut cameras = self.shared.cameras();
         let camera = cameras.iter_mut().find(|camera| camera.has_parameters(name)).ok_or_else(unknown)?;
         let server = camera.servers().find(|server| &**server.name() == name).ok_or_else(unknown)?;
         let request = parameters::request(values, server.groups()).map_err(Refusal::Invalid)?;
         camera.reconfigure(name, &request, caller);
         drop(cameras);
+        cue_thread::follow(&self.shared);
         self.shared.ros.events().wake();
-        let names: Vec<&str> = values.keys().map(String::as_str).collect();
-        let names = names.join(", ");
         log::info!("{name}: {names} set by {caller}");
         Ok(format!("{names} set"))
     }
@@ -74,6 +85,20 @@ impl Operator for PageOperator {
         match request {
             "parameters" => self.set_parameters(body, caller),
             "nudge" | "save" | "revert" => self.nudging.post(request, body, caller),
+            "cue" => {
+                let name = if body["name"].is_null() { None } else { Some(text(body, "name")?) };
+                cue_thread::show(&self.shared, name, caller).map(|name| format!("cue {name}")).map_err(Refusal::Failed)
+            }
+            "save_cue" => {
+                let name = text(body, "name")?.trim();
+                let saved = cue_thread::save(&self.shared, name, caller);
+                saved.map(|()| format!("cue {name} saved")).map_err(Refusal::Failed)
+            }
+            "remove_cue" => {
+                let name = text(body, "name")?;
+                let removed = cue_thread::remove(&self.shared, name, caller);
+                removed.map(|()| format!("cue {name} removed")).map_err(Refusal::Failed)
+            }
             "blackout" => self.black_out(body, caller),
             "pause" => {
                 let on = switch(body)?;

@@ -13,6 +13,7 @@ use crate::scene::status_tree::path_text;
 pub(super) fn state(shared: &NodeState, nudging: &Nudging) -> Value {
     // Before the state is read, so that a change meanwhile makes an answer void.
     let (clock_ms, number, control) = (rcs_web::clock_ms(), shared.control.number(), shared.control.state());
+    let brightness = shared.control.brightness();
     let statuses = shared.page.statuses();
     let mut displays = statuses.displays.clone();
     let (mut cameras, mut servers) = (Vec::new(), Vec::new());
@@ -41,10 +42,21 @@ pub(super) fn state(shared: &NodeState, nudging: &Nudging) -> Value {
         "blackout": by(control.blackout),
         "paused": by(control.paused),
         "test_picture": control.test_image,
+        "brightness": {"share": brightness.fade.target(), "fade_seconds": brightness.fade_secs},
+        "cues": cues(shared),
         "cameras": cameras,
         "displays": displays,
         "reconfigure": servers,
     })
+}
+
+/// The cues, the current one, and what is wrong with their file.
+fn cues(shared: &NodeState) -> Value {
+    let (names, problem) = match shared.cues.known() {
+        Ok(cues) => (cues.into_iter().map(|cue| cue.name).collect::<Vec<_>>(), None),
+        Err(problem) => (Vec::new(), Some(problem)),
+    };
+    json!({"names": names, "current": shared.cues.current().map(|cue| cue.name), "problem": problem})
 }
 
 /// Something that holds for all cameras, and who has set it.

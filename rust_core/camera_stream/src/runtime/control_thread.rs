@@ -10,14 +10,17 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Result};
+use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_process::join_within;
-use rcs_ros::{NodeError, RosNode, ServiceCall, TriggerReply};
+use rcs_ros::settings::NamedValues;
+use rcs_ros::{NodeError, Reply, RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 
 use crate::options::Options;
 use crate::runtime::activity::Busy;
 use crate::runtime::config_control::ConfigControl;
+use crate::runtime::cue_thread;
 use crate::runtime::shared::NodeState;
 use crate::runtime::watchdog::Task;
 
@@ -46,6 +49,7 @@ struct Services {
     blackout: Arc<str>,
     pause: Arc<str>,
     test_image: Arc<str>,
+    next_cue: Arc<str>,
     is_idle: Arc<str>,
     load_discarding: Arc<str>,
     save: Arc<str>,
@@ -61,6 +65,7 @@ impl Services {
             blackout: ros.serve_set_bool("~blackout")?,
             pause: ros.serve_set_bool("~pause")?,
             test_image: ros.serve_trigger("~test_picture")?,
+            next_cue: ros.serve_trigger("~next_cue")?,
             is_idle: ros.serve_trigger("~is_idle")?,
             load_discarding: ros.serve_file_path("~load_config_discarding_changes")?,
             save: ros.serve_file_path("~save_config")?,
@@ -148,6 +153,13 @@ impl ControlThread {
                 self.apply_control();
                 reply.send(true, test.unwrap_or("the scene"));
             }
+            ServiceCall::Trigger { service, caller, reply } if service == self.services.next_cue => {
+                let answer = |shown: Result<String, String>| {
+                    let (Ok(text) | Err(text)) = &shown;
+                    reply.send(shown.is_ok(), text.as_str());
+                };
+                self.shared.cues.ask(None, &caller, Box::new(answer));
+            }
             ServiceCall::Trigger { service, reply, .. } if service == self.services.is_idle => self.tell_idle(reply),
             ServiceCall::SetBool { service, value, caller, reply } => self.switch(&service, value, &caller, reply),
             ServiceCall::FilePath { service, path, reply, .. } if service == self.services.save => {
@@ -163,10 +175,14 @@ impl ControlThread {
                 }
             }
             ServiceCall::Reconfigure { server, request, caller, reply } => {
+                if self.shared.settings().server(&server).is_some() {
+                    return self.set_node(&request, &caller, reply);
+                }
                 let set = self.shared.cameras().iter_mut().find_map(|camera| {
                     camera.has_parameters(&server).then(|| camera.reconfigure(&server, &request, &caller))?
                 });
                 self.apply_control();
+                cue_thread::follow(&self.shared);
                 // Without an answer, the caller gets an error.
                 if let Some(values) = set {
                     reply.answer(values);
@@ -174,6 +190,27 @@ impl ControlThread {
             }
         }
         self.shared.ros.events().wake();
+    }
+
+    /// Takes values of the settings of all cameras, a cue first. Without an answer, the caller gets an error.
+    fn set_node(&self, request: &NamedValues, caller: &str, reply: Reply<Values>) {
+        let (shared, request) = (Arc::clone(&self.shared), request.clone());
+        let (cue, own_caller) = (shared.settings().other_cue(&request).map(str::to_owned), caller.to_owned());
+        let set = move |_| {
+            let set = shared.settings().set(&shared.ros, &shared.control, &request, &own_caller);
+            match set {
+                Ok(values) => values.into_iter().for_each(|values| reply.answer(values)),
+                Err(error) => log::error!("nothing changed: {error}; set by {own_caller}"),
+            }
+        };
+        match cue {
+            Some(name) => self.shared.cues.ask(Some(&name), caller, Box::new(|shown| shown.into_iter().for_each(set))),
+            None => {
+                set(String::new());
+                cue_thread::follow(&self.shared);
+            }
+        }
+        self.apply_control();
     }
 
     /// Tells whether all cameras are dark only because there is nothing to show.

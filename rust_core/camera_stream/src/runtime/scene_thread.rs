@@ -249,7 +249,7 @@ impl SceneThread {
         let state = &self.scene;
         let mut entries = status_tree::scene(state, self.now());
         status::add(&mut entries, &self.safety, |topic| self.subscriptions.is_paused(topic));
-        status::add_operator(&mut entries, &shared.control.state());
+        status::add_operator(&mut entries, &shared.control);
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.

@@ -6,15 +6,18 @@ use std::time::Instant;
 
 use rcs_light::Pulse;
 use rcs_process::lock;
-use rcs_ros::RosNode;
+use rcs_ros::{NodeError, RosNode};
 use rcs_rviz_config::Config;
 
 use super::activity::Activity;
 use super::config_reply::ConfigReply;
 use super::diagnostics::Diagnostics;
+use super::node_settings::NodeSettings;
 use super::watchdog;
 use crate::camera::output::CameraPublisher;
+use crate::control::cues::Cues;
 use crate::control::Control;
+use crate::options::arguments::LightArgs;
 use crate::page::PageStatuses;
 
 /// State shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
@@ -25,8 +28,10 @@ pub(crate) struct NodeState {
     /// The contents of the operator's page.
     pub(crate) page: PageStatuses,
     pub(crate) control: Arc<Control>,
+    pub(crate) cues: Arc<Cues>,
     /// The control thread's beats, which show pauses of the process.
     pub(super) pulse: Pulse,
+    settings: Mutex<NodeSettings>,
     cameras: Mutex<Vec<CameraPublisher>>,
     diagnostics: Mutex<Diagnostics>,
     requests: Mutex<Requests>,
@@ -52,16 +57,21 @@ pub(super) struct Reload {
 }
 
 impl NodeState {
-    /// Without cameras, of the config in a file. `is_black`: they start with a blackout.
-    pub(super) fn new(ros: Arc<RosNode>, config_file: &Path, is_black: bool) -> Self {
-        let control = Arc::new(Control::start(&ros, is_black));
+    /// Without cameras, of the config in a file, with the blackout and the brightness of the options.
+    ///
+    /// # Errors
+    /// The name of a topic.
+    pub(super) fn new(ros: Arc<RosNode>, config_file: &Path, light: &LightArgs) -> Result<Self, NodeError> {
+        let control = Arc::new(Control::start(&ros, light));
+        let cues = Arc::new(Cues::start(&ros)?);
+        let settings = Mutex::new(NodeSettings::start(&ros, &control));
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
         let (page, cameras, requests) = (PageStatuses::new(), Mutex::default(), Mutex::default());
         let pulse = Pulse::start(Instant::now());
         let config_file = Mutex::new(config_file.to_owned());
-        Self { ros, activity, control, pulse, page, cameras, diagnostics, requests, config_file }
+        Ok(Self { ros, activity, control, cues, pulse, page, settings, cameras, diagnostics, requests, config_file })
     }
 
     /// The config's file was exchanged for another.
@@ -69,14 +79,24 @@ impl NodeState {
         file.clone_into(&mut lock(&self.config_file));
     }
 
+    /// The file of the config.
+    pub(crate) fn config_file(&self) -> PathBuf {
+        lock(&self.config_file).clone()
+    }
+
     /// The config's name without its folder.
     pub(crate) fn config_name(&self) -> String {
-        lock(&self.config_file).file_name().unwrap_or_default().to_string_lossy().into_owned()
+        self.config_file().file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
     pub(crate) fn cameras(&self) -> MutexGuard<'_, Vec<CameraPublisher>> {
         lock(&self.cameras)
+    }
+
+    /// The settings that hold for all cameras.
+    pub(crate) fn settings(&self) -> MutexGuard<'_, NodeSettings> {
+        lock(&self.settings)
     }
 
     pub(super) fn diagnostics(&self) -> MutexGuard<'_, Diagnostics> {

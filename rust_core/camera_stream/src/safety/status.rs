@@ -4,7 +4,7 @@ use rcs_confirm::Shares;
 use rcs_displays::Level;
 use rcs_light::{DarkCause, DarkReason};
 
-use crate::control::{ControlState, OperatorSettings};
+use crate::control::{Control, OperatorSettings};
 use crate::safety::{Safety, STALE};
 use crate::scene::status_tree::{EntryKind, StatusEntry};
 
@@ -30,12 +30,16 @@ pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety, is_paused: i
 }
 
 /// Adds what the operator has set for all cameras.
-pub(crate) fn add_operator(entries: &mut [StatusEntry<'_>], control: &ControlState) {
+pub(crate) fn add_operator(entries: &mut [StatusEntry<'_>], control: &Control) {
+    let (control, share) = (control.state(), control.brightness().fade.target());
     for entry in entries.iter_mut().filter(|entry| entry.kind == EntryKind::Global) {
         let mut set = |name: &str, text: String| entry.statuses.to_mut().set(Level::Warn, name, text);
         control.blackout.iter().for_each(|caller| set("Blackout", format!("all cameras, by {caller}")));
         control.paused.iter().for_each(|caller| set("Pause", format!("all cameras, by {caller}")));
         control.test_image.iter().for_each(|test| set("Test picture", format!("{test}, in all cameras")));
+        if share < 1.0 {
+            set("Brightness", format!("{:.0} %, in all cameras", 100.0 * share));
+        }
     }
 }
 

@@ -9,6 +9,7 @@
 //! With nothing to do, nothing is touched.
 
 mod blend;
+mod brightness;
 mod factors;
 mod keep_out;
 mod light_mask;
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 use rcs_scene::Image;
 
 pub use self::blend::{Blend, BlendError};
+pub use self::brightness::Brightness;
 use self::factors::{scale_row, ONE};
 pub use self::keep_out::{KeepOut, Sphere};
 pub use self::light_mask::LightMask;
