@@ -67,6 +67,24 @@ class Page:
         found = [each for each in self.elements('[role="switch"]') if each.accessible_name == name]
         return found[0].is_selected()
 
+    def set_field(self, selector, value, event='input'):
+        """Sets a field as dragging a slider or choosing from a list does."""
+        self.run('arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event(arguments[2]))',
+                 self.element(selector), value, event)
+
+    def covered(self):
+        """What has the focus below something fixed or outside of the window, one after the other, as HTML."""
+        script = """
+            const edge = (selector, side) => document.querySelector(selector).getBoundingClientRect()[side];
+            const [top, bottom] = [edge('#light', 'bottom'), edge('#black', 'top')];
+            const found = [...document.querySelectorAll('main button, main input, main select, main summary')];
+            return found.filter((node) => node.checkVisibility()).filter((node) => {
+                node.focus();
+                const place = node.getBoundingClientRect();
+                return place.top < top || place.bottom > bottom;
+            }).map((node) => node.outerHTML);"""
+        return self.run(script)
+
     def type_key(self, key, selector='body'):
         self.element(selector).send_keys(key)
 

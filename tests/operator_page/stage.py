@@ -17,7 +17,8 @@ from .browser import PATIENCE_SECS
 ROOT = pathlib.Path(__file__).parents[2]
 PROGRAMS = pathlib.Path(os.environ.get('CARGO_TARGET_DIR', ROOT / 'target')) / 'release'
 IMAGE = '/proj_view/image'
-CAMERA = '/camera_stream/CameraPub'
+NODE = '/camera_stream'
+CAMERA = f'{NODE}/CameraPub'
 OPTICAL_FRAME = 'proj_view'
 BASE_FRAME = 'base_link'
 TEST_NODE = '/experiment'
@@ -33,6 +34,8 @@ class LiveScene:
         self.programs = {}
         self.projector_file = self.folder / 'projector.yaml'
         shutil.copy(ROOT / 'config/projector.yaml', self.projector_file)
+        self.config = self.folder / 'projection.rviz'
+        shutil.copy(ROOT / 'rviz/projection.rviz', self.config)
         self._write_mask()
         self.port = self._free_port()
         try:
@@ -52,7 +55,7 @@ class LiveScene:
         os.environ.update({name: self.stage.environment[name] for name in ('ROS_MASTER_URI', 'ROS_HOME', 'ROS_HOSTNAME')})
         import rospy
         rospy.init_node(TEST_NODE.lstrip('/'), disable_signals=True, disable_rosout=True)
-        self.images, self.transforms = Images(), Transforms()
+        self.images, self.transforms, self.cues = Images(), Transforms(), Cues()
 
     def _run(self, name, command):
         self.programs[name] = Program([str(part) for part in command], self.stage.environment, self.folder / f'{name}.log')
@@ -63,7 +66,7 @@ class LiveScene:
 
     def start_camera_stream(self):
         """Starts the node and waits until it has printed where its page is; returns that address, with the token."""
-        self.start('camera_stream', '-d', ROOT / 'rviz/projection.rviz', '--renderer', 'cpu', '--projection', 'exact',
+        self.start('camera_stream', '-d', self.config, '--renderer', 'cpu', '--projection', 'exact',
                    '--mask', self.folder / 'mask.png', '--web', self.port)
         node = self.programs['camera_stream']
         pattern = re.compile(rf'http://[^\s/]+:{self.port}/#token=\S+')
@@ -90,6 +93,11 @@ class LiveScene:
         """A parameter of the camera, as dynamic_reconfigure keeps it on the parameter server."""
         import rospy
         return rospy.get_param(f'{CAMERA}/{name}')
+
+    def setting(self, name):
+        """A parameter of all cameras, as dynamic_reconfigure keeps it on the parameter server."""
+        import rospy
+        return rospy.get_param(f'{NODE}/{name}')
 
     def call(self, service, kind, *arguments):
         """Calls a service of the node as an experiment's script does."""
@@ -131,6 +139,21 @@ class Images:
 
     def is_lit(self):
         return self.newest is not None and bool(self.newest.any())
+
+
+class Cues:
+    """The names of the cues that were shown, the newest last, and a publisher that asks for one."""
+
+    def __init__(self):
+        import rospy
+        from std_msgs.msg import String
+        self.names = []
+        self._subscriber = rospy.Subscriber(f'{NODE}/cue', String, lambda message: self.names.append(message.data))
+        self._publisher = rospy.Publisher(f'{NODE}/set_cue', String, queue_size=10)
+
+    def ask(self, name):
+        wait_until(self._publisher.get_num_connections, PATIENCE_SECS, 'nobody subscribes to set_cue')
+        self._publisher.publish(name)
 
 
 class Transforms:

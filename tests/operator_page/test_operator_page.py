@@ -146,7 +146,8 @@ class OperatorPage(unittest.TestCase):
         self.page.run('import("/node.js").then((node) => node.black(document.querySelector("#black"), "CameraPub"))')
         self.wait(self.scene.images.is_black, 'the image is not black')
         self.release('Release CameraPub')
-        self.assertEqual([], [each for each in self.page.elements('.camera header button') if each.is_displayed()])
+        shown = [each.accessible_name for each in self.page.elements('.camera header button') if each.is_displayed()]
+        self.assertEqual(['Snapshot'], shown)
         self.page.open_details()
         self.assertNotIn('blackout', self.page.text('#settings'))
 
@@ -194,18 +195,139 @@ class OperatorPage(unittest.TestCase):
         self.page.press(CLUSTERS)
         self.wait(lambda: self.page.is_on(CLUSTERS), 'the display is not switched on')
 
-    def test_test_pictures_and_the_scene_again(self):
-        scene, names = self.scene.images.newest, []
-        self.page.press('Test picture')
-        self.wait_for_light('Test picture')
-        while self.page.light() != 'Lit':
-            shown = self.page.text('#light-why')
-            names.append(shown)
+    def test_a_test_picture_is_chosen_and_the_scene_again(self):
+        scene = self.scene.images.newest
+        names = self.page.run('return [...document.querySelectorAll("#test-picture option")].map((each) => each.value)')
+        self.assertGreater(len(names), 4)
+        for name in names[1:]:
+            self.page.set_field('#test-picture', name, 'change')
+            self.wait(lambda: self.page.light() == 'Test picture' and self.page.text('#light-why') == name, f'{name} is not shown')
             self.wait(lambda: not numpy.array_equal(scene, self.scene.images.newest), 'the image stays')
-            self.page.press('Next test picture')
-            self.wait(lambda: self.page.light() == 'Lit' or self.page.text('#light-why') != shown, 'the test picture stays')
-        self.assertGreater(len(names), 1)
-        self.assertEqual(len(names), len(set(names)), names)
+        self.page.set_field('#test-picture', '', 'change')
+        self.wait_for_light('Lit')
+
+    # --- brightness, cues, what is kept ---
+
+    def brightest(self):
+        return int(self.scene.images.newest.max())
+
+    def set_brightness(self, percent):
+        self.page.set_field('#brightness', percent)
+        self.wait(lambda: self.scene.setting('brightness') == percent / 100, f'the brightness is not {percent} %')
+
+    def test_the_brightness_fades(self):
+        full = self.brightest()
+        self.set_brightness(50)
+        self.wait(lambda: self.brightest() <= full / 2 + 1, 'the image is not darker')
+        self.wait(lambda: 'brightness 50 %' in self.page.text('#light-why'), 'the page does not say so')
+        self.page.retype(self.page.element('#fade'), '2\n')
+        self.wait(lambda: self.scene.setting('fade_seconds') == 2, 'the fade is not set')
+        self.set_brightness(0)
+        self.wait_for_light('Dark')
+        self.wait(self.scene.images.is_black, 'the image is not black')
+        self.set_brightness(100)
+        self.wait(lambda: self.brightest() == full, 'the image stays dark')
+        self.page.retype(self.page.element('#fade'), '0\n')
+        self.wait(lambda: self.scene.setting('fade_seconds') == 0, 'the fade is not set')
+
+    def save_cue(self, name):
+        self.page.retype(self.page.element('#cue-name'), f'{name}\n')
+        self.wait_for_cue(name)
+
+    def wait_for_cue(self, name):
+        shown = 'return document.querySelector("#cues [data-on]")?.firstChild.textContent ?? ""'
+        self.wait(lambda: self.page.run(shown) == name, f'{name!r} is not the cue')
+        self.wait(lambda: self.scene.cues.names[-1:] == [name], f'{name!r} is not on the topic')
+
+    def test_cues_by_buttons_keys_and_a_script(self):
+        file = self.scene.config.with_suffix('.cues.yaml')
+        self.page.open_details()
+        self.save_cue('Everything')
+        self.page.press(CLUSTERS)
+        self.wait(lambda: not self.page.is_on(CLUSTERS), 'the display is not switched off')
+        self.wait_for_cue('')
+        self.set_brightness(40)
+        self.save_cue('Dim')
+        self.page.press('Everything')
+        self.wait_for_cue('Everything')
+        self.wait(lambda: self.page.is_on(CLUSTERS) and self.scene.setting('brightness') == 1, 'the cue is not as it was saved')
+        self.page.type_key('2', '#cue-name')
+        self.page.type_key(' ', '#cue-name')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Everything', self.scene.cues.names[-1], 'a key in a field is no shortcut')
+        self.page.element('#cue-name').clear()
+        self.page.type_key('2')
+        self.wait_for_cue('Dim')
+        self.assertEqual(0.4, self.scene.setting('brightness'))
+        self.page.type_key(' ')
+        self.wait_for_cue('Everything')
+        self.scene.cues.ask('Dim')
+        self.wait_for_cue('Dim')
+        self.page.press('Everything')
+        self.wait_for_cue('Everything')
+        whole = file.read_text()
+        file.write_text(whole.replace('clusters', 'nobody'))
+        self.page.press('Everything')
+        self.wait(lambda: "no display 'nobody'" in self.page.text('#failure'), 'the unknown display is no error')
+        file.write_text(whole[:-20] + '{')
+        self.wait(lambda: 'cues.yaml' in self.page.text('#cues-problem'), 'the damage is not shown')
+        file.write_text(whole)
+        self.wait(lambda: self.page.text('#cues-problem') == '', 'the damage is still shown')
+        for name in ('Everything', 'Dim'):
+            self.page.press(f'Remove {name}')
+        self.wait(lambda: self.page.text('#cues') == '', 'the cues are not removed')
+        self.expect_errors('409')
+
+    def test_shortcuts_can_be_switched_off(self):
+        self.page.press('Keyboard shortcuts')
+        self.page.type_key('b')
+        time.sleep(QUIET_SECS)
+        self.assertEqual('Lit', self.page.light())
+        self.page.driver.refresh()
+        self.wait_for_light('Lit')
+        self.assertFalse(self.page.is_on('Keyboard shortcuts'), 'it is forgotten')
+        self.page.press('Keyboard shortcuts')
+        self.page.type_key('b')
+        self.wait_for_light('Black')
+        self.release()
+
+    def test_marks_are_a_file_and_a_download(self):
+        file = self.scene.config.with_suffix('.marks.csv')
+        self.page.press('Mark')
+        self.wait(lambda: file.exists() and len(file.read_text().splitlines()) == 2, 'no line is written')
+        self.page.type_key('m')
+        self.wait(lambda: len(file.read_text().splitlines()) == 3, 'the key writes no line')
+        self.page.run('const own = URL.createObjectURL; URL.createObjectURL = (blob) => {'
+                      'blob.text().then((text) => { window.saved = text; }); return own(blob); };')
+        self.page.press('Download the marks')
+        self.assertEqual(file.read_text(), self.wait(lambda: self.page.run('return window.saved'), 'nothing is downloaded'))
+        self.assertIn(',1.000,CameraPub: ', file.read_text())
+
+    def test_a_snapshot_is_the_image(self):
+        from PIL import Image
+        folder = self.scene.config.with_suffix('.snapshots')
+        self.page.press('Snapshot')
+        [file] = self.wait(lambda: folder.exists() and list(folder.glob('CameraPub-*.png')), 'no image is saved')
+        self.assertEqual(self.scene.images.newest.shape, numpy.asarray(Image.open(file)).shape)
+
+    def test_a_folder_that_cannot_be_written_is_an_error(self):
+        folder = self.scene.config.with_suffix('.snapshots')
+        marks = self.scene.config.with_suffix('.marks.csv')
+        moved_folder, moved_marks = folder.with_suffix('.kept'), marks.with_suffix('.kept')
+        for path, kept in ((folder, moved_folder), (marks, moved_marks)):
+            if path.exists():
+                path.rename(kept)
+        folder.write_text('')
+        marks.mkdir()
+        for button in ('Mark', 'Snapshot'):
+            self.page.press(button)
+            self.wait(lambda: 'cannot write' in self.page.text('#failure'), f'{button}: the failure is not shown')
+        folder.unlink()
+        marks.rmdir()
+        for path, kept in ((folder, moved_folder), (marks, moved_marks)):
+            if kept.exists():
+                kept.rename(path)
+        self.expect_errors('409')
 
     def test_the_image_is_live_and_masks_are_hatched(self):
         self.wait(lambda: self.page.text('.masked') == 'hatched: no light', 'the mask is not shown')
@@ -239,12 +361,14 @@ class OperatorPage(unittest.TestCase):
         self.assertIn('What to do: start the publisher', row)
         self.wait(lambda: 'Hz' in self.page.row('clusters'), 'the rate is missing')
         self.assertNotIn('What to do', self.page.row('clusters'))
+        self.assertTrue(self.page.row('clusters').rstrip().endswith('OK'), 'what is fine takes one line')
 
     def test_settings_are_those_of_dynamic_reconfigure(self):
         self.page.open_details()
-        field = next(each for each in self.page.elements('.parameter input') if each.accessible_name == 'frame_rate')
+        by_name = {each.accessible_name: each for each in self.page.elements('.parameter input')}
         before = self.scene.parameter('frame_rate')
-        for value in (12.5, before):
+        for name, value in (('Frame rate [Hz]', 12.5), ('frame_rate', before)):
+            field = by_name[name]
             self.page.retype(field, f'{value}\n')
             self.wait(lambda: self.scene.parameter('frame_rate') == value, f'the parameter is not {value}')
             self.wait(lambda: float(field.get_attribute('value')) == value, f'the page does not show {value}')
@@ -269,21 +393,22 @@ class OperatorPage(unittest.TestCase):
     def test_a_nudge_is_in_tf_and_reverted(self):
         before = self.projector()
         self.page.open_details()
-        self.press_nudge('Right', before @ moved(x=0.001), 'not 1 mm to the right')
+        self.press_nudge('Right', before @ moved(x=-0.001), 'the frame is not 1 mm to the left')
         self.page.press('10 mm')
-        self.press_nudge('Down', before @ moved(x=0.001, y=0.01), 'not 10 mm down')
+        self.press_nudge('Down', before @ moved(x=-0.001, y=-0.01), 'the frame is not 10 mm up')
         self.wait(lambda: '10.0 mm' in self.page.text('.sum'), 'the sum is not shown')
         self.press_nudge('Revert', before, 'not reverted')
         self.page.press('1 mm')
 
-    def test_each_button_of_the_pad_moves_along_its_axis(self):
+    def test_each_button_of_the_pad_moves_the_light_its_way(self):
         before = self.projector()
         tenth = numpy.radians(0.1)
-        moves = {'Left': moved(x=-0.001), 'Right': moved(x=0.001), 'Up': moved(y=-0.001), 'Down': moved(y=0.001),
-                 'Nearer': moved(z=0.001), 'Farther': moved(z=-0.001),
-                 'Tilt up': turned('x', tenth), 'Tilt down': turned('x', -tenth),
-                 'Turn right': turned('y', tenth), 'Turn left': turned('y', -tenth),
-                 'Roll right': turned('z', tenth), 'Roll left': turned('z', -tenth)}
+        # The light goes the other way than the frame.
+        moves = {'Left': moved(x=0.001), 'Right': moved(x=-0.001), 'Up': moved(y=0.001), 'Down': moved(y=-0.001),
+                 'Larger': moved(z=0.001), 'Smaller': moved(z=-0.001),
+                 'Tilt up': turned('x', -tenth), 'Tilt down': turned('x', tenth),
+                 'Turn right': turned('y', -tenth), 'Turn left': turned('y', tenth),
+                 'Roll right': turned('z', -tenth), 'Roll left': turned('z', tenth)}
         self.page.open_details()
         for name, move in moves.items():
             with self.subTest(name):
@@ -294,8 +419,8 @@ class OperatorPage(unittest.TestCase):
         import yaml
         before, text = self.projector(), self.scene.projector_file.read_text()
         self.page.open_details()
-        self.press_nudge('Left', before @ moved(x=-0.001), 'not 1 mm to the left')
-        self.press_nudge('Roll right', before @ moved(x=-0.001) @ turned('z', numpy.radians(0.1)), 'not turned')
+        self.press_nudge('Right', before @ moved(x=-0.001), 'the frame is not 1 mm to the left')
+        self.press_nudge('Roll left', before @ moved(x=-0.001) @ turned('z', numpy.radians(0.1)), 'not turned')
         self.page.press('Save to the file')
         self.wait(lambda: '0.0 mm' in self.page.text('.sum') and '1.0 mm' not in self.page.text('.sum'), 'the values are not 0')
         saved = self.scene.projector_file.read_text()
@@ -353,6 +478,8 @@ class OperatorPage(unittest.TestCase):
                 time.sleep(5)
                 self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')
                 page.save(PICTURES / f'operator_page_{name}.png')
+                page.open_details()
+                self.assertEqual([], page.covered() if size else [])
                 page.press('Black')
                 self.wait_for_light('Black', page)
                 self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')

@@ -20,7 +20,7 @@ use rcs_node_support::ros_names::{configures, publishes, reads, serves, subscrib
 /// Topics, services and parameters of the node. IMAGE, INFO and NAMESPACE are a CameraPub's *Image Topic*, *Camera Info
 /// Topic* and *Display namespace*.
 pub const ROS_NAMES: &[RosName] = &[
-    publishes("IMAGE", "sensor_msgs/Image", "the image of a CameraPub, stamped when it is published"),
+    publishes("IMAGE", "sensor_msgs/Image", "a CameraPub's image, stamped when it is published"),
     publishes("IMAGE/compressed", "sensor_msgs/CompressedImage", "the image as JPEG or PNG, while subscribed to"),
     publishes("camera_info beside IMAGE", "sensor_msgs/CameraInfo", "the image's, with its stamp and frame"),
     publishes(
@@ -38,9 +38,9 @@ pub const ROS_NAMES: &[RosName] = &[
         "sensor_msgs/Image",
         "with `--surface`: 255 where light is confirmed or need not be, 0 where it is not; while subscribed to",
     ),
-    publishes("~cue", "std_msgs/String", "latched: name of the cue that is shown, empty once something else is"),
+    publishes("~cue", "std_msgs/String", "latched: the current cue, empty without one"),
     publishes("/diagnostics", "diagnostic_msgs/DiagnosticArray", "status of each display and camera, once a second"),
-    publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images, with `--orientation` 90, 180 or 270"),
+    publishes("/tf_static", "tf2_msgs/TFMessage", "frames of turned images"),
     subscribes("INFO", "sensor_msgs/CameraInfo", "size, P and optical frame of the virtual camera"),
     subscribes("/tf, /tf_static", "tf2_msgs/TFMessage", "all frames"),
     subscribes("topics of the displays", "see the [displays](displays.md)", "paused while nobody watches"),
@@ -57,27 +57,27 @@ pub const ROS_NAMES: &[RosName] = &[
         "mono8 of the projector's size, in place of the scene for 3 s each: `projector_calibrate` sends them; \
          `frame_id` names the projector",
     ),
-    subscribes("~set_cue", "std_msgs/String", "name of the cue to show"),
+    subscribes("~set_cue", "std_msgs/String", "cue to show"),
     reads("parameters of the displays", "string", "such as `robot_description`, also when it is set later"),
     serves("NAMESPACE/camera_trigger", "std_srvs/Trigger", "publish one image now"),
     serves("~reload_config", "std_srvs/Trigger", "read the config again; answers what has changed"),
     serves(
         "~load_config, ~load_config_discarding_changes",
         "rviz/SendFilePath",
-        "use another config from now on; the first refuses to lose unsaved changes; `success`: whether it is loaded",
+        "use another config; the first refuses to lose unsaved changes",
     ),
     serves(
         "~save_config",
         "rviz/SendFilePath",
         "save the config in a `.rviz` file, without comments, with what dynamic_reconfigure changed",
     ),
-    serves("~reload_shaders", "std_srvs/Empty", "as rviz has it; there are no shaders, so it does nothing"),
+    serves("~reload_shaders", "std_srvs/Empty", "as in rviz; does nothing"),
     serves("~blackout", "std_srvs/SetBool", "black out all cameras, or release all blackouts"),
     serves("~pause", "std_srvs/SetBool", "keep the images that are shown"),
     serves("~test_picture", "std_srvs/Trigger", "show the next test picture"),
     serves("~is_idle", "std_srvs/Trigger", "true if all images are dark only because there is nothing to show"),
-    serves("~next_cue", "std_srvs/Trigger", "show the next cue; answers its name"),
-    configures("~", "`brightness`, `fade_seconds`, `cue`: of all cameras; a value that is not possible is an error"),
+    serves("~next_cue", "std_srvs/Trigger", "show the next cue"),
+    configures("~", "`brightness`, `fade_seconds` and `cue` of all cameras"),
     configures("~CAMERA", "a CameraPub's blackout, frame rate, background, encoding, near clip and visibility"),
     configures("IMAGE/compressed", "`format`, `jpeg_quality`, `png_level`"),
 ];

@@ -15,6 +15,8 @@ use std::mem::discriminant;
 pub struct Setting {
     /// Name, valid in ROS and Python.
     pub name: String,
+    /// Name for the operator's page, and the value's unit; empty for what only dynamic_reconfigure shows.
+    pub label: (&'static str, &'static str),
     /// Description for the user.
     pub description: String,
     /// Value that applies.
@@ -37,7 +39,13 @@ impl Setting {
     /// A setting with its value and its default, and its least and greatest value.
     pub fn new<T: Into<Value>>(name: &str, description: &str, values: [T; 2], range: [T; 2]) -> Self {
         let (name, description, [value, default]) = (name.to_owned(), description.to_owned(), values.map(T::into));
-        Self { name, description, value, default, range: range.map(T::into), choices: Vec::new() }
+        Self { name, label: ("", ""), description, value, default, range: range.map(T::into), choices: Vec::new() }
+    }
+
+    /// The setting with a name for the operator's page and the unit of its value.
+    #[must_use]
+    pub fn labelled(self, label: &'static str, unit: &'static str) -> Self {
+        Self { label: (label, unit), ..self }
     }
 
     /// A switch, with its value and its default.

@@ -1,7 +1,7 @@
 // A camera's image as its projector shows it, with figures of the last minute.
 
 import { duration, make, makeStatuses, newId, rate, setAttribute, setText } from './elements.js';
-import { black, release } from './node.js';
+import { black, post, release } from './node.js';
 import { makeNudge } from './nudge.js';
 
 const PLOT_SECS = 60;
@@ -62,6 +62,7 @@ function makeScreen(name) {
     if (image.width !== bitmap.width || image.height !== bitmap.height) {
       image.width = bitmap.width;
       image.height = bitmap.height;
+      node.style.setProperty('--ratio', bitmap.width / bitmap.height);
     }
     imageContext.drawImage(bitmap, 0, 0);
     bitmap.close();
@@ -123,12 +124,13 @@ export function makeCamera({ name }) {
   const about = make('span');
   const onlyBlack = make('button', { type: 'button', onclick: () => black(onlyBlack, name) }, `Black ${name} only`);
   const onlyRelease = make('button', { type: 'button', onclick: (event) => release(event, onlyRelease, name) }, `Release ${name}`);
+  const snapshot = make('button', { type: 'button', onclick: () => post('snapshot', { camera: name }, snapshot, 'Snapshot') });
   const screen = makeScreen(name);
   const plots = { rate_hz: makePlot('Rate', rate), latency_ms: makePlot('Latency', duration), age_ms: makePlot('Age', duration) };
   const figures = make('dl', { class: 'figures' }, ...Object.values(plots).map((plot) => plot.node));
   const statuses = makeStatuses();
   const nudge = makeNudge(name);
-  const header = make('header', {}, make('h2', { id: title }, name), about, onlyRelease, onlyBlack);
+  const header = make('header', {}, make('h2', { id: title }, name), about, snapshot, onlyRelease, onlyBlack);
   const node = make('article', { class: 'camera', 'aria-labelledby': title },
     header, screen.node, figures, statuses.node, nudge.node);
 
@@ -137,6 +139,7 @@ export function makeCamera({ name }) {
     setText(about, [camera.topic, camera.frame && `frame ${camera.frame}`, size].filter(Boolean).join(', '));
     onlyRelease.hidden = !camera.blackout;
     onlyBlack.hidden = state.cameras.length < 2;
+    setText(snapshot, state.cameras.length < 2 ? 'Snapshot' : `Snapshot of ${name}`);
     screen.update(camera);
     for (const [key, plot] of Object.entries(plots)) {
       plot.add(camera[key] ?? null);

@@ -37,7 +37,12 @@ export function makeDisplay() {
     setText(cells.topic, display.topic ?? '');
     setText(cells.rate, display.rate_hz === null ? '' : rate(display.rate_hz));
     setText(cells.age, display.age_ms === null ? '' : duration(display.age_ms));
-    statuses.show(display.statuses, display.advice);
+    // What is fine takes one line.
+    const isFine = display.level === 'ok';
+    const texts = display.statuses.map((status) => `${status.name}: ${status.text}`);
+    setAttribute(node, 'data-level', display.level);
+    setAttribute(statuses.node, 'title', isFine ? texts.join('\n') : '');
+    statuses.show(isFine ? [{ level: 'ok', name: '', text: 'OK' }] : display.statuses, display.advice);
     switches.show(cameras.filter(({ name }) => display.switches[name]).map(({ name, parameters }) => {
       const isOnly = cameras.length === 1;
       return [name, { ...display.switches[name], server: parameters, display: display.path, isOnly }];

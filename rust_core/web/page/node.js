@@ -68,8 +68,8 @@ export function report(answer, failure) {
 }
 
 // Posts a command and reports the answer; `source` is busy until it came. A failure of `what` is forgotten with the next state,
-// and not reported if `isDone`.
-export async function post(command, body, source, what = null, isDone = () => false) {
+// and not reported if `isDone`. `show` takes the answer.
+export async function post(command, body, source, what = null, isDone = () => false, show = (text) => report(text, '')) {
   source.setAttribute('aria-busy', 'true');
   report('', '');
   const fail = (why) => {
@@ -80,7 +80,7 @@ export async function post(command, body, source, what = null, isDone = () => fa
     const response = await request(command, body);
     const answer = await response.json().catch(() => ({}));
     if (response.ok) {
-      report(answer.message ?? '', '');
+      show(answer.message ?? '');
     } else {
       fail(answer.message ?? `HTTP ${response.status}`);
     }

@@ -12,7 +12,7 @@ import {
 } from './node.js';
 import { makeServer } from './settings.js';
 import { watchShortcuts } from './shortcuts.js';
-import { nextCue, pressCue, showBrightness, showCues } from './show.js';
+import { mark, nextCue, pressCue, showBrightness, showCues } from './show.js';
 
 const cameras = new Views(byId('cameras'), (camera) => camera.name, makeCamera);
 const displays = new Views(byId('displays-rows'), (display, index) => `${index} ${display.path}`, makeDisplay);
@@ -26,9 +26,24 @@ byId('pause').addEventListener('click', (event) => {
   const on = !state?.paused.on;
   post('pause', { on, ...answerTo(event) }, event.currentTarget, on ? 'Pause' : 'Resume');
 });
-byId('test-picture').addEventListener('click', (event) => {
-  post('test_picture', { ...answerTo(event) }, event.currentTarget, 'Test picture');
+byId('test-picture').addEventListener('change', (event) => {
+  const picture = event.currentTarget;
+  post('test_picture', { name: picture.value || null, ...answerTo(event) }, picture, 'Test picture');
+  // It shows what is shown, not what is wanted.
+  picture.value = state?.test_picture ?? '';
 });
+
+function showPictures({ test_picture: shown, test_pictures: names }) {
+  const box = byId('test-picture');
+  if (box.options.length !== names.length + 1) {
+    const option = (name) => make('option', { value: name }, `Test: ${name}`);
+    box.replaceChildren(make('option', { value: '' }, 'Scene'), ...names.map(option));
+  }
+  if (box.value !== (shown ?? '')) {
+    box.value = shown ?? '';
+  }
+  box.toggleAttribute('data-on', shown !== null);
+}
 
 watchShortcuts((key, event) => {
   if (key === 'b') {
@@ -37,6 +52,8 @@ watchShortcuts((key, event) => {
     release(event, byId('release'));
   } else if (key === ' ' && state?.cues.names.length) {
     nextCue();
+  } else if (key === 'm') {
+    mark();
   } else {
     return pressCue(key);
   }
@@ -94,8 +111,7 @@ function showState(next) {
   byId('release').disabled = !state.blackout.on && !state.cameras.some((camera) => camera.black);
   setText(byId('pause'), state.paused.on ? 'Resume' : 'Pause');
   byId('pause').toggleAttribute('data-on', state.paused.on);
-  setText(byId('test-picture'), state.test_picture === null ? 'Test picture' : 'Next test picture');
-  byId('test-picture').toggleAttribute('data-on', state.test_picture !== null);
+  showPictures(state);
   showBrightness(state.brightness);
   showCues(state.cues);
   cameras.show(state.cameras, state);

@@ -42,7 +42,8 @@ function makeField(parameter, id, onChange) {
   return { box, set };
 }
 
-function makeParameter(server, parameter) {
+// `labelOf` is what the field is called.
+function makeParameter(server, parameter, labelOf) {
   const id = newId();
   const { box, set } = makeField(parameter, id, (value, source) => setParameters(server, { [parameter.name]: value }, source));
   const number = (value) => (typeof value === 'number' ? plain(value) : String(value));
@@ -50,20 +51,30 @@ function makeParameter(server, parameter) {
   const limits = [isRange && `${number(parameter.min)} to ${number(parameter.max)}`, `default ${number(parameter.default)}`];
   const about = make('small', { id: newId() }, `${parameter.description} (${limits.filter(Boolean).join('; ')})`);
   setAttribute(box, 'aria-describedby', about.id);
-  const node = make('div', { class: 'parameter' }, make('label', { for: id }, parameter.name), box, about);
+  const node = make('div', { class: 'parameter' }, make('label', { for: id }, labelOf(parameter)), box, about);
   return { node, update: (now) => set(now.value) };
 }
 
-// The form of a dynamic_reconfigure server.
+const withUnit = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
+
+// The form of a dynamic_reconfigure server: its settings with names and units, and all of its parameters as it has them.
 export function makeServer({ name }) {
-  const summary = make('summary');
-  const list = make('div', { class: 'parameters' });
+  const title = make('h3');
+  const advanced = make('summary');
   // A parameter with other limits is another one.
   const key = ({ value, ...description }) => JSON.stringify(description);
-  const views = new Views(list, key, (parameter) => makeParameter(name, parameter));
-  const update = (server) => {
-    setText(summary, server.camera ? `${server.camera} (${name})` : name);
-    views.show(server.parameters);
+  const makeList = (labelOf) => {
+    const list = make('div', { class: 'parameters' });
+    return [list, new Views(list, key, (parameter) => makeParameter(name, parameter, labelOf))];
   };
-  return { node: make('details', {}, summary, list), update };
+  const [named, namedViews] = makeList(withUnit);
+  const [raw, rawViews] = makeList((parameter) => parameter.name);
+  const update = (server, { cameras }) => {
+    const isOwn = cameras.some((camera) => camera.parameters === name);
+    setText(title, isOwn ? server.camera : `${server.camera}, compressed images`);
+    setText(advanced, `Advanced: ${name}`);
+    namedViews.show(server.parameters.filter(({ label }) => label));
+    rawViews.show(server.parameters);
+  };
+  return { node: make('div', { class: 'server' }, title, named, make('details', {}, advanced, raw)), update };
 }

@@ -109,3 +109,17 @@ byId('save-cue').addEventListener('submit', async (event) => {
   event.preventDefault();
   await post('save_cue', { name: byId('cue-name').value }, event.submitter ?? byId('save-cue'));
 });
+
+// --- marks ------------------------------------------------------------------------------------------------------------
+
+// Writes a line with what is shown into the node's file.
+export const mark = () => post('mark', {}, byId('mark'), 'Mark');
+
+function download(text) {
+  const address = URL.createObjectURL(new Blob([text], { type: 'text/csv' }));
+  make('a', { href: address, download: `${state?.config.replace(/\.rviz$/, '') ?? 'camera_stream'}.marks.csv` }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
+
+byId('mark').addEventListener('click', mark);
+byId('marks').addEventListener('click', () => post('marks', {}, byId('marks'), 'Download', undefined, download));

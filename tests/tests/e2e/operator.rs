@@ -428,3 +428,69 @@ fn the_brightness_dims_all_outputs_and_fades_without_new_data() {
     fixture.python("latch('/cloud', wall(0x0000ff)); configure(brightness=1.0)");
     fixture.wait_for(RED);
 }
+
+const CUES: &str = "cues:
+- name: both
+  brightness: 1.0
+  cameras: {CameraPub: [cloud, markers]}
+- name: dim
+  brightness: 0.4
+  cameras: {CameraPub: [cloud]}
+- name: nothing
+  brightness: 1.0
+  cameras: {CameraPub: []}
+";
+
+/// What a script does: asks for cues by topic, service and dynamic_reconfigure.
+const SCRIPT: &str = "
+from std_msgs.msg import String
+shown = []
+listener = rospy.Subscriber('/camera_stream/cue', String, lambda message: shown.append(message.data))
+asking = rospy.Publisher('/camera_stream/set_cue', String, queue_size=10)";
+
+#[test]
+fn a_script_shows_cues_and_one_that_is_not_possible_changes_nothing() {
+    let fixture = fixture(&[]);
+    let file = fixture.config_file().with_extension("cues.yaml");
+    fixture.wait_for(RED);
+    fixture.python(SETTINGS);
+    fixture.python(SCRIPT);
+    fixture.wait_for("shown == [''] and asking.get_num_connections() == 1");
+    let none = fixture.python("trigger('/camera_stream/next_cue')");
+    assert!(none.starts_with("(False, 'there are no cues"), "{none}");
+    std::fs::write(&file, CUES).unwrap();
+    let next = |fixture: &RosFixture| fixture.python("trigger('/camera_stream/next_cue')");
+    assert_eq!([next(&fixture), next(&fixture)], ["(True, 'both')", "(True, 'dim')"]);
+    fixture.wait_for("viewer.middle() == (102, 0, 0) and shown[-1] == 'dim'");
+    assert_eq!(fixture.python("settings.get_configuration(300)['cue']"), "dim");
+    fixture.python("asking.publish('nothing')");
+    fixture.wait_for(
+        "is_black() and shown[-1] == 'nothing' and not rospy.get_param('/camera_stream/CameraPub/show_cloud')",
+    );
+    assert_eq!(fixture.python("configure(cue='both')"), "1.0");
+    fixture.wait_for(format!("{RED} and shown[-1] == 'both'"));
+    // What is not possible is no cue and nothing near it.
+    let faults = [
+        (CUES.to_owned(), "no such cue", "there is no cue 'no such cue'; cues: both, dim, nothing"),
+        (CUES.replace("[cloud]", "[cloud, nobody]"), "dim", "the config has no display 'nobody'"),
+        (CUES.replace("CameraPub: [cloud]", "Other: [cloud]"), "dim", "the config has no camera Other"),
+        (CUES.replace("{CameraPub: [cloud]}", "{}"), "dim", "it says nothing about camera CameraPub"),
+        (CUES.replace("0.4", "4"), "nothing", "brightness: 4 is no number from 0 to 1"),
+        (CUES[..CUES.len() - 30].to_owned(), "dim", "scene.cues.yaml"),
+    ];
+    for (text, name, why) in faults {
+        std::fs::write(&file, text).unwrap();
+        assert_eq!(fixture.python(format!("configure(cue='{name}')")), "None", "{why}");
+        fixture.wait_for_log(why).unwrap();
+        assert_eq!(fixture.python("viewer.middle(), shown[-1]"), "((255, 0, 0), 'both')", "{why}");
+    }
+    // Whatever else is set ends the cue.
+    std::fs::write(&file, CUES).unwrap();
+    fixture.python("configure(brightness=0.9)");
+    fixture.wait_for("shown[-1] == ''");
+    // A blackout stays.
+    fixture.python("blackout(True)");
+    assert_eq!(fixture.python("configure(cue='both')"), "1.0");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(fixture.python("is_black()"), "True");
+}

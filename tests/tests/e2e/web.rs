@@ -178,7 +178,7 @@ fn a_page_blacks_out_pauses_and_shows_test_images_and_all_pages_say_so() {
     fixture.wait_for("other.answer('blackout', {'on': False, 'camera': 'CameraPub'})[0] == 200");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and not page.state['cameras'][0]['black']");
     assert_eq!(fixture.python("page.post('pause', {'on': True})[0]"), "200");
-    fixture.wait_for("page.answer('test_picture', {})[0] == 200");
+    fixture.wait_for("page.answer('test_picture', {'name': 'grid'}) == (200, 'test picture: grid')");
     fixture.wait_for(format!("other.state['paused'] == {by_page} and other.state['test_picture']"));
     assert_eq!(fixture.python("page.post('blackout', {'on': 1})"), "(400, 'on: neither true nor false')");
     assert_eq!(

@@ -79,6 +79,15 @@ impl CameraPublisher {
         self.publish_last(None)
     }
 
+    /// The last image as it is shown.
+    pub(crate) fn shown_image(&self) -> Option<FrameImage> {
+        let front = &self.buffers.front.as_ref()?.image;
+        let dimmed = self.dimmer.dimmed.as_ref().zip(front.lit_image()).filter(|((of, _), lit)| of.is_same(lit));
+        let Some(((_, dimmed), lit)) = dimmed else { return Some(front.clone()) };
+        let Ok(shown) = lit.convert(|_| Ok::<_, Infallible>(Arc::clone(dimmed)));
+        Some(FrameImage::lit(shown))
+    }
+
     /// Time until the last image is due at another brightness; `None` if its brightness stays.
     pub(super) fn until_dimmed(&self, now: Instant) -> Option<Duration> {
         let lit = self.buffers.front.as_ref()?.image.lit_image()?;

@@ -204,7 +204,8 @@ impl CameraParameters {
         let is_ticked = |path: &[&str]| [self, in_file].map(|of| of.visibility.is_ticked(path));
         let channel = |(index, color): (usize, &str)| {
             let values = [self, in_file].map(|of| i32::from(of.background[index]));
-            Setting::new(BACKGROUND[index], &format!("Background: {color}"), values, [0, 255])
+            let label = ["Background, red", "Background, green", "Background, blue"][index];
+            Setting::new(BACKGROUND[index], &format!("Background: {color}"), values, [0, 255]).labelled(label, "")
         };
         let rate = "Pictures a second; below 0: when the scene changes, 0: only when triggered";
         let (rates, clips) = ([self, in_file].map(|of| of.frame_rate_hz), [self, in_file].map(|of| of.near_clip_m));
@@ -214,12 +215,13 @@ impl CameraParameters {
         let names = Encoding::ALL.map(Encoding::name).into();
         let mut settings = vec![
             Setting::switch(BLACKOUT, "Black out the picture", [is_black, false]),
-            Setting::new(FRAME_RATE, rate, rates, rate_range),
+            Setting::new(FRAME_RATE, rate, rates, rate_range).labelled("Frame rate", "Hz"),
         ];
         settings.extend(["red", "green", "blue"].into_iter().enumerate().map(channel));
         settings.extend([
-            Setting::choice(ENCODING, "What a pixel of the picture is", encodings, names),
-            Setting::new(NEAR_CLIP, "Nearer than this nothing is drawn, in metres", clips, clip_range),
+            Setting::choice(ENCODING, "What a pixel of the picture is", encodings, names).labelled("Encoding", ""),
+            Setting::new(NEAR_CLIP, "Nearer than this nothing is drawn, in metres", clips, clip_range)
+                .labelled("Near clip", "m"),
             Setting::switch(VISIBILITY, "Whether the camera shows any display", is_ticked(&[])),
         ]);
         let shown = |switch: &Switch| Setting::switch(&switch.name, &switch.description, is_ticked(&switch.path()));

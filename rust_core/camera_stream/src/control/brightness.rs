@@ -42,7 +42,8 @@ impl Fade {
         Self { from, to, begun: now, lasts }
     }
 
-    fn share(&self, now: Instant) -> f64 {
+    /// The share at a time.
+    pub(crate) fn share(&self, now: Instant) -> f64 {
         let passed = now.saturating_duration_since(self.begun);
         if passed >= self.lasts {
             return self.to;

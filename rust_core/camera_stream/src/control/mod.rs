@@ -234,8 +234,21 @@ impl Control {
 
     /// Shows the next test image in all cameras, and after the last one the scene again. Returns its name.
     pub(crate) fn next_test_image(&self, caller: &str) -> Option<&'static str> {
+        self.change_test_image(TestImage::after, caller)
+    }
+
+    /// Shows a test image in all cameras, or the scene.
+    pub(crate) fn set_test_image(&self, test: Option<TestImage>, caller: &str) -> Option<&'static str> {
+        self.change_test_image(|_| test, caller)
+    }
+
+    fn change_test_image(
+        &self,
+        next: impl FnOnce(Option<TestImage>) -> Option<TestImage>,
+        caller: &str,
+    ) -> Option<&'static str> {
         self.set(|state| {
-            state.test_image = TestImage::after(state.test_image);
+            state.test_image = next(state.test_image);
             state.cameras.iter_mut().for_each(|camera| camera.test_image = None);
             log_test("all cameras", state.test_image, caller);
             state.test_image.map(TestImage::name)
@@ -408,7 +421,7 @@ fn on_or_off(on: bool) -> &'static str {
 fn log_test(what: &str, test: Option<TestImage>, caller: &str) {
     match test {
         Some(test) => log::info!("{what}: test picture {} by {caller}", test.name()),
-        None => log::info!("{what}: the scene again, after the last test picture, by {caller}"),
+        None => log::info!("{what}: the scene by {caller}"),
     }
 }
 

@@ -144,7 +144,7 @@ pub struct LightArgs {
     /// Share of each level that is shown, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = within(0.0, 1.0))]
     pub brightness: f64,
-    /// Time in which the brightness changes, 0 to 5 seconds
+    /// Duration of a change of the brightness, 0 to 5 seconds
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = within(0.0, LONGEST_FADE_SECS))]
     pub fade_seconds: f64,
     /// Topic of a mono8 image over the projector's image, dark where there must be no light; with CAMERA= for one

@@ -92,9 +92,10 @@ impl CompressionSettings {
         let formats = values.map(|of| if of.is_png { PNG } else { JPEG });
         let (qualities, levels) = (values.map(|of| of.jpeg_quality), values.map(|of| of.png_level));
         let settings = vec![
-            Setting::choice(FORMAT, "Compression format", formats, vec![JPEG, PNG]),
-            Setting::new(QUALITY, "JPEG quality percentile", qualities.map(i32::from), [1, 100]),
-            Setting::new(LEVEL, "PNG compression level", levels.map(i32::from), [1, 9]),
+            Setting::choice(FORMAT, "Compression format", formats, vec![JPEG, PNG]).labelled("Format", ""),
+            Setting::new(QUALITY, "JPEG quality percentile", qualities.map(i32::from), [1, 100])
+                .labelled("JPEG quality", "%"),
+            Setting::new(LEVEL, "PNG compression level", levels.map(i32::from), [1, 9]).labelled("PNG compression", ""),
         ];
         vec![("Default", settings)]
     }

@@ -11,6 +11,7 @@
 mod nudging;
 pub(crate) mod operator;
 mod parameters;
+mod records;
 mod start;
 mod state;
 pub(crate) mod statuses;

@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
 use rcs_web::{answered_number, LogLine, Operator, Refusal};
+use rcs_window::test_images::TestImage;
 use serde_json::Value;
 
 use super::nudging::Nudging;
-use super::{parameters, state};
+use super::{parameters, records, state};
 use crate::runtime::cue_thread;
 use crate::runtime::shared::NodeState;
 
@@ -99,6 +100,12 @@ impl Operator for PageOperator {
                 let removed = cue_thread::remove(&self.shared, name, caller);
                 removed.map(|()| format!("cue {name} removed")).map_err(Refusal::Failed)
             }
+            "mark" => records::mark(&self.shared).map(|line| format!("marked: {line}")).map_err(Refusal::Failed),
+            "marks" => records::marks(&self.shared).map_err(Refusal::Failed),
+            "snapshot" => {
+                let saved = records::snapshot(&self.shared, text(body, "camera")?);
+                saved.map(|file| format!("saved in {file}")).map_err(Refusal::Failed)
+            }
             "blackout" => self.black_out(body, caller),
             "pause" => {
                 let on = switch(body)?;
@@ -110,7 +117,15 @@ impl Operator for PageOperator {
             }
             "test_picture" => {
                 self.check_answer(body)?;
-                let test = self.shared.control.next_test_image(caller);
+                let control = &self.shared.control;
+                let test = match &body["name"] {
+                    Value::Null => control.set_test_image(None, caller),
+                    _ => {
+                        let test = text(body, "name")?.parse::<TestImage>();
+                        let test = test.map_err(|error| Refusal::Invalid(format!("name: {error}")))?;
+                        control.set_test_image(Some(test), caller)
+                    }
+                };
                 Ok(test.map_or_else(|| "the scene is shown".to_owned(), |name| format!("test picture: {name}")))
             }
             unknown => Err(Refusal::Unknown(unknown.to_owned())),

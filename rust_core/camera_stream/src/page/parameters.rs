@@ -23,6 +23,8 @@ fn setting_json(setting: &Setting) -> Value {
     let choices = setting.choices.iter().map(|choice| json!({"name": choice, "value": choice, "description": ""}));
     json!({
         "name": setting.name,
+        "label": setting.label.0,
+        "unit": setting.label.1,
         "type": setting.kind(),
         "description": setting.description,
         "min": min,

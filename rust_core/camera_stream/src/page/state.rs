@@ -1,6 +1,7 @@
 //! The state that all pages show, as JSON.
 
 use rcs_messages::stamp_nanos;
+use rcs_window::test_images::TestImage;
 use serde_json::{json, Map, Value};
 
 use super::nudging::Nudging;
@@ -42,6 +43,7 @@ pub(super) fn state(shared: &NodeState, nudging: &Nudging) -> Value {
         "blackout": by(control.blackout),
         "paused": by(control.paused),
         "test_picture": control.test_image,
+        "test_pictures": TestImage::ALL.map(TestImage::name),
         "brightness": {"share": brightness.fade.target(), "fade_seconds": brightness.fade_secs},
         "cues": cues(shared),
         "cameras": cameras,

@@ -196,17 +196,25 @@ impl ControlThread {
     fn set_node(&self, request: &NamedValues, caller: &str, reply: Reply<Values>) {
         let (shared, request) = (Arc::clone(&self.shared), request.clone());
         let (cue, own_caller) = (shared.settings().other_cue(&request).map(str::to_owned), caller.to_owned());
-        let set = move |_| {
+        let set = move || {
             let set = shared.settings().set(&shared.ros, &shared.control, &request, &own_caller);
             match set {
-                Ok(values) => values.into_iter().for_each(|values| reply.answer(values)),
+                Ok(Some(values)) => reply.answer(values),
+                Ok(None) => {}
                 Err(error) => log::error!("nothing changed: {error}; set by {own_caller}"),
             }
         };
         match cue {
-            Some(name) => self.shared.cues.ask(Some(&name), caller, Box::new(|shown| shown.into_iter().for_each(set))),
+            Some(name) => {
+                let done = move |shown: Result<String, String>| {
+                    if shown.is_ok() {
+                        set();
+                    }
+                };
+                self.shared.cues.ask(Some(&name), caller, Box::new(done));
+            }
             None => {
-                set(String::new());
+                set();
                 cue_thread::follow(&self.shared);
             }
         }
