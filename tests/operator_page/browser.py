@@ -55,8 +55,14 @@ class Page:
 
     def press(self, name):
         """Presses the button or switch that a screen reader calls so."""
+        # The browser is asked for the names of those alone that have the words.
+        with_words = """
+            const words = (node) => [node.textContent, node.ariaLabel, ...[...node.labels ?? []].map((each) => each.textContent)];
+            return [...document.querySelectorAll(arguments[0])]
+                .filter((node) => node.checkVisibility() && words(node).join(" ").includes(arguments[1]))"""
+
         def find():
-            return [each for each in self.elements(PRESSABLE) if each.is_displayed() and each.accessible_name == name]
+            return [each for each in self.run(with_words, PRESSABLE, name) if each.accessible_name == name]
         found = wait_until(find, PATIENCE_SECS, f'nothing is called {name!r}')
         # On the phone, the middle of the screen is never below what is fixed at its ends.
         self.run('arguments[0].scrollIntoView({ block: "center" })', found[0])
@@ -64,8 +70,8 @@ class Page:
 
     def is_on(self, name):
         """Whether the switch that a screen reader calls so is on."""
-        found = [each for each in self.elements('[role="switch"]') if each.accessible_name == name]
-        return found[0].is_selected()
+        found = next(each for each in self.elements('[role="switch"]') if each.accessible_name == name)
+        return found.is_selected()
 
     def set_field(self, selector, value, event='input'):
         """Sets a field as dragging a slider or choosing from a list does."""
@@ -78,7 +84,7 @@ class Page:
             const edge = (selector, side) => document.querySelector(selector).getBoundingClientRect()[side];
             const [top, bottom] = [edge('#light', 'bottom'), edge('#black', 'top')];
             const found = [...document.querySelectorAll('main button, main input, main select, main summary')];
-            return found.filter((node) => node.checkVisibility()).filter((node) => {
+            return found.filter((node) => node.checkVisibility() && !node.matches(':disabled')).filter((node) => {
                 node.focus();
                 const place = node.getBoundingClientRect();
                 return place.top < top || place.bottom > bottom;

@@ -269,7 +269,7 @@ class OperatorPage(unittest.TestCase):
         file.write_text(whole.replace('clusters', 'nobody'))
         self.page.press('Everything')
         self.wait(lambda: "no display 'nobody'" in self.page.text('#failure'), 'the unknown display is no error')
-        file.write_text(whole[:-20] + '{')
+        file.write_text('{' + whole)
         self.wait(lambda: 'cues.yaml' in self.page.text('#cues-problem'), 'the damage is not shown')
         file.write_text(whole)
         self.wait(lambda: self.page.text('#cues-problem') == '', 'the damage is still shown')
@@ -299,7 +299,7 @@ class OperatorPage(unittest.TestCase):
         self.wait(lambda: len(file.read_text().splitlines()) == 3, 'the key writes no line')
         self.page.run('const own = URL.createObjectURL; URL.createObjectURL = (blob) => {'
                       'blob.text().then((text) => { window.saved = text; }); return own(blob); };')
-        self.page.press('Download the marks')
+        self.page.press('Download marks')
         self.assertEqual(file.read_text(), self.wait(lambda: self.page.run('return window.saved'), 'nothing is downloaded'))
         self.assertIn(',1.000,CameraPub: ', file.read_text())
 

@@ -3,6 +3,7 @@
 mod brightness;
 mod buffers;
 pub(crate) mod connections;
+mod dimmer;
 pub(crate) mod frame;
 mod granting;
 mod health;

@@ -31,9 +31,9 @@ use rcs_scene::{DepthImage, DisplayId, DisplayMask, Image, MAX_SIDE_PX};
 use rcs_transforms::Time;
 use rcs_web::Images;
 
-use super::brightness::Dimmer;
 use super::buffers::FrameBuffers;
 use super::connections::CameraConnections;
+use super::dimmer::Dimmer;
 use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
 use super::health::CameraHealth;
 use super::latency::Update;
