@@ -70,8 +70,8 @@ pub(super) struct SolveArguments {
     /// A parameter that is known: fx, fy, cx, cy, k1, k2, p1, p2, k3. Can be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = fixed_parameter)]
     fix: Vec<(Parameter, f64)>,
-    /// Also write the frame `table`: on the plane that most points of the first scan lie on, z up, x to the right in the
-    /// camera's image, its origin where the camera looks
+    /// Also write the frame `table`: on the plane that most points of the first scan lie on, z up, x to the right in
+    /// the camera's image, its origin where the camera looks
     #[arg(long, conflicts_with = "board")]
     table: bool,
     /// A projector's file to start from

@@ -38,9 +38,9 @@ const FLUSH_TIME: Duration = Duration::from_millis(200);
 /// Shows a planned nav_msgs/Path as arrows on the floor and a circle around its goal, in one
 /// visualization_msgs/MarkerArray.
 ///
-/// The last arrow's tip is the goal. Of several topics, the plan that came last is shown. A new plan replaces the arrows of the one before with one message; an empty plan
-/// and the end of the node delete them. Every option may be given as a private parameter, too: --goal-color is
-/// ~goal_color. ROS's remappings and special arguments work.
+/// The last arrow's tip is the goal. Of several topics, the plan that came last is shown. A new plan replaces the
+/// arrows of the one before with one message; an empty plan and the end of the node delete them. Every option may be
+/// given as a private parameter, too: --goal-color is ~goal_color. ROS's remappings and special arguments work.
 #[derive(Parser)]
 #[command(
     name = "nav_path_markers",

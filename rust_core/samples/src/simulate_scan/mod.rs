@@ -1,5 +1,4 @@
-//! `simulate_scan`: a projector, a depth camera and things to light that do not exist, to rehearse `projector_calibrate`
-//! on.
+//! `simulate_scan`: a projector, a depth camera and things to light that do not exist, to rehearse a calibration.
 //!
 //! Writes capture folders as a scan leaves them, the projector's true file, and one as a tape measure yields it; and
 //! draws onto the camera's image where the light of a projector's file lands. Or is camera and projector live, on ROS
@@ -50,7 +49,10 @@ pub const ROS_NAMES: &[RosName] = &[
 #[command(
     name = "simulate_scan",
     version,
-    before_help = "Example: roslaunch rviz_camera_stream rehearsal.launch robot:=table"
+    before_help = "\
+Examples:
+  simulate_scan --seed 1 robot rehearsal --scene table --screen auto
+  simulate_scan scan captures --places 5"
 )]
 struct Arguments {
     /// Everything follows from it: room, projector, camera, light, noise
@@ -63,6 +65,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Task {
     /// Writes capture_0, capture_1 and so on, truth.yaml and tape.yaml
+    #[command(before_help = "Examples:\n  simulate_scan scan captures --places 5")]
     Scan {
         /// The folder to write to
         folder: PathBuf,
@@ -71,6 +74,10 @@ enum Task {
         places: u32,
     },
     /// Is a depth camera and a projector: publishes what the camera sees of the projector's light
+    #[command(before_help = "\
+Examples:
+  simulate_scan --seed 1 robot rehearsal --scene table --screen auto
+  simulate_scan robot rehearsal --camera camera")]
     Robot {
         /// A folder to write truth.yaml and tape.yaml to
         folder: PathBuf,
@@ -88,6 +95,7 @@ enum Task {
         small: bool,
     },
     /// Draws where the light of a projector's file lands: green crosses are what is to be lit, orange dots the light
+    #[command(before_help = "Examples:\n  simulate_scan light projector.yaml -o light.png")]
     Light {
         /// The projector's file
         projector: PathBuf,
