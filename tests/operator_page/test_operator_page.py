@@ -470,10 +470,15 @@ class OperatorPage(unittest.TestCase):
     def test_screenshots_on_laptop_and_phone(self):
         for folder in (PICTURES, BLACK_PICTURES):
             folder.mkdir(parents=True, exist_ok=True)
+        cues = self.scene.config.with_suffix('.cues.yaml')
+        rest = 'brightness: 1.0, cameras: {CameraPub: [clusters, desired object, nav path, markers]}'
+        lines = [f'- {{name: {name}, {rest}}}' for name in ('Baseline', 'Reach', 'Pause')]
+        cues.write_text('\n'.join(['cues:', *lines]))
+        self.addCleanup(cues.unlink)
         for name, size in (('desktop', None), ('phone', PHONE)):
             with Page(self.scene.address, *([size] if size else [])) as page:
                 self.wait_for_light('Lit', page)
-                self.wait(lambda: page.text('.masked'), 'there are no images')
+                self.wait(lambda: page.text('.masked') and page.text('#cues'), 'there are no images or no cues')
                 # So that the plots have something to show.
                 time.sleep(5)
                 self.assertFalse(page.run('return document.documentElement.scrollWidth > innerWidth'), 'wider than the screen')
