@@ -390,7 +390,7 @@ import dynamic_reconfigure.client
 settings = dynamic_reconfigure.client.Client('/camera_stream', timeout=300)
 def configure(**values):
     try: return settings.update_configuration(values)['brightness']
-    except rospy.ServiceException: return None
+    except dynamic_reconfigure.DynamicReconfigureCallbackException: return None
 def reds(): return [color[0] for color in viewer.colors]";
 
 #[test]
