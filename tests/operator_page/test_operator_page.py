@@ -472,7 +472,7 @@ class OperatorPage(unittest.TestCase):
             folder.mkdir(parents=True, exist_ok=True)
         cues = self.scene.config.with_suffix('.cues.yaml')
         rest = 'brightness: 1.0, cameras: {CameraPub: [clusters, desired object, nav path, markers]}'
-        lines = [f'- {{name: {name}, {rest}}}' for name in ('Baseline', 'Reach', 'Pause')]
+        lines = [f'- {{name: {name}, {rest}}}' for name in ('Baseline', 'Reach', 'Rest')]
         cues.write_text('\n'.join(['cues:', *lines]))
         self.addCleanup(cues.unlink)
         for name, size in (('desktop', None), ('phone', PHONE)):

@@ -236,8 +236,8 @@ impl RosNode {
         })
     }
 
-    /// Subscribes to a topic of texts for as long as the node lives. `take` is called with each text and the name of the
-    /// sending node, on the thread of its connection.
+    /// Subscribes to a topic of texts for as long as the node lives. `take` is called with each text and the name of
+    /// the sending node, on the thread of its connection.
     ///
     /// # Errors
     /// [`NodeError::Name`] or [`NodeError::TypeMismatch`].

@@ -1,7 +1,7 @@
 //! Images at the operator's brightness: the last step before the outputs, which can only darken.
 //!
-//! Images are kept as their grants light them, so that a pause, a new mask and a fade do not depend on each other. Black
-//! images stay as they are: a blackout never waits for a fade.
+//! Images are kept as their grants light them, so that a pause, a new mask and a fade do not depend on each other.
+//! Black images stay as they are: a blackout never waits for a fade.
 
 use std::convert::Infallible;
 use std::sync::Arc;
