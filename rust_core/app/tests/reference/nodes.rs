@@ -1,6 +1,4 @@
-//! `nodes.md`: options, parameters, topics and services of all programs.
-
-use std::collections::BTreeMap;
+//! `nodes.md`: topics and services of all programs, options and parameters of the nodes.
 
 use clap::{Arg, ArgAction, Command};
 use rcs_app::all_programs::{Program, PROGRAMS};
@@ -10,7 +8,8 @@ use crate::markdown::{code, generated, head, row, text};
 
 const INTRODUCTION: &str = "# Nodes and programs
 
-Start a program with `rosrun rviz_camera_stream PROGRAM`, or from a launch file. `--help` says more about each.
+Start a program with `rosrun rviz_camera_stream PROGRAM`, or from a launch file. The options of commands are in their
+`--help` and man pages (`man projector_calibrate-scan`).
 
 - **Parameters.** An option of a node is also a private parameter; the command line wins. `none` is no value. A switch `--x` is
   `~x: true`, `--no-x` is `~x: false`; each has its opposite. A repeatable option is a list: `--keep-out head=0.25` is
@@ -25,82 +24,43 @@ Start a program with `rosrun rviz_camera_stream PROGRAM`, or from a launch file.
 
 /// The page.
 pub(crate) fn page() -> String {
-    let mut page = Page { text: generated() + INTRODUCTION, ..Page::default() };
-    for program in &PROGRAMS {
-        let mut command = (program.command)();
-        command.build();
-        page.program(program, &command);
-    }
-    page.text
+    PROGRAMS.iter().fold(generated() + INTRODUCTION, |page, program| page + &section(program))
 }
 
-/// The page as far as it is written.
-#[derive(Default)]
-struct Page {
-    text: String,
-    /// Rows that are in a table already, and the command that has it.
-    written: BTreeMap<Vec<String>, String>,
+fn section(program: &Program) -> String {
+    let mut command = (program.command)();
+    command.build();
+    let mut section = format!("\n## `{}`\n\n{}", program.name, about(&command));
+    if !program.ros_names.is_empty() {
+        section += "\n";
+        section += &head(&["", "name", "type", ""]);
+    }
+    for name in program.ros_names {
+        let with_words = |name: &str| if name.contains(' ') { name.to_owned() } else { code(name) };
+        let names: Vec<String> = name.name.split(", ").map(with_words).collect();
+        section += &row(&[name.usage.word().to_owned(), names.join(", "), text(name.kind), text(name.note)]);
+    }
+    if program.has_parameters {
+        section += &options(&command);
+    }
+    let commands = command.get_subcommands().filter(|inner| inner.get_name() != "help");
+    let commands: String =
+        commands.map(|inner| row(&[code(inner.get_name()), about(inner).trim().to_owned()])).collect();
+    if commands.is_empty() {
+        return section;
+    }
+    section + "\n" + &head(&["command", ""]) + &commands
 }
 
-impl Page {
-    fn program(&mut self, program: &Program, command: &Command) {
-        self.text += &format!("\n## `{}`\n\n{}", program.name, about(command));
-        if !program.ros_names.is_empty() {
-            self.text += "\n";
-            self.text += &head(&["", "name", "type", ""]);
-        }
-        for name in program.ros_names {
-            let with_words = |name: &str| if name.contains(' ') { name.to_owned() } else { code(name) };
-            let names: Vec<String> = name.name.split(", ").map(with_words).collect();
-            self.text += &row(&[name.usage.word().to_owned(), names.join(", "), text(name.kind), text(name.note)]);
-        }
-        self.options(program.name, command, program.has_parameters);
-        for inner in command.get_subcommands().filter(|inner| inner.get_name() != "help") {
-            let path = format!("{} {}", program.name, inner.get_name());
-            self.text += &format!("\n### `{path}`\n\n{}", about(inner));
-            self.options(&path, inner, false);
-        }
-    }
-
-    /// The table of a command's options. Those that another command has in the same way are only named.
-    fn options(&mut self, path: &str, command: &Command, has_parameters: bool) {
-        let shown = command.get_arguments().filter(|arg| !arg.is_hide_set() && !is_clap_s_own(arg));
-        let mut rows = String::new();
-        let mut elsewhere: Vec<(String, Vec<String>)> = Vec::new();
-        for arg in shown {
-            let cells = cells(arg);
-            if let Some(other) = self.written.get(&cells) {
-                let name = code(&arg.get_long().map_or_else(|| value_names(arg), |long| format!("--{long}")));
-                match elsewhere.iter_mut().find(|(of, _)| of == other) {
-                    Some((_, names)) => names.push(name),
-                    None => elsewhere.push((other.clone(), vec![name])),
-                }
-                continue;
-            }
-            self.written.insert(cells.clone(), path.to_owned());
-            let [option, default, help] = cells.as_slice() else { continue };
-            let parameter = parameter_of(arg).map_or_else(String::new, |name| format!("`~{name}`"));
-            rows += &match has_parameters {
-                true => row(&[option.clone(), parameter, default.clone(), help.clone()]),
-                false => row(&cells),
-            };
-        }
-        if !rows.is_empty() {
-            let names: &[&str] = match has_parameters {
-                true => &["option", "parameter", "default", ""],
-                false => &["option", "default", ""],
-            };
-            self.text += &format!("\n{}{rows}", head(names));
-        }
-        for (other, names) in elsewhere {
-            let link = format!("[`{other}`](#{})", other.replace(' ', "-"));
-            let is_all = self.written.values().filter(|of| **of == other).count() == names.len();
-            self.text += &match is_all {
-                true => format!("\nAnd all options of {link}.\n"),
-                false => format!("\nAs for {link}: {}.\n", names.join(", ")),
-            };
-        }
-    }
+/// The table of a node's options.
+fn options(command: &Command) -> String {
+    let shown = command.get_arguments().filter(|arg| !arg.is_hide_set() && !is_clap_s_own(arg));
+    let rows = shown.map(|arg| {
+        let [option, default, help] = cells(arg);
+        let parameter = parameter_of(arg).map_or_else(String::new, |name| format!("`~{name}`"));
+        row(&[option, parameter, default, help])
+    });
+    format!("\n{}{}", head(&["option", "parameter", "default", ""]), rows.collect::<String>())
 }
 
 /// Summary of a command, in a sentence.
@@ -128,7 +88,7 @@ fn value_names(arg: &Arg) -> String {
 }
 
 /// The option with its value, its default, and its help.
-fn cells(arg: &Arg) -> Vec<String> {
+fn cells(arg: &Arg) -> [String; 3] {
     let takes_values = arg.get_action().takes_values();
     let mut names = Vec::new();
     names.extend(arg.get_short().map(|short| format!("`-{short}`")));
@@ -155,7 +115,7 @@ fn cells(arg: &Arg) -> Vec<String> {
         _ if takes_values => "none".to_owned(),
         _ => "off".to_owned(),
     };
-    vec![names.join(", "), default, text(&(help + &rest.unwrap_or_default())) + &possible_values(arg)]
+    [names.join(", "), default, text(&(help + &rest.unwrap_or_default())) + &possible_values(arg)]
 }
 
 /// Values of a choice that the help does not name.
