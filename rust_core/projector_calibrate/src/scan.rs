@@ -58,7 +58,7 @@ pub(super) struct ScanArguments {
     /// Width and height of the projector's image, pixels: its native resolution
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: [u32; 2],
-    /// The folder to write to; made if it does not exist, a capture in it is replaced
+    /// The folder to write to; made if it does not exist, a capture in it is replaced by a complete one
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// The devices.
