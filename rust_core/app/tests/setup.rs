@@ -72,8 +72,12 @@ fn files_are_replaced_only_when_that_is_wanted_and_a_calibration_never() {
     let (status, error) = refusal(folder.path(), &FIXED);
     assert_eq!(status, Some(1));
     assert!(error.contains("has files; choose another folder or give --overwrite"), "{error}");
-    fs::write(folder.path().join("projector.yaml"), "# The result of projector_calibrate solve.\n").unwrap();
+    let calibrated = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/projector.yaml");
+    fs::copy(calibrated, folder.path().join("projector.yaml")).unwrap();
     let output = setup(folder.path(), &[&FIXED[..], &["--fixed-frame", "odom", "--overwrite"]].concat());
     assert!(String::from_utf8(output.stdout).unwrap().contains("projector.yaml: kept, it is calibrated\n"));
     assert!(fs::read_to_string(folder.path().join("scene.rviz")).unwrap().contains("Fixed Frame: \"odom\""));
+    fs::write(folder.path().join("projector.yaml"), "# A calibration that lost its end.\n").unwrap();
+    let (status, error) = refusal(folder.path(), &[&FIXED[..], &["--overwrite"]].concat());
+    assert!(status == Some(1) && error.contains("projector.yaml: "), "{error}");
 }

@@ -158,15 +158,14 @@ fn windows_that_wait_for_a_display_server_that_hangs_end() {
     let x_server = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let display = format!("127.0.0.1:{}", x_server.local_addr().unwrap().port() - 6000);
     let calibrate = env!("CARGO_BIN_EXE_projector_calibrate");
-    let cases: [(&str, &[&str], bool, i32); 6] = [
-        (WINDOW, &[], true, 0),
-        (WINDOW, &[], false, 0),
-        (WINDOW, &["--place", "any"], false, 0),
-        (calibrate, &["show", "--test", "grid"], true, 0),
-        (calibrate, &["show", "--test", "grid"], false, 0),
-        (calibrate, &["scan", "--size", "64x48", "-o", "unwritten", "--monitor", "0"], false, 1),
+    let cases: [(&str, &[&str], bool); 5] = [
+        (WINDOW, &[], true),
+        (WINDOW, &[], false),
+        (WINDOW, &["--place", "any"], false),
+        (calibrate, &["show", "--test", "grid"], true),
+        (calibrate, &["show", "--test", "grid"], false),
     ];
-    for (path, arguments, is_wayland, exit_status) in cases {
+    for (path, arguments, is_wayland) in cases {
         let mut command = program(path);
         match is_wayland {
             true => command.env("WAYLAND_DISPLAY", &socket),
@@ -174,7 +173,7 @@ fn windows_that_wait_for_a_display_server_that_hangs_end() {
         };
         let mut window = Waiting::start(command.current_dir(folder.path()).args(arguments));
         window.wait_for_thread("window-watch");
-        assert_eq!(window.end("-TERM").code(), Some(exit_status), "{path} {arguments:?}: {}", window.log);
+        assert_eq!(window.end("-TERM").code(), Some(0), "{path} {arguments:?}: {}", window.log);
         assert!(window.log.contains("the display server does not respond"), "{path} {arguments:?}: {}", window.log);
     }
 }
