@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(read(&format!("{whole}{second}")).unwrap().len(), 2);
         let faults = [
             (String::new(), "x.cues.yaml: "),
-            (whole[..20].to_owned(), "brightness"),
+            (whole[..20].to_owned(), "x.cues.yaml: "),
             (whole.replace("0.5", ".nan"), "cue a: brightness: NaN is no number from 0 to 1"),
             (whole.replace("0.5", "1.5"), "1.5 is no number from 0 to 1"),
             (whole.replace("0.5", "half"), "brightness"),

@@ -61,7 +61,7 @@ fn a_fetch_needs_only_its_size() {
     assert_eq!((&*answers.mount, &*answers.fixed_frame, &*answers.monitor), ("torso_lift_link", "base_link", "auto"));
     assert_eq!(answers.depth.as_deref(), Some("/head_camera/depth_registered/image_raw"));
     let classes: Vec<_> = answers.topics.iter().map(|(_, display)| display.class).collect();
-    assert_eq!(classes, ["rviz/PointCloud2", "rviz/PointCloud2", "rviz/Path", "rviz/MarkerArray"]);
+    assert_eq!(classes, ["rviz/PointCloud2", "rviz/PointCloud2", "rviz/Path", "rviz/Path", "rviz/MarkerArray"]);
 }
 
 #[test]

@@ -47,11 +47,15 @@ fn dark_edges_share_along(check: &ImageCheck<'_>, axis: &AxisChannels) -> f64 {
     let signs: Vec<[u64; 2]> = (0..check.noise.len()).map(|pixel| check.clear_signs(&bits, pixel)).collect();
     let mut edges = [[0_usize; 2]; u64::BITS as usize];
     for (index, here) in signs.iter().enumerate() {
-        let right = (index % width + REACH < width).then(|| signs[index + REACH]);
-        for other in right.iter().chain(signs.get(index + REACH * width)) {
+        let right = (index % width + REACH < width).then_some(1);
+        let below = (index + REACH * width < signs.len()).then_some(width);
+        for step in right.into_iter().chain(below) {
+            let other = &signs[index + REACH * step];
             let [lit, dark] = [here[0] & other[0], here[1] & other[1]];
             let bit = (lit | dark).trailing_ones();
             let is_edge = (here[0] & other[1] | here[1] & other[0]) >> bit & 1 == 1;
+            // Where stripes are as fine as the camera's pixels, a lit one may be between two dark pixels.
+            let dark = dark & signs[index + REACH / 2 * step][1];
             let next = [lit, dark].map(|signs| signs >> (bit + 1) & 1 == 1);
             if is_edge && (next[0] || next[1]) && bits[bit as usize + 1].stripes.width_px() >= CLEAR_EDGE_PX {
                 edges[bit as usize][usize::from(next[1])] += 1;
