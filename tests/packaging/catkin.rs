@@ -11,7 +11,7 @@ use rcs_tests::programs::repository;
 use crate::files::pixels;
 use crate::{bash, printed_by, succeed, target};
 
-pub(crate) const PROGRAMS: [&str; 9] = [
+pub(crate) const PROGRAMS: [&str; 10] = [
     "camera_stream",
     "line_of_sight",
     "nav_path_markers",
