@@ -38,4 +38,6 @@ add_custom_target(rviz_camera_stream_programs ALL
 foreach(program ${programs})
   install(PROGRAMS "${built}/${program}" DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endforeach()
+# The build writes it.
+#catkin_lint: ignore_once missing_directory
 install(DIRECTORY "${help}/" DESTINATION ${CATKIN_GLOBAL_SHARE_DESTINATION})

@@ -83,7 +83,8 @@ fn every_key_of_the_projector_files_is_read() {
         if file.ends_with("turret_projector.yaml") {
             // Its frames are those of the robots' descriptions.
             assert_eq!(projector.frames.len(), 0);
-            for robot in files("ros_pkg/urdf", "urdf") {
+            let is_turret = |robot: &PathBuf| robot.to_string_lossy().contains("turret");
+            for robot in files("ros_pkg/urdf", "urdf").into_iter().filter(is_turret) {
                 assert!(fs::read_to_string(robot).unwrap().contains(&format!("<link name=\"{frame_id}\"")));
             }
         } else {

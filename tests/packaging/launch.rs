@@ -305,8 +305,9 @@ fn the_projection_sets_every_option_of_the_node() {
         let name = option.strip_prefix("no-").unwrap_or(option);
         let is_it =
             |word: &String| word.trim_start_matches("--").trim_start_matches("no-").split('=').next() == Some(name);
-        // A blackout outlives a launch as well: no launch file releases it.
-        assert!(["help", "version", "blackout"].contains(&name) || set.iter().any(is_it), "{option}");
+        // A blackout outlives a launch as well: no launch file releases it. Brightness is the operator's.
+        let is_operators = ["blackout", "brightness", "fade-seconds"].contains(&name);
+        assert!(["help", "version"].contains(&name) || is_operators || set.iter().any(is_it), "{option}");
     }
 }
 

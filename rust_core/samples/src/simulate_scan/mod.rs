@@ -48,6 +48,7 @@ pub const ROS_NAMES: &[RosName] = &[
 #[derive(Debug, Parser)]
 #[command(
     name = "simulate_scan",
+    display_name = "rviz_camera_stream",
     version,
     before_help = "\
 Examples:
