@@ -31,10 +31,13 @@ impl Arrivals {
         Self { count: 0, first: at, last: at, longest_gap, longest_delay, last_age_secs: None }
     }
 
-    fn note(&mut self, at: Instant, age_secs: Option<f64>) {
+    /// Notes a message. The first of a publisher may have waited for a subscriber: it says nothing about the delay.
+    fn note(&mut self, at: Instant, age_secs: Option<f64>, is_publishers_first: bool) {
         self.longest_gap = self.longest_gap.max(at.saturating_duration_since(self.last));
         let delay = Duration::try_from_secs_f64(age_secs.unwrap_or_default()).unwrap_or_default();
-        self.longest_delay = self.longest_delay.max(delay);
+        if !is_publishers_first {
+            self.longest_delay = self.longest_delay.max(delay);
+        }
         (self.count, self.last, self.last_age_secs) = (self.count + 1, at, age_secs);
     }
 
@@ -98,10 +101,12 @@ impl Observed {
                 let now = now.saturating_sub(received.elapsed());
                 let stamp = header(message).map(|header| time_from_stamp(header.stamp)).unwrap_or(Time::ZERO);
                 let age_secs = (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp));
-                self.topics
-                    .entry(Arc::clone(topic))
-                    .or_insert_with(|| Arrivals::new(*received))
-                    .note(*received, age_secs);
+                let is_publishers_first = !self.stamps.contains_key(&(Arc::clone(publisher), Arc::clone(topic)));
+                self.topics.entry(Arc::clone(topic)).or_insert_with(|| Arrivals::new(*received)).note(
+                    *received,
+                    age_secs,
+                    is_publishers_first,
+                );
                 self.note_stamp(publisher, topic, stamp, now);
                 if let AnyMessage::Image(image) = message {
                     self.images.insert(Arc::clone(topic), Arc::clone(image));
@@ -151,7 +156,7 @@ pub(crate) mod tests {
     pub(crate) fn arrivals(start: Instant, times_secs: &[f64], delay_secs: f64) -> Arrivals {
         let at = |secs: f64| start + Duration::from_secs_f64(secs);
         let mut arrivals = Arrivals::new(at(times_secs[0]));
-        times_secs.iter().for_each(|secs| arrivals.note(at(*secs), Some(delay_secs)));
+        times_secs.iter().for_each(|secs| arrivals.note(at(*secs), Some(delay_secs), false));
         arrivals
     }
 
@@ -185,5 +190,7 @@ pub(crate) mod tests {
         assert_eq!(offsets.keys().copied().collect::<Vec<_>>(), ["/slow"]);
         assert!((offsets["/slow"] + 2.0).abs() < 0.1, "{offsets:?}");
         assert_eq!(observed.topics["/info"].count, 3);
+        let delay = observed.topics["/a"].longest_delay;
+        assert!((1..3).contains(&delay.as_secs()), "{delay:?}: the first message may have waited for a subscriber");
     }
 }
