@@ -75,7 +75,7 @@ pub enum ScanCameraError {
         topic: String,
         /// The timeout.
         waited: Duration,
-        /// What is known of its publishers.
+        /// State of its publishers.
         reason: String,
         /// Topics that may be meant, with types and publishers, a line each.
         known_topics: Vec<String>,

@@ -441,7 +441,7 @@ const CUES: &str = "cues:
   cameras: {CameraPub: []}
 ";
 
-/// What a script does: asks for cues by topic, service and dynamic_reconfigure.
+/// A script asks for cues by topic, service and dynamic_reconfigure.
 const SCRIPT: &str = "
 from std_msgs.msg import String
 shown = []

@@ -18,7 +18,7 @@ use rcs_ros::{EventQueue, EventSender, NodeError, Publisher, RosNode};
 /// Requests that may wait; the oldest are dropped.
 const MOST_WAITING: usize = 64;
 
-/// Who is told of a request's result: the name of the cue that is shown now, or why nothing changed.
+/// Callback for a request's result: the name of the cue that is shown now, or why nothing changed.
 pub(crate) type Done = Box<dyn FnOnce(Result<String, String>) + Send>;
 
 /// A request to show a cue.

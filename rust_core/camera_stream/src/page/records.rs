@@ -1,4 +1,4 @@
-//! What an operator keeps of a study, beside the config: marks in a CSV file, and snapshots of images.
+//! Records of a study beside the config: marks in a CSV file, and snapshots of images.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -73,7 +73,7 @@ fn marks_file(shared: &NodeState) -> PathBuf {
     shared.config_file().with_extension("marks.csv")
 }
 
-/// What a camera shows: its displays, or what stands in their place.
+/// Contents of a camera's image: its displays, or what stands in their place.
 fn shown_text(shared: &NodeState, camera: &CameraPublisher) -> String {
     let name = &camera.view().name;
     let (operator, dark) = (shared.control.of_camera(name), camera.figures().dark);

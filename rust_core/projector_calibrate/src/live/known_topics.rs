@@ -1,4 +1,4 @@
-//! What the master knows of a topic on which nothing is received, and of the topics that may be meant.
+//! The master's answer about a topic on which nothing is received, and the topics that may be meant.
 
 use std::time::Duration;
 

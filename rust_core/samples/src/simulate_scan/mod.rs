@@ -82,7 +82,7 @@ Examples:
     Robot {
         /// A folder to write truth.yaml and tape.yaml to
         folder: PathBuf,
-        /// What the projector lights
+        /// Scene before the projector
         #[arg(long, value_enum, default_value = "room")]
         scene: Scene,
         /// The camera's name: before its topics and its frame, CAMERA_rgb_optical_frame
@@ -106,7 +106,7 @@ Examples:
     },
 }
 
-/// What the projector lights.
+/// Scene before the projector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Scene {
     /// A cluttered room.
