@@ -9,7 +9,7 @@ use std::path::Path;
 use rcs_tests::programs::repository;
 
 use crate::files::pixels;
-use crate::{bash, printed_by, succeed, target};
+use crate::{bash, printed_by, processors, succeed, target};
 
 pub(crate) const PROGRAMS: [&str; 10] = [
     "camera_stream",
@@ -93,6 +93,7 @@ fn rviz_loads_the_plugin_after(setup: &Path, library: &Path) {
 
 #[test]
 fn catkin_make_builds_what_rosrun_and_rviz_find() {
+    let _processors = processors();
     let workspace = workspace();
     let at = workspace.path();
     succeed(&format!("{} && cd {} && catkin_make {}", compiled_once_below(at), at.display(), cmake_argument()));
@@ -117,6 +118,7 @@ fn the_scripts_work_after(setup: &Path, folder: &Path) {
 #[test]
 #[ignore = "the same build by another tool: ./test full"]
 fn catkin_build_installs_what_rosrun_and_rviz_find() {
+    let _processors = processors();
     let workspace = workspace();
     let at = workspace.path();
     let cmake_argument = cmake_argument();
@@ -131,6 +133,7 @@ fn catkin_build_installs_what_rosrun_and_rviz_find() {
 
 #[test]
 fn plain_cmake_installs_programs_launch_files_and_configs() {
+    let _processors = processors();
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     succeed(&format!(

@@ -10,7 +10,7 @@ use rcs_tests::ros::{wait_until, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 use crate::files::pixels;
-use crate::{bash, bash_command, printed_by, succeed};
+use crate::{bash, bash_command, printed_by, processors, succeed};
 
 /// Processes that have this in their environment.
 fn processes_with(environment: &str) -> Vec<String> {
@@ -84,6 +84,7 @@ fn the_papers_turret_lights_the_object_to_grasp() {
 
 #[test]
 fn a_hand_in_the_light_is_lit_only_without_a_surface() {
+    let _processors = processors();
     let folder = tempfile::tempdir().unwrap();
     let (shown, printed) = show(folder.path(), "--confirm");
     let (width, height, pixels) = pixels(&shown);

@@ -16,8 +16,18 @@ mod tutorials;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rcs_tests::programs::{program, repository};
+
+/// Held by a test that compiles a workspace, and by the one whose depth camera may not be late for half a second: the
+/// picture would be dark, as it should.
+static PROCESSORS: Mutex<()> = Mutex::new(());
+
+/// Waits for the other tests that need the processors; one that failed hinders nobody.
+fn processors() -> MutexGuard<'static, ()> {
+    PROCESSORS.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A bash script in the repository's folder and in the environment of the project's scripts, run to its end.
 fn bash(script: &str) -> Output {

@@ -39,6 +39,7 @@ impl Keystone {
             // A large skew leaves no solution without one.
             Err(
                 Refusal::Moved { .. }
+                | Refusal::TwoPoses { .. }
                 | Refusal::FewInliers { .. }
                 | Refusal::Inconsistent(_)
                 | Refusal::NoSolution(_)

@@ -5,8 +5,8 @@
 //! least-squares adjustment by `levenberg_marquardt` with the error model of `noise`, the equations of
 //! `normal_equations` and the unknowns of `model`; `held_out` selects the distortion terms by cross-validation;
 //! `covariance` estimates the uncertainty from the sums of `cells` and their `correlation`; `skew` tests whether the
-//! result is a lens at all. `zoom` estimates the focal length of an otherwise known lens. `spread`, `orientation` and
-//! `moved` detect scenes and scans to refuse.
+//! result is a lens at all. `zoom` estimates the focal length of an otherwise known lens. `spread`, `orientation`,
+//! `moved` and `motion` detect scenes and scans to refuse.
 //!
 //! The result depends on samples, options and seed alone: sums are formed in the same order for any number of threads.
 
@@ -26,6 +26,7 @@ mod held_out;
 mod input;
 mod levenberg_marquardt;
 mod model;
+mod motion;
 mod moved;
 mod noise;
 mod normal_equations;

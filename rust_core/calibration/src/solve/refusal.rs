@@ -132,6 +132,23 @@ pub enum Refusal {
         /// Share that agrees with the second pose, percent.
         second_percent: f64,
     },
+    /// A scan has two poses that are close to each other.
+    #[error(
+        "{second_percent:.0} % of the samples of scan {scan}, {}, are {apart_px:.1} px off the others: the camera, an \
+         object or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in the \
+         column scan",
+        if *is_in_order { "the last ones" } else { "among the others" }
+    )]
+    TwoPoses {
+        /// Number of the scan.
+        scan: u32,
+        /// RMS distance of both poses' predictions, pixels.
+        apart_px: f64,
+        /// Share of the second pose's samples, percent.
+        second_percent: f64,
+        /// `true` if these come after the others.
+        is_in_order: bool,
+    },
     /// A share of the samples, percent, fits only with distortion terms that are not solved for.
     #[error(
         "the lens has a distortion that is not solved for, without which {0:.0} % of the samples do not fit: \

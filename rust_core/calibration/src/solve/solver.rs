@@ -12,7 +12,7 @@ use super::levenberg_marquardt::MOST_STEPS;
 use super::model::{constrained, lens_values, Free, SolverState};
 use super::noise::{Noise, LIMIT};
 use super::normal_equations::NormalEquations;
-use super::{covariance, moved, orientation, skew, spread};
+use super::{covariance, motion, moved, orientation, skew, spread};
 use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions};
 use crate::statistics::{median, quantile, root_mean_square};
 use crate::{Lens, Sample};
@@ -274,6 +274,7 @@ impl<'a> Solver<'a> {
     /// Refuses fits that many samples contradict.
     fn check_fit(&self, adjusted: &Adjusted) -> Result<(), Refusal> {
         let observations = self.observations;
+        motion::check(observations, adjusted, self.options.seed)?;
         moved::check(observations, adjusted, self.options.seed).map_err(|moved| self.distorted_or(moved, adjusted))?;
         let depth_of = |i: usize| {
             let observation = &observations.all[i];

@@ -79,6 +79,7 @@ fn unsolvable(refusal: Refusal) -> RefinementProblem {
         Refusal::FewInliers { percent, .. } | Refusal::Moved { first_percent: percent, .. } => {
             RefinementProblem::Inconsistent(percent)
         }
+        Refusal::TwoPoses { second_percent, .. } => RefinementProblem::Inconsistent(100.0 - second_percent),
         refusal => RefinementProblem::Unsolvable(refusal),
     }
 }

@@ -1,11 +1,11 @@
-//! Motions during a scan: refused or shown by the held-out error, and no false alarms.
+//! Small motions during a scan: refusals, and no false alarms.
 
 use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector2, Vector3};
 
 use super::synthetic::pose;
 use super::*;
 use crate::solve::random::SplitMix64;
-use crate::{Report, Sample, Verdict};
+use crate::Sample;
 
 /// Change of the camera's pose or the projector's zoom.
 #[derive(Debug, Clone, Copy)]
@@ -17,17 +17,37 @@ struct Change {
 
 const NONE: Change = Change { degrees: 0.0, shift_m: 0.0, zoom: 1.0 };
 
-/// Samples of which a share, at random, is observed after a change.
-fn changed(simulation: &Simulation, change: Change, share: f64) -> Vec<Sample> {
+/// Samples observed after the change.
+#[derive(Debug, Clone, Copy)]
+enum Which {
+    Any(f64),
+    Last(f64),
+}
+
+fn shuffled(simulation: &Simulation) -> Vec<Sample> {
+    let mut samples = simulation.samples();
+    let mut random = SplitMix64::new(simulation.seed, 55);
+    for i in (1..samples.len()).rev() {
+        samples.swap(i, random.below(i + 1));
+    }
+    samples
+}
+
+fn changed(simulation: &Simulation, change: Change, which: Which) -> Vec<Sample> {
     let mut random = SplitMix64::new(simulation.seed, 56);
     let mut direction = || Vector3::from_fn(|_, _| random.unit() - 0.5).normalize();
     // A rotation about the view itself moves pixels less.
     let axis = Vector3::new(1.0, 1.0, 0.0).component_mul(&direction()).normalize();
     let turn = UnitQuaternion::from_scaled_axis(axis * change.degrees.to_radians());
     let moved = Isometry3::from_parts((direction() * change.shift_m).into(), turn);
-    let mut samples = simulation.samples();
-    for sample in &mut samples {
-        if random.unit() < share {
+    let mut samples = shuffled(simulation);
+    let count = samples.len() as f64;
+    for (index, sample) in samples.iter_mut().enumerate() {
+        let is_changed = match which {
+            Which::Any(share) => random.unit() < share,
+            Which::Last(share) => index as f64 >= (1.0 - share) * count,
+        };
+        if is_changed {
             sample.point = moved * sample.point;
             let center = Vector2::new(639.5, 399.5);
             sample.pixel = Point2::from(center + (sample.pixel.coords - center) * change.zoom);
@@ -35,6 +55,10 @@ fn changed(simulation: &Simulation, change: Change, share: f64) -> Vec<Sample> {
     }
     samples.retain(|sample| (-0.5..=1279.5).contains(&sample.pixel.x) && (-0.5..=799.5).contains(&sample.pixel.y));
     samples
+}
+
+fn is_motion(refused: &Refusal) -> bool {
+    matches!(refused, Refusal::Moved { .. } | Refusal::TwoPoses { .. })
 }
 
 #[test]
@@ -47,7 +71,7 @@ fn a_distortion_that_is_not_solved_for_is_named() {
             let fixed = SolveOptions { fixed: vec![(Parameter::K1, 0.0)], ..options() };
             for options in [pinhole, fixed] {
                 let result = solve(&samples, &options);
-                assert!(!matches!(result, Err(Refusal::Moved { .. })), "{seed} {k1}: {:?}", result.err());
+                assert!(!result.as_ref().is_err_and(is_motion), "{seed} {k1}: {:?}", result.err());
             }
         }
     }
@@ -58,7 +82,7 @@ fn a_distortion_that_is_not_solved_for_is_named() {
 }
 
 #[test]
-fn a_small_motion_is_refused_or_warned_of_or_harmless() {
+fn a_small_motion_of_any_samples_is_refused() {
     let changes = [
         Change { degrees: 0.1, ..NONE },
         Change { degrees: 0.2, ..NONE },
@@ -70,14 +94,35 @@ fn a_small_motion_is_refused_or_warned_of_or_harmless() {
         let simulation = Simulation { depth_noise_m: 0.0004, gross: 0.1, step_px: 9, ..Simulation::new(seed) };
         for change in changes {
             for share in [0.5, 0.25] {
-                let samples = changed(&simulation, change, share);
-                let Ok(solution) = solve(&samples, &options()) else { continue };
-                // Of a quarter, all samples may be outliers.
-                let is_harmless = projection_error_px(&simulation, &solution) < 0.5;
-                let Report { verdict, reasons, .. } = Report::new(&samples, solution);
-                let is_named = verdict != Verdict::Good && reasons.iter().any(|reason| reason.contains("held-out"));
-                assert!(is_named || is_harmless, "{seed} {change:?} {share}: {reasons:?}");
+                let refused = solve(&changed(&simulation, change, Which::Any(share)), &options()).err();
+                let refused = refused.unwrap_or_else(|| panic!("{seed} {change:?} {share}"));
+                let is_named = match &refused {
+                    Refusal::Moved { .. } => true,
+                    Refusal::TwoPoses { second_percent, is_in_order, apart_px, .. } => {
+                        let off =
+                            (second_percent - 100.0 * share).abs().min((100.0 - second_percent - 100.0 * share).abs());
+                        !is_in_order && *apart_px < 25.0 && off < 10.0
+                    }
+                    _ => false,
+                };
+                assert!(is_named, "{seed} {change:?} {share}: {refused}");
+                assert_eq!(refused.to_string().lines().count(), 1);
             }
+        }
+    }
+}
+
+#[test]
+fn two_scans_in_one_are_refused_even_with_noisy_depth() {
+    for seed in 0..3 {
+        let simulation = Simulation { depth_noise_m: 0.003, ..Simulation::new(seed) };
+        for change in [Change { degrees: 0.1, ..NONE }, Change { shift_m: 0.002, ..NONE }] {
+            let refused = solve(&changed(&simulation, change, Which::Last(0.4)), &options()).unwrap_err();
+            let Refusal::TwoPoses { is_in_order: true, second_percent, .. } = refused else {
+                panic!("{seed} {change:?}: {refused}");
+            };
+            assert!((second_percent - 40.0).abs() < 10.0, "{second_percent}");
+            assert!(refused.to_string().contains("the last ones"), "{refused}");
         }
     }
 }
@@ -95,12 +140,13 @@ fn errors_of_all_other_kinds_are_no_motion() {
             ("scans", Simulation { projector_from_camera: vec![pose(seed), pose(seed + 9)], ..still(seed) }),
         ];
         for (kind, simulation) in kinds {
-            let samples = simulation.samples();
-            assert!(solve(&samples, &options()).is_ok(), "{seed} {kind}: {:?}", solve(&samples, &options()).err());
+            for samples in [simulation.samples(), shuffled(&simulation)] {
+                assert!(solve(&samples, &options()).is_ok(), "{seed} {kind}: {:?}", solve(&samples, &options()).err());
+            }
             // A lens solved for without its distortion.
             let pinhole = SolveOptions { distortion: DistortionTerms::None, ..options() };
-            let result = solve(&samples, &pinhole);
-            assert!(!matches!(result, Err(Refusal::Moved { .. })), "{seed} {kind}: {:?}", result.err());
+            let result = solve(&simulation.samples(), &pinhole);
+            assert!(!result.as_ref().is_err_and(is_motion), "{seed} {kind}: {:?}", result.err());
         }
     }
 }
