@@ -51,11 +51,6 @@ fn without_comments(text: &str) -> String {
     code
 }
 
-/// A source file without comments and blanks, up to its tests.
-pub fn code(text: &str) -> String {
-    without_comments(text).split_whitespace().collect()
-}
-
 /// The programs' sources by their paths in the repository, without comments and tests.
 ///
 /// # Panics
@@ -75,14 +70,10 @@ pub fn texts() -> Vec<(String, String)> {
     found
 }
 
-/// The [`texts`], each as its [`code`].
-pub fn sources() -> Vec<(String, String)> {
-    texts().into_iter().map(|(name, text)| (name, text.split_whitespace().collect())).collect()
-}
-
 /// What of these is missing: pieces of code, without blanks, in files of a folder.
 pub fn missing(folder: &str, pieces: &[(&str, &str)]) -> Vec<String> {
-    let sources = sources();
+    let without_blanks = |(name, text): (String, String)| (name, text.split_whitespace().collect::<String>());
+    let sources: Vec<(String, String)> = texts().into_iter().map(without_blanks).collect();
     let has = |file: &str, piece: &str| sources.iter().any(|(name, code)| name == file && code.contains(piece));
     let all = pieces.iter().map(|(file, piece)| (format!("{folder}/{file}"), piece));
     all.filter(|(file, piece)| !has(file, piece)).map(|(file, piece)| format!("{file} no longer has {piece}")).collect()

@@ -6,7 +6,7 @@ use std::fs;
 
 use rcs_tests::modules::Modules;
 use rcs_tests::programs::repository;
-use rcs_tests::sources::{missing, rust_files, sources, texts};
+use rcs_tests::sources::{missing, rust_files, texts};
 
 /// The crates that may have `unsafe`: neither C's pointers can be read nor the C library be called without it.
 const UNSAFE: [&str; 2] = ["rust_core/capi", "rust_core/process"];

@@ -70,7 +70,7 @@ macro_rules! targets {
                 Target { name: $name, reads: $reads, most_bytes: $most_mib * MIB, function: $function };
         )*
 
-        /// All targets; each has a file in `fuzz/fuzz_targets` and a folder in `fuzz/corpus`.
+        /// All targets; each has a file in `fuzz/fuzz_targets` and a folder in `fuzz/seeds`.
         pub const TARGETS: &[Target] = &[$($constant),*];
     };
 }

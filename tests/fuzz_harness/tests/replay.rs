@@ -1,5 +1,5 @@
-//! Every input that fuzzing has kept runs again: those of the corpora, each of which reached something new, and those
-//! that once failed.
+//! Inputs run again on stable Rust: the seeds of fuzzing, at most ten for each target, which reach most of what its corpus
+//! did, and those that once failed.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::any::Any;
@@ -62,7 +62,7 @@ fn replay(target: &'static Target, bytes: &[u8]) -> Result<Duration, String> {
 /// Runs all inputs of a target on a thread, and gives those that failed. The others' number is printed.
 fn replay_all(target: &'static Target) -> Vec<String> {
     let inputs: Vec<PathBuf> =
-        ["corpus", "regressions"].iter().flat_map(|kind| files(&fuzz_folder().join(kind).join(target.name))).collect();
+        ["seeds", "regressions"].iter().flat_map(|kind| files(&fuzz_folder().join(kind).join(target.name))).collect();
     let (sender, receiver) = mpsc::channel();
     let paths = inputs.clone();
     let run = move || {
@@ -93,25 +93,26 @@ fn replay_all(target: &'static Target) -> Vec<String> {
 
 /// One after the other, because what they allocate is counted.
 #[test]
-fn every_input_that_was_kept_runs_through() {
+fn every_seed_and_regression_runs_through() {
     count_panics();
     let failures: Vec<String> = TARGETS.iter().flat_map(replay_all).collect();
     assert!(failures.is_empty(), "{} inputs fail:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
-fn every_target_has_a_binary_and_a_corpus_and_nothing_is_left_over() {
+fn every_target_has_a_binary_and_few_seeds_and_nothing_is_left_over() {
     let names: BTreeSet<String> = TARGETS.iter().map(|target| target.name.to_owned()).collect();
     let stems = |folder: &str| -> BTreeSet<String> {
         let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
         files(&fuzz_folder().join(folder)).iter().map(stem).collect()
     };
     assert_eq!(stems("fuzz_targets"), names);
-    assert_eq!(stems("corpus"), names);
+    assert_eq!(stems("seeds"), names);
     assert!(stems("regressions").is_subset(&names));
     let manifest = fs::read_to_string(fuzz_folder().join("Cargo.toml")).unwrap();
     for name in &names {
-        assert!(!files(&fuzz_folder().join("corpus").join(name)).is_empty(), "{name} has no corpus");
+        let seeds = files(&fuzz_folder().join("seeds").join(name)).len();
+        assert!((1..=10).contains(&seeds), "{name} has {seeds} seeds");
         let source = fs::read_to_string(fuzz_folder().join(format!("fuzz_targets/{name}.rs"))).unwrap();
         let run = format!("rcs_fuzz_harness::{}.run(data)", name.to_uppercase());
         assert!(source.contains(&run), "{name}.rs runs another target");
