@@ -4,7 +4,7 @@
 //! Whatever the bytes are, a target ends without a panic, in little time and with little memory; what was understood is
 //! valid, and reads as the same when it is written again, where there is a writer. `scripts/fuzz` runs the targets on
 //! bytes that libFuzzer invents, guided by coverage; the tests of this crate replay what it has found so far: the
-//! corpora (inputs that each reach something new) and the regressions (inputs that once failed), both in `fuzz`.
+//! seeds (at most ten for each target) and the regressions (inputs that once failed), both in `fuzz`.
 
 #![forbid(unsafe_code)]
 
