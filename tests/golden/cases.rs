@@ -1,9 +1,9 @@
-//! The conformance cases: a folder each, with what is to be drawn and, in `case.yaml`, what it shows.
+//! The golden cases: a bag with a config and messages, rviz's image, and a line of `cases.yaml` that says what they show.
 //!
-//! `tests/conformance/README.md` describes the files and fields. A field that is not known is an error, so that a
-//! misspelt one is not silently without effect.
+//! `tests/golden/README.md` describes the files and fields. A field that is not known is an error, so that a misspelt one
+//! is not silently without effect.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{bail, ensure, Context as _};
@@ -12,9 +12,12 @@ use saphyr_parser::{Event, Parser};
 /// A scene and the image that rviz drew of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
-    /// The folder's name, which begins with the subject.
+    /// Begins with the subject.
     pub(crate) name: String,
-    pub(crate) folder: PathBuf,
+    /// The config, then TF, CameraInfo and the messages.
+    pub(crate) bag: PathBuf,
+    /// What rviz drew.
+    pub(crate) image: PathBuf,
     /// What the case shows.
     pub(crate) about: String,
     /// The lowest *close* score that passes, 0 to 1.
@@ -25,13 +28,12 @@ pub(crate) struct Case {
     pub(crate) params: Vec<String>,
 }
 
-/// A case whose lowest *close* score is below this needs a reason. Single pixels of rasterisation may lie farther than
-/// one away.
+/// The lowest *close* score that passes if the case says nothing. Single pixels of rasterisation may lie farther than
+/// one away. A lower one needs a reason.
 const USUAL_MIN_CLOSE: f64 = 0.98;
 
 /// The fields that describe how rviz's image was recorded. They are not needed to draw it.
-const RECORDING: [&str; 10] =
-    ["at", "encoding", "frame_id", "freezes", "height", "note", "stable", "unsubscribed_ok", "varies", "width"];
+const RECORDING: [&str; 5] = ["at", "freezes", "note", "unsubscribed_ok", "varies"];
 
 /// The repository's root.
 pub(crate) fn repository() -> PathBuf {
@@ -40,23 +42,27 @@ pub(crate) fn repository() -> PathBuf {
 }
 
 /// The folder with the cases, and with the packages `conformance_assets` and `conformance_robots`.
-pub(crate) fn conformance() -> PathBuf {
-    repository().join("tests/conformance")
+pub(crate) fn golden() -> PathBuf {
+    repository().join("tests/golden")
 }
 
 /// All cases by name.
 ///
 /// # Errors
-/// When there are none, or a `case.yaml` cannot be read.
+/// When there are none, the list cannot be read, or does not name just the files that there are.
 pub(crate) fn all() -> anyhow::Result<Vec<Case>> {
-    let folder = conformance().join("cases");
-    let mut cases = Vec::new();
+    let (list, folder) = (golden().join("cases.yaml"), golden().join("cases"));
+    let text = std::fs::read_to_string(&list).with_context(|| list.display().to_string())?;
+    let cases = parse(&text, &folder).with_context(|| list.display().to_string())?;
+    ensure!(!cases.is_empty(), "there are no cases in {}", list.display());
+    let mut unnamed = BTreeSet::new();
     for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
-        let file = entry?.path().join("case.yaml");
-        cases.push(read(&file).with_context(|| file.display().to_string())?);
+        unnamed.insert(entry?.path());
     }
-    ensure!(!cases.is_empty(), "there are no cases below {}", folder.display());
-    cases.sort_by(|a, b| a.name.cmp(&b.name));
+    for file in cases.iter().flat_map(|case| [&case.bag, &case.image]) {
+        ensure!(unnamed.remove(file), "there is no {}", file.display());
+    }
+    ensure!(unnamed.is_empty(), "{} does not name {unnamed:?}", list.display());
     Ok(cases)
 }
 
@@ -75,21 +81,24 @@ pub(crate) fn check_description(case: &Case) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn read(file: &Path) -> anyhow::Result<Case> {
-    let folder = file.parent().context("no folder")?;
-    let name = folder.file_name().and_then(|name| name.to_str()).context("the folder's name is not UTF-8")?;
-    parse(name, folder, &std::fs::read_to_string(file)?)
-}
-
-/// The case that the text of a `case.yaml` describes.
+/// The cases that the text of the list describes, with their files in `folder`.
 ///
 /// # Errors
-/// When it is no map of plain values, a field is not known, the tolerance is missing, or a low one is without its
-/// reason.
-pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Case> {
-    let mut fields = fields(text)?;
-    let min_close = fields.remove("min_close").context("there is no `min_close`")?;
-    let min_close: f64 = min_close.parse().with_context(|| format!("min_close: {min_close}"))?;
+/// When it is no map of maps of plain values, a field is not known, or a low tolerance is without its reason.
+pub(crate) fn parse(text: &str, folder: &Path) -> anyhow::Result<Vec<Case>> {
+    let mut cases: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for (path, value) in fields(text)? {
+        let (name, field) = path.split_once('/').with_context(|| format!("`{path}` is no map"))?;
+        cases.entry(name.to_owned()).or_default().insert(field.to_owned(), value);
+    }
+    cases.into_iter().map(|(name, fields)| case(&name, fields, folder).context(name)).collect()
+}
+
+fn case(name: &str, mut fields: BTreeMap<String, String>, folder: &Path) -> anyhow::Result<Case> {
+    let min_close = match fields.remove("min_close") {
+        Some(text) => text.parse().with_context(|| format!("min_close: {text}"))?,
+        None => USUAL_MIN_CLOSE,
+    };
     ensure!((0.0..=1.0).contains(&min_close), "min_close: {min_close} is not within 0 and 1");
     let has_reason = fields.remove("why").is_some_and(|why| !why.trim().is_empty());
     ensure!(has_reason || min_close >= USUAL_MIN_CLOSE, "min_close: {min_close} without a reason in `why`");
@@ -102,7 +111,8 @@ pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Cas
             ensure!(RECORDING.contains(&field.as_str()), "unknown field `{field}`");
         }
     }
-    Ok(Case { name: name.to_owned(), folder: folder.to_owned(), about, min_close, camera, params })
+    let file = |extension| folder.join(format!("{name}.{extension}"));
+    Ok(Case { name: name.to_owned(), bag: file("bag"), image: file("png"), about, min_close, camera, params })
 }
 
 /// The values of a YAML map; those of a map within it are named `OUTER/INNER`.

@@ -1,8 +1,7 @@
 //! Golden tests: what rviz drew, drawn again by both renderers.
 //!
-//! Each case is a folder with `scene.rviz`, `scene.bag` and the `expected.png` that rviz 1.14.19 with its CameraPub
-//! plugin published for them; `tests/conformance/README.md` describes them. The images of the gallery in `docs` are
-//! tested with them.
+//! Each case is a bag with a config and messages, and the image that rviz 1.14.19 with its CameraPub plugin published
+//! for them; `tests/golden/README.md` describes them. The images of the gallery in `docs` are tested with them.
 //!
 //! ```text
 //! cargo test --release -p rcs_tests --test golden                              all cases, both renderers, the gallery
@@ -31,6 +30,7 @@ use rcs_camera_stream::scene::SceneState;
 use rcs_process::lock;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
+use rcs_tests::golden::config_in;
 
 use cases::Case;
 use score::Rgb;
@@ -49,7 +49,7 @@ fn main() -> anyhow::Result<()> {
             let cases = cases.clone();
             move || check_descriptions(&cases)
         }),
-        Trial::test("cases::tolerances_need_a_reason_and_unknown_fields_are_errors", check_parsing),
+        Trial::test("cases::low_tolerances_need_a_reason_and_unknown_fields_are_errors", check_parsing),
     ];
     let mut all_scores = Vec::new();
     for (name, choice) in [("cpu", RendererChoice::Cpu), ("gpu", RendererChoice::Gpu)] {
@@ -95,19 +95,17 @@ fn check_descriptions(cases: &[Case]) -> Result<(), Failed> {
 
 /// Fails unless a tolerance is read with its reason, and refused without one or misspelt.
 fn check_parsing() -> Result<(), Failed> {
-    let parse = |text: &str| cases::parse("marker_text", Path::new("cases/marker_text"), text);
-    let is_error = |text: &str, word: &str| parse(text).is_err_and(|error| error.to_string().contains(word));
-    let min_close = |text: &str| parse(text).ok().map(|case| case.min_close);
+    let parse = |fields: &str| cases::parse(&format!("marker_text: {{{fields}}}\n"), Path::new("cases"));
+    let is_error = |fields: &str, word: &str| parse(fields).is_err_and(|error| format!("{error:#}").contains(word));
+    let min_close = |fields: &str| parse(fields).ok().map(|cases| cases[0].min_close);
     let expectations = [
-        ("usual", min_close("about: a\nmin_close: 0.98\n") == Some(0.98)),
-        ("missing", is_error("about: a\nparams: {}\n", "min_close")),
-        ("given", min_close("about: a\nmin_close: 0.9\nwhy: glyphs\n") == Some(0.9)),
-        ("no reason", is_error("about: a\nmin_close: 0.9\n", "why")),
-        ("no tolerance", is_error("about: a\nwhy: glyphs\n", "min_close")),
-        ("not a share", is_error("about: a\nmin_close: 98\nwhy: percent\n", "98")),
-        ("misspelt", is_error("about: a\nmin_close: 0.98\nmin_closs: 0.9\n", "min_closs")),
-        ("twice", is_error("about: a\nabout: b\n", "about")),
-        ("list", is_error("about: [a]\n", "line 1")),
+        ("usual", min_close("about: a") == Some(0.98)),
+        ("given", min_close("about: a, min_close: 0.9, why: glyphs") == Some(0.9)),
+        ("no reason", is_error("about: a, min_close: 0.9", "why")),
+        ("not a share", is_error("about: a, min_close: 98, why: percent", "98")),
+        ("misspelt", is_error("about: a, min_closs: 0.9", "min_closs")),
+        ("twice", is_error("about: a, about: b", "about")),
+        ("list", is_error("about: [a]", "line 1")),
     ];
     let wrong: Vec<&str> = expectations.iter().filter(|(_, holds)| !holds).map(|(what, _)| *what).collect();
     if wrong.is_empty() {
@@ -143,7 +141,7 @@ fn test(case: &Case, renderer_name: &str, renderer: &SharedRenderer, scores: &Sc
     std::fs::create_dir_all(&output)?;
     let file = output.join(format!("{}.png", case.name));
     render(case, &file, renderer).map_err(|error| format!("{error:#}"))?;
-    let (expected, actual) = (load(&case.folder.join("expected.png"))?, load(&file)?);
+    let (expected, actual) = (load(&case.image)?, load(&file)?);
     let Some(score) = score::score(&expected, &actual) else {
         return Err(format!(
             "{} by {} pixels, expected {} by {}",
@@ -171,16 +169,15 @@ fn test(case: &Case, renderer_name: &str, renderer: &SharedRenderer, scores: &Sc
 }
 
 fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result<()> {
-    let config = rcs_rviz_config::load(&case.folder.join("scene.rviz"))?;
-    let meshes = MeshStore::new(PackageIndex::new([cases::conformance()]));
+    let config = rcs_rviz_config::parse(&config_in(&case.bag)?, &case.name)?;
+    let meshes = MeshStore::new(PackageIndex::new([cases::golden()]));
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
     let mut stage = SceneState::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
     let target = RenderTarget::Image { file: file.to_owned() };
     let mut renderer = lock(renderer);
-    let bag = case.folder.join("scene.bag");
     let (camera, section, model) = (case.camera.as_deref(), BagSection::default(), Projection::Rviz.into());
-    let (bags, remappings, orientations) = ([bag], HashMap::new(), Vec::new());
+    let (bags, remappings, orientations) = ([case.bag.clone()], HashMap::new(), Vec::new());
     let job = RenderJob {
         bags: &bags,
         remappings: &remappings,

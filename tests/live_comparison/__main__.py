@@ -28,7 +28,7 @@ def main():
         seed = int(os.environ.get('LIVE_SEED') or random.SystemRandom().randrange(SEEDS))
     print(f'{arguments.count} scenes from seed {seed}; again: tests/compare_live --seed {seed} --count {arguments.count}',
           flush=True)
-    packages = [ROOT / 'tests/conformance/assets', ROOT / 'tests/conformance/robots']
+    packages = [ROOT / 'tests/golden/assets', ROOT / 'tests/golden/robots']
     with tempfile.TemporaryDirectory(prefix='live_comparison_') as folder:
         live = LiveStage(pathlib.Path(folder), arguments.plugin, packages, arguments.camera_stream, arguments.renderers)
         try:

@@ -4,8 +4,8 @@ import struct
 
 import numpy as np
 from geometry_msgs.msg import Point32
-from scenes.clouds import packed, raw_cloud
-from scenes.messages import camera_info
+from golden.scenes.clouds import packed, raw_cloud
+from golden.scenes.messages import camera_info
 from sensor_msgs.msg import (ChannelFloat32, FluidPressure, Illuminance, Image, LaserScan, PointCloud, RelativeHumidity,
                              Temperature)
 from std_msgs.msg import Header

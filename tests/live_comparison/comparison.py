@@ -8,7 +8,7 @@ from typing import NamedTuple
 import rosbag
 import rospy
 from PIL import Image
-from scenes.scores import comparison, scores
+from golden.scenes.scores import comparison, scores
 
 from .performance import Performance
 from .stage import RVIZ

@@ -3,8 +3,8 @@
 import time
 
 import rospy
-from scenes.processes import Program, wait_until
-from scenes.recorder import PASSING_SUBSCRIPTION, picture_of
+from golden.scenes.processes import Program, wait_until
+from golden.scenes.recorder import PASSING_SUBSCRIPTION, picture_of
 from sensor_msgs.msg import Image
 
 from .config_service import load_config

@@ -13,7 +13,7 @@ import random
 import numpy as np
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion
-from scenes.messages import frame_at, frames
+from golden.scenes.messages import frame_at, frames
 from std_msgs.msg import ColorRGBA, Header
 
 from .spoil import spoil

@@ -8,7 +8,7 @@ import threading
 
 import rospy
 from rosgraph_msgs.msg import Clock
-from scenes.rviz_runner import Stage
+from golden.scenes.rviz_runner import Stage
 
 START_SECS = 1000.0
 TICK_SECS = 0.05

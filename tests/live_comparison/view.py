@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import yaml
-from scenes.geometry import look_at, pose
-from scenes.messages import camera_info
+from golden.scenes.geometry import look_at, pose
+from golden.scenes.messages import camera_info
 from std_msgs.msg import Header
 
 from .scene import Frame

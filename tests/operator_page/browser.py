@@ -8,7 +8,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from scenes.processes import wait_until
+from golden.scenes.processes import wait_until
 
 # A guard against hangs, not a figure.
 PATIENCE_SECS = 120.0

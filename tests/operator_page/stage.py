@@ -9,8 +9,8 @@ import threading
 
 import numpy
 
-from scenes.processes import Program, wait_until
-from scenes.rviz_runner import Stage
+from golden.scenes.processes import Program, wait_until
+from golden.scenes.rviz_runner import Stage
 
 from .browser import PATIENCE_SECS
 

@@ -5,7 +5,7 @@ import time
 
 import numpy
 
-from scenes.processes import wait_until
+from golden.scenes.processes import wait_until
 
 PICTURE_TIMEOUT_SECS = 300.0
 

@@ -14,7 +14,7 @@ import pathlib
 import sys
 import tempfile
 
-from scenes.rviz_runner import Stage
+from golden.scenes.rviz_runner import Stage
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels
 from .window import camera, grid

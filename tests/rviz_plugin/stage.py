@@ -5,7 +5,7 @@ import os
 import pathlib
 import tempfile
 
-from scenes.rviz_runner import Stage
+from golden.scenes.rviz_runner import Stage
 
 PREFIX_VARIABLE = "RVIZ_PLUGIN_PREFIX"
 _shared = None

@@ -5,7 +5,7 @@ import os
 import pathlib
 import unittest
 
-from scenes.processes import wait_until
+from golden.scenes.processes import wait_until
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels, trigger
 from .stage import PREFIX_VARIABLE, stage

@@ -6,7 +6,7 @@ import unittest
 import numpy
 import yaml
 
-from scenes.processes import wait_until
+from golden.scenes.processes import wait_until
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels, trigger
 from .stage import stage

@@ -6,7 +6,7 @@ import threading
 
 import yaml
 
-from scenes.processes import wait_until
+from golden.scenes.processes import wait_until
 
 from .stage import stage
 

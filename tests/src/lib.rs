@@ -3,6 +3,7 @@
 
 pub mod big_robot;
 pub mod captures;
+pub mod golden;
 pub mod modules;
 pub mod programs;
 pub mod python_node;

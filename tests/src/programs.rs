@@ -1,4 +1,4 @@
-//! Paths that tests need: the project's programs as built, the repository, the conformance cases.
+//! Paths that tests need: the project's programs as built, the repository.
 
 use std::path::{Path, PathBuf};
 
@@ -20,9 +20,4 @@ pub fn program(name: &str) -> PathBuf {
         panic!("{} is not built: cargo build --release -p rcs_app --bins", path.display());
     }
     path
-}
-
-/// A conformance case's folder.
-pub fn case(name: &str) -> PathBuf {
-    repository().join("tests/conformance/cases").join(name)
 }

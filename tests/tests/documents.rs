@@ -8,9 +8,9 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The pages at the root, below `docs` and in `tests/conformance`.
+/// The pages at the root, below `docs` and in `tests/golden`.
 fn pages() -> Vec<PathBuf> {
-    let mut folders = vec![repository(), repository().join("tests/conformance")];
+    let mut folders = vec![repository(), repository().join("tests/golden")];
     let mut pages = Vec::new();
     while let Some(folder) = folders.pop() {
         let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -104,7 +104,7 @@ fn pages_are_no_longer_than_they_may_be() {
 fn functions(folder: &Path) -> String {
     let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let text = |path: PathBuf| {
-        if path.is_dir() && !path.ends_with("conformance") {
+        if path.is_dir() {
             functions(&path)
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

@@ -22,7 +22,7 @@ use crate::first_byte;
 use crate::resources::{is_large, is_large_image};
 use crate::stream::Record;
 
-/// The one of the conformance cases, so that their messages are shown.
+/// The one of the golden cases, so that their messages are shown.
 pub(crate) const FIXED_FRAME: &str = "base_link";
 
 /// What `compressedDepth` has before the image, bytes.

@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-use rcs_tests::programs::{case, program};
+use rcs_tests::golden::GoldenCase;
+use rcs_tests::programs::program;
 use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::{RosMaster, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -163,8 +164,7 @@ fn a_rule_for_a_camera_that_the_config_does_not_have_is_refused_with_the_cameras
 #[test]
 fn check_and_render_refuse_the_same() {
     let folder = tempfile::tempdir().unwrap();
-    let case = case("pc2_flat_squares_rgb8");
-    let (scene, bag) = (case.join("scene.rviz"), case.join("scene.bag"));
+    let GoldenCase { config: scene, bag } = GoldenCase::new("pc2_flat_squares_rgb8", folder.path()).unwrap();
     let image = folder.path().join("picture.png");
     let mut render = Command::new(program("camera_stream"));
     render.args(["render", "--renderer", "cpu", "--orientation", "camm=90", "-d"]).arg(&scene);

@@ -1,6 +1,7 @@
 //! The node draws of a played bag what `camera_stream render` draws of the same bag without ROS.
 
-use rcs_tests::programs::{case, program};
+use rcs_tests::golden::GoldenCase;
+use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use std::fs;
@@ -8,11 +9,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// Width, height and pixels that `render` draws of a case, with the channels in the order of an encoding.
-fn offline(case: &Path, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
+fn offline(case: &GoldenCase, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
     let png = folder.join("offline.png");
     let mut command = Command::new(program("camera_stream"));
-    command.args(["render", "--renderer", "cpu", "-d"]).arg(case.join("scene.rviz"));
-    let output = command.arg("--bag").arg(case.join("scene.bag")).arg("-o").arg(&png).output().unwrap();
+    command.args(["render", "--renderer", "cpu", "-d"]).arg(&case.config);
+    let output = command.arg("--bag").arg(&case.bag).arg("-o").arg(&png).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let image = image::open(&png).unwrap();
     let (width, height) = (image.width(), image.height());
@@ -38,16 +39,16 @@ fn a_played_bag_gives_the_image_that_render_draws_of_it() {
     let python = PythonNode::start(&master, &[]).unwrap();
     for (name, encoding) in cases {
         let folder = tempfile::tempdir().unwrap();
-        let case = case(name);
+        let case = GoldenCase::new(name, folder.path()).unwrap();
         let (width, height, expected) = offline(&case, folder.path(), encoding);
 
         let mut node = master.environment(Command::new(program("camera_stream")));
-        let node = Running::start(node.args(["--renderer", "cpu", "-d"]).arg(case.join("scene.rviz"))).unwrap();
+        let node = Running::start(node.args(["--renderer", "cpu", "-d"]).arg(&case.config)).unwrap();
         let log = || node.errors().join("\n");
         assert!(wait_until(PATIENCE, || log().contains("drawing")), "{name}: {}", log());
         // The bag marks latched topics as such; with --keep-alive their publishers remain at its end.
         let mut player = master.command("rosbag");
-        let player = Running::start(player.args(["play", "--keep-alive"]).arg(case.join("scene.bag"))).unwrap();
+        let player = Running::start(player.args(["play", "--keep-alive"]).arg(&case.bag)).unwrap();
         python.run("viewer = Viewer('/proj_view/image')").unwrap();
 
         let live = folder.path().join("live");

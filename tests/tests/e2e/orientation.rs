@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-use rcs_tests::programs::{case, program};
+use rcs_tests::golden::GoldenCase;
+use rcs_tests::programs::program;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 /// Where the CameraInfo that the viewer received last says that a point of the frame `eye` is, by its P and its frame.
@@ -73,12 +74,12 @@ fn a_consumer_of_the_published_camera_info_finds_what_the_published_image_shows(
 #[test]
 fn render_turns_its_images_too() {
     let folder = tempfile::tempdir().unwrap();
-    let case = case("pc2_flat_squares_rgb8");
+    let case = GoldenCase::new("pc2_flat_squares_rgb8", folder.path()).unwrap();
     let drawn = |orientation: &str| {
         let png = folder.path().join(format!("{orientation}.png"));
         let mut command = Command::new(program("camera_stream"));
-        command.args(["render", "--renderer", "cpu", "--orientation", orientation, "-d"]).arg(case.join("scene.rviz"));
-        let output = command.arg("--bag").arg(case.join("scene.bag")).arg("-o").arg(&png).output().unwrap();
+        command.args(["render", "--renderer", "cpu", "--orientation", orientation, "-d"]).arg(&case.config);
+        let output = command.arg("--bag").arg(&case.bag).arg("-o").arg(&png).output().unwrap();
         assert!(output.status.success(), "{output:?}");
         image::open(&png).unwrap().to_rgb8()
     };

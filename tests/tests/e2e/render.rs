@@ -1,6 +1,7 @@
 //! `camera_stream render`: images and sequences of a bag, and the errors.
 
-use rcs_tests::programs::{case, program, repository};
+use rcs_tests::golden::GoldenCase;
+use rcs_tests::programs::{program, repository};
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::fs;
@@ -82,8 +83,8 @@ impl Render {
     }
 }
 
-fn case_arguments(case: &Path) -> String {
-    format!("-d {} --bag {}", case.join("scene.rviz").display(), case.join("scene.bag").display())
+fn case_arguments(case: &GoldenCase) -> String {
+    format!("-d {} --bag {}", case.config.display(), case.bag.display())
 }
 
 #[test]
@@ -391,17 +392,17 @@ fn errors_name_the_file_the_topic_or_the_frame() {
 #[test]
 fn compressed_bags_are_read() {
     let render = Render::new();
-    let case = case("pc2_flat_squares_rgb8");
+    let case = GoldenCase::new("pc2_flat_squares_rgb8", &render.path("")).unwrap();
     render.good(&format!("{} -o plain.png", case_arguments(&case)));
     let plain = fs::read(render.path("plain.png")).unwrap();
     let master = RosMaster::reserve().unwrap();
     for compression in ["bz2", "lz4"] {
         let bag = render.path(&format!("{compression}.bag"));
-        fs::copy(case.join("scene.bag"), &bag).unwrap();
+        fs::copy(&case.bag, &bag).unwrap();
         let before = fs::metadata(&bag).unwrap().len();
         master.output("rosbag", &["compress", &format!("--{compression}"), "-q", bag.to_str().unwrap()]).unwrap();
         assert!(fs::metadata(&bag).unwrap().len() < before, "{compression}: it was compressed");
-        render.good(&format!("-d {} --bag {} -o out.png", case.join("scene.rviz").display(), bag.display()));
+        render.good(&format!("-d {} --bag {} -o out.png", case.config.display(), bag.display()));
         assert!(fs::read(render.path("out.png")).unwrap() == plain, "{compression}");
     }
 }
@@ -409,8 +410,8 @@ fn compressed_bags_are_read() {
 #[test]
 fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     let render = Render::new();
-    let case = case("marker_mesh_stl");
-    let assets = repository().join("tests/conformance/assets");
+    let case = GoldenCase::new("marker_mesh_stl", &render.path("")).unwrap();
+    let assets = repository().join("tests/golden/assets");
     render.good(&format!("{} -o with.png --package-path {}", case_arguments(&case), assets.display()));
     let output = render.run(&format!("{} -o without.png", case_arguments(&case)));
     let warnings = String::from_utf8(output.stderr).unwrap();

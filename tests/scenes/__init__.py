@@ -1,5 +1,0 @@
-"""The scenes of the golden cases as scripts, and the recording of what the real rviz draws of them.
-
-`scene` and `config` say what a scene is, `messages` and `shapes` make its contents, `subjects` holds the cases, one module for
-each subject. `rviz_runner`, `ros_player` and `recorder` start rviz with the plugin, play a scene and take the picture.
-"""
