@@ -10,13 +10,9 @@ from ..messages import frame_at, frames
 
 def cam_and_cloud_frames_on_tf(scene):
     scene.show(display("Grid"), display("PointCloud2", {"Size (m)": 0.06, "Style": "Squares"}))
-    scene.publish(
-        "/tf",
-        frames(
-            frame_at("arm", "base_link", (0.1, 0.2, 0.3), (0.2, 0.3, 0.4)),
-            frame_at("hand", "arm", (0, -0.2, 0.1), (0.5, 0, 1)),
-        ),
-    )
+    scene.publish("/tf", frames(
+        frame_at("arm", "base_link", (0.1, 0.2, 0.3), (0.2, 0.3, 0.4)),
+        frame_at("hand", "arm", (0, -0.2, 0.1), (0.5, 0, 1))))
     scene.publish("/cloud", cloud(waves(16, 12), "hand", fields=[("rgb", "rgb", packed(count_colors(192)))]))
 
 
@@ -37,10 +33,8 @@ def cam_fixed_frame_other(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
     scene.frame("base_link", parent="odom", at=(2, -1, 0.1), turned=(0, 0, 0.8))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_fixed_frame_rotated_sensor(scene):
@@ -82,33 +76,25 @@ def cam_looks_straight_down(scene):
 def cam_near_clip(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"), camera_pub({"Near Clip Distance": 1.9}))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_near_clip_5m(scene):
     scene.camera(eye=(4, 3, 3))
-    scene.show(
-        display("Grid", {"Plane Cell Count": 40}),
-        display(
-            "PointCloud2",
-            {"Color": "90; 220; 120", "Color Transformer": "FlatColor", "Size (m)": 0.5, "Style": "Squares"},
-        ),
-        camera_pub({"Near Clip Distance": 5}),
-    )
+    scene.show(display("Grid", {"Plane Cell Count": 40}),
+               display("PointCloud2", {
+                   "Color": "90; 220; 120", "Color Transformer": "FlatColor", "Size (m)": 0.5, "Style": "Squares"}),
+               camera_pub({"Near Clip Distance": 5}))
     scene.publish("/cloud", cloud(waves(12, 10, half_size=(6, 6))))
 
 
 def cam_near_clip_cuts_meshes_and_points(scene):
-    scene.show(
-        display("Grid"),
-        display("Axes"),
-        display("PointCloud2", {"Size (m)": 0.05}),
-        display("MarkerArray"),
-        camera_pub({"Near Clip Distance": 2.1}),
-    )
+    scene.show(display("Grid"),
+               display("Axes"),
+               display("PointCloud2", {"Size (m)": 0.05}),
+               display("MarkerArray"),
+               camera_pub({"Near Clip Distance": 2.1}))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/m", sphere_cube_cylinder())
 
@@ -116,10 +102,8 @@ def cam_near_clip_cuts_meshes_and_points(scene):
 def cam_nonsquare_pixels(scene):
     scene.camera(size=(640, 480), focal=(500, 380))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_nonsquare_pixels_off_centre_landscape(scene):
@@ -139,16 +123,12 @@ def cam_nonsquare_pixels_off_centre_portrait(scene):
 def cam_odd_size(scene):
     scene.camera(size=(333, 257), focal=(300, 300))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_only_p_counts(scene):
-    scene.camera(
-        focal=(330, 335), centre=(180, 170), K=[500, 0, 100, 0, 600, 50, 0, 0, 1], D=[0.3, -0.2, 0.01, 0.02, 0]
-    )
+    scene.camera(focal=(330, 335), centre=(180, 170), K=[500, 0, 100, 0, 600, 50, 0, 0, 1], D=[0.3, -0.2, 0.01, 0.02, 0])
     scene.show(display("Grid"), display("PointCloud2", {"Size (m)": 0.06, "Style": "Squares"}))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
 
@@ -156,10 +136,8 @@ def cam_only_p_counts(scene):
 def cam_principal_point(scene):
     scene.camera(size=(640, 400), focal=(950, 950), centre=(320, 375))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_principal_point_outside_picture(scene):
@@ -172,10 +150,8 @@ def cam_principal_point_outside_picture(scene):
 def cam_roll(scene):
     scene.camera(eye=(1.2, -1.3, 1.4), target=(0, 0, 0.1), roll=0.7, size=(640, 480), focal=(500, 500))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_short_focal_length(scene):
@@ -188,10 +164,8 @@ def cam_short_focal_length(scene):
 def cam_stereo_offset(scene):
     scene.camera(size=(640, 480), focal=(500, 500), shift=(-60, 25))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2"))
-    scene.publish(
-        "/cloud",
-        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
-    )
+    scene.publish("/cloud", cloud(
+        ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True))
 
 
 def cam_stereo_offset_rolled_nonsquare(scene):
@@ -216,12 +190,10 @@ def cam_upside_down(scene):
 
 def cam_width_1281(scene):
     scene.camera(size=(1281, 203), focal=(400, 400))
-    scene.show(
-        display("Grid"),
-        display("Axes"),
-        display("PointCloud2", {"Size (m)": 0.05}),
-        display("MarkerArray"),
-        camera_pub({"Background Color": "10; 10; 10"}),
-    )
+    scene.show(display("Grid"),
+               display("Axes"),
+               display("PointCloud2", {"Size (m)": 0.05}),
+               display("MarkerArray"),
+               camera_pub({"Background Color": "10; 10; 10"}))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/m", sphere_cube_cylinder())

@@ -14,16 +14,10 @@ def effort(scene):
     scene.frame("lamp_arm", parent="lamp_base", at=(0, 0, 0.05), turned=(0, 0.4, 0))
     scene.frame("lamp_head", parent="lamp_arm", at=(0, 0, 0.65), turned=(0, 0.8, 0))
     scene.frame("lamp_gear", parent="lamp_base", at=(0, 0.5, 0))
-    scene.show(
-        display(
-            "Effort",
-            {"Alpha": 1, "History Length": 1, "Robot Description": "robot_description", "Scale": 1, "Width": 0.02},
-        )
-    )
-    scene.publish(
-        "/joint_states",
-        JointState(header=header(), name=["j1", "j2"], position=[0.4, 0.8], velocity=[0, 0], effort=[6, -3]),
-    )
+    scene.show(display("Effort", {
+        "Alpha": 1, "History Length": 1, "Robot Description": "robot_description", "Scale": 1, "Width": 0.02}))
+    scene.publish("/joint_states", JointState(
+        header=header(), name=["j1", "j2"], position=[0.4, 0.8], velocity=[0, 0], effort=[6, -3]))
 
 
 def effort_axes_signs_limits(scene):
@@ -34,12 +28,8 @@ def effort_axes_signs_limits(scene):
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
     scene.show(display("Effort"))
-    scene.publish(
-        "/joint_states",
-        JointState(
-            header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]
-        ),
-    )
+    scene.publish("/joint_states", JointState(
+        header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]))
 
 
 def effort_history_length_2(scene):
@@ -50,12 +40,10 @@ def effort_history_length_2(scene):
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
     scene.show(display("Effort", {"History Length": 2}))
-    scene.publish(
-        "/joint_states",
-        JointState(header=header(""), name=["turn", "lift"], position=[0, 0], effort=[10, 10]),
-        JointState(header=header(""), name=["turn"], position=[0], effort=[-20]),
-        JointState(header=header(""), name=["bend", "lift"], position=[0, 0], effort=[0.5, math.nan]),
-    )
+    scene.publish("/joint_states",
+                  JointState(header=header(""), name=["turn", "lift"], position=[0, 0], effort=[10, 10]),
+                  JointState(header=header(""), name=["turn"], position=[0], effort=[-20]),
+                  JointState(header=header(""), name=["bend", "lift"], position=[0, 0], effort=[0.5, math.nan]))
 
 
 def effort_joint_off(scene):
@@ -66,12 +54,8 @@ def effort_joint_off(scene):
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
     scene.show(display("Effort", {"Joints": {"All Joints Enabled": True, "lift": {"Value": False}, "turn": True}}))
-    scene.publish(
-        "/joint_states",
-        JointState(
-            header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]
-        ),
-    )
+    scene.publish("/joint_states", JointState(
+        header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]))
 
 
 def effort_width_scale_past_limit_and_zero(scene):
@@ -82,7 +66,5 @@ def effort_width_scale_past_limit_and_zero(scene):
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
     scene.show(display("Effort", {"Alpha": 0.3, "Scale": 0.5, "Width": 0.05}))
-    scene.publish(
-        "/joint_states",
-        JointState(header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[90, 0, 1.7, 2]),
-    )
+    scene.publish("/joint_states", JointState(
+        header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[90, 0, 1.7, 2]))

@@ -16,126 +16,72 @@ DATA = load("map")
 
 def map(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
-    scene.show(
-        display("Map", {"Alpha": 0.7, "Draw Behind": False}), display("Axes", {"Length": 0.4, "Radius": 0.03}, name="A")
-    )
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(
-                map_load_time=time_at(), resolution=0.04, width=60, height=40, origin=pose((-1.2, -0.8, 0))
-            ),
-            data=DATA["map_data"].tolist(),
-        ),
-    )
+    scene.show(display("Map", {"Alpha": 0.7, "Draw Behind": False}), display("Axes", {"Length": 0.4, "Radius": 0.03}, name="A"))
+    scene.publish("/map", OccupancyGrid(
+        header=header(),
+        info=MapMetaData(map_load_time=time_at(), resolution=0.04, width=60, height=40, origin=pose((-1.2, -0.8, 0))),
+        data=DATA["map_data"].tolist()))
 
 
 def map_37x23_odd_cell_size_grazing(scene):
     scene.camera(eye=(1.1, 0.5, 0.35), target=(-0.2, 0, 0))
     scene.show(display("Map", {"Alpha": 0.9}))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.0713, width=37, height=23, origin=pose((-1.4, -0.6, 0))),
-            data=[41 * i % 101 for i in range(851)],
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.0713, width=37, height=23, origin=pose((-1.4, -0.6, 0))),
+        data=[41 * i % 101 for i in range(851)]))
 
 
 def map_camera_stands_on_it(scene):
     scene.camera(eye=(0.1, 0.15, 0.25), target=(-2, -1, 0.1))
     scene.show(display("Map", {"Alpha": 0.9}))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.1, width=60, height=60, origin=pose((-3, -3, 0))),
-            data=[41 * i % 101 for i in range(3600)],
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.1, width=60, height=60, origin=pose((-3, -3, 0))),
+        data=[41 * i % 101 for i in range(3600)]))
 
 
 def map_costmap(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
     scene.show(display("Map", {"Alpha": 0.7, "Color Scheme": "costmap", "Draw Behind": False}))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(
-                map_load_time=time_at(),
-                resolution=0.04,
-                width=60,
-                height=40,
-                origin=pose((-0.8, -1, 0.05), (0, 0, 0.5)),
-            ),
-            data=[(i % 128) for i in range(2400)],
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header(),
+        info=MapMetaData(map_load_time=time_at(), resolution=0.04, width=60, height=40, origin=pose(
+            (-0.8, -1, 0.05), (0, 0, 0.5))), data=[i % 128 for i in range(2400)]))
 
 
 def map_data_shorter_than_size(scene):
     scene.show(display("Map", {"Alpha": 0.9}))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
-            data=[i for i in range(100)],
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
+        data=[i for i in range(100)]))
 
 
 def map_draw_behind(scene):
-    scene.show(
-        display("Map", {"Alpha": 1, "Draw Behind": True}),
-        display("Map", {"Alpha": 0.5, "Color Scheme": "costmap", "Draw Behind": True}, name="n", topic="/map2"),
-        display("MarkerArray"),
-        display("Grid"),
-    )
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0.3))),
-            data=[(i + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
-    scene.publish(
-        "/map2",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.5, -1, 0.5))),
-            data=[(i + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
+    scene.show(display("Map", {"Alpha": 1, "Draw Behind": True}),
+               display("Map", {"Alpha": 0.5, "Color Scheme": "costmap", "Draw Behind": True}, name="n", topic="/map2"),
+               display("MarkerArray"),
+               display("Grid"))
+    scene.publish("/map", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0.3))),
+        data=[(i + 128) % 256 - 128 for i in range(256)]))
+    scene.publish("/map2", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.5, -1, 0.5))),
+        data=[(i + 128) % 256 - 128 for i in range(256)]))
     scene.publish("/m", two_cubes())
 
 
 def map_every_value_scheme_costmap(scene):
-    scene.show(
-        display("Map", {"Alpha": 1, "Color Scheme": "costmap"}),
-        display("Map", {"Alpha": 0.4, "Color Scheme": "raw"}, name="n", topic="/map2"),
-    )
+    scene.show(display("Map", {"Alpha": 1, "Color Scheme": "costmap"}),
+               display("Map", {"Alpha": 0.4, "Color Scheme": "raw"}, name="n", topic="/map2"))
     scene.publish("/map", map_of_every_value())
-    scene.publish(
-        "/map2",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.08, width=16, height=16, origin=pose((-0.8, -0.8, 0.3))),
-            data=[(16 * i + i // 16 + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
+    scene.publish("/map2", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.08, width=16, height=16, origin=pose((-0.8, -0.8, 0.3))),
+        data=[(16 * i + i // 16 + 128) % 256 - 128 for i in range(256)]))
 
 
 def map_every_value_scheme_map(scene):
-    scene.show(
-        display("Map", {"Alpha": 1}),
-        display("Grid", {"Alpha": 1, "Cell Size": 0.2}),
-        display("Axes", {"Length": 0.5, "Radius": 0.03}, name="A"),
-    )
+    scene.show(display("Map", {"Alpha": 1}),
+               display("Grid", {"Alpha": 1, "Cell Size": 0.2}),
+               display("Axes", {"Length": 0.5, "Radius": 0.03}, name="A"))
     scene.publish("/map", map_of_every_value())
 
 
@@ -146,11 +92,8 @@ def map_every_value_scheme_raw(scene):
 
 
 def map_opaque_cuts_markers(scene):
-    scene.show(
-        display("Map", {"Alpha": 1}),
-        display("MarkerArray"),
-        display("PointCloud2", {"Color Transformer": "AxisColor", "Size (m)": 0.05}),
-    )
+    scene.show(display("Map", {"Alpha": 1}), display("MarkerArray"), display("PointCloud2", {
+        "Color Transformer": "AxisColor", "Size (m)": 0.05}))
     scene.publish("/map", raised_map_of_every_value())
     scene.publish("/m", two_cubes())
     scene.publish("/cloud", cloud(waves(16, 12)))
@@ -158,62 +101,36 @@ def map_opaque_cuts_markers(scene):
 
 def map_partial_updates_past_edge(scene):
     scene.show(display("Map", {"Alpha": 0.9, "Color Scheme": "costmap"}))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header(),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
-            data=[20] * 256,
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header(), info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))), data=[20] * 256))
     scene.publish("/map_updates", OccupancyGridUpdate(header=header(), x=3, y=2, width=7, height=4, data=[99] * 28))
 
 
 def map_rotated_origin_and_frame_from_below(scene):
     scene.frame("sensor", at=(0.2, 0.1, 0.3), turned=(0.3, -0.2, 0.5))
-    scene.show(
-        display("Map", {"Alpha": 0.8}),
-        display("Axes", {"Length": 0.5, "Radius": 0.03, "Reference Frame": "sensor"}, name="A"),
-    )
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header("sensor"),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.4, -0.7, 0.1), (0.2, 0.4, 0.9))),
-            data=[(i + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
+    scene.show(display("Map", {"Alpha": 0.8}), display(
+        "Axes", {"Length": 0.5, "Radius": 0.03, "Reference Frame": "sensor"}, name="A"))
+    scene.publish("/map", OccupancyGrid(
+        header=header("sensor"),
+        info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.4, -0.7, 0.1), (0.2, 0.4, 0.9))),
+        data=[(i + 128) % 256 - 128 for i in range(256)]))
 
 
 def map_translucent_among_markers(scene):
     scene.show(display("Map", {"Alpha": 0.6}), display("MarkerArray"))
     scene.publish("/map", raised_map_of_every_value())
-    scene.publish(
-        "/m",
-        markers(
-            marker(Marker.CUBE, at=(-0.4, 0.3, 0.3), size=(0.3, 0.3, 0.3), paint=(0.1, 0.5, 1, 0.5), id=1),
-            marker(Marker.CUBE, at=(0.3, -0.3, 0.3), size=(0.3, 0.3, 0.3), paint=(0.9, 0.9, 0.1, 0.5), id=2),
-            marker(Marker.SPHERE, at=(-0.9, -0.9, 0.1), size=(0.5, 0.5, 0.5), paint=(0.1, 0.9, 0.1, 0.5), id=3),
-        ),
-    )
+    scene.publish("/m", markers(
+        marker(Marker.CUBE, at=(-0.4, 0.3, 0.3), size=(0.3, 0.3, 0.3), paint=(0.1, 0.5, 1, 0.5), id=1),
+        marker(Marker.CUBE, at=(0.3, -0.3, 0.3), size=(0.3, 0.3, 0.3), paint=(0.9, 0.9, 0.1, 0.5), id=2),
+        marker(Marker.SPHERE, at=(-0.9, -0.9, 0.1), size=(0.5, 0.5, 0.5), paint=(0.1, 0.9, 0.1, 0.5), id=3)))
 
 
 def map_unknown_and_missing_frame(scene):
     scene.frame("map", at=(0, 0.3, 0.4))
     scene.show(display("Map", {"Alpha": 0.9}), display("Map", name="n", topic="/map2"))
-    scene.publish(
-        "/map",
-        OccupancyGrid(
-            header=header("nowhere"),
-            info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
-            data=[(i + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
-    scene.publish(
-        "/map2",
-        OccupancyGrid(
-            header=header(""),
-            info=MapMetaData(resolution=0.05, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
-            data=[(i + 128) % 256 - 128 for i in range(256)],
-        ),
-    )
+    scene.publish("/map", OccupancyGrid(
+        header=header("nowhere"), info=MapMetaData(resolution=0.1, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
+        data=[(i + 128) % 256 - 128 for i in range(256)]))
+    scene.publish("/map2", OccupancyGrid(
+        header=header(""), info=MapMetaData(resolution=0.05, width=16, height=16, origin=pose((-0.8, -0.8, 0))),
+        data=[(i + 128) % 256 - 128 for i in range(256)]))

@@ -23,10 +23,8 @@ def pc2_points_2px(scene):
 
 def pc2_points_300px(scene):
     scene.show(display("PointCloud2", {"Size (Pixels)": 300, "Style": "Points"}))
-    scene.publish(
-        "/cloud",
-        cloud([(0, 0, 0.2), (0.1, -0.2, 0.1), (-0.3, 0.1, 0)], fields=[("rgb", "rgb", packed(count_colors(3)))]),
-    )
+    scene.publish("/cloud", cloud([(0, 0, 0.2), (0.1, -0.2, 0.1), (-0.3, 0.1, 0)], fields=[(
+        "rgb", "rgb", packed(count_colors(3)))]))
 
 
 def pc2_points_3px_alpha_0_2(scene):
@@ -51,42 +49,14 @@ def pc2_points_7px(scene):
 
 def pc2_points_beyond_100m(scene):
     scene.camera(eye=(2, 0, 1), target=(1, 0, 1))
-    scene.show(
-        display("PointCloud2", {"Color Transformer": "FlatColor", "Size (Pixels)": 6, "Style": "Points"}),
-        display(
-            "PointCloud2",
-            {"Color": "255; 140; 0", "Color Transformer": "FlatColor", "Size (m)": 4.0, "Style": "Squares"},
-            name="d",
-            topic="/cloud2",
-        ),
-    )
-    scene.publish(
-        "/cloud",
-        cloud(
-            [
-                (0, -6, 0),
-                (-5, -3, 0.2),
-                (-10, 0, 0.4),
-                (-21, 3, 0.6),
-                (-26, 6, 0.8),
-                (-31, -6, 1),
-                (-42, -3, 1.2),
-                (-47, 0, 1.4),
-                (-52, 3, 1.6),
-                (-63, 6, 1.8),
-                (-68, -6, 2),
-                (-73, -3, 2.2),
-                (-84, 0, 2.4),
-                (-89, 3, 2.6),
-                (-94, 6, 2.8),
-                (-105, -6, 3),
-                (-110, -3, 3.2),
-                (-115, 0, 3.4),
-                (-126, 3, 3.6),
-                (-131, 6, 3.8),
-            ]
-        ),
-    )
+    scene.show(display("PointCloud2", {"Color Transformer": "FlatColor", "Size (Pixels)": 6, "Style": "Points"}),
+               display("PointCloud2",
+                       {"Color": "255; 140; 0", "Color Transformer": "FlatColor", "Size (m)": 4.0, "Style": "Squares"}, name="d",
+                       topic="/cloud2"))
+    scene.publish("/cloud", cloud([
+        (0, -6, 0), (-5, -3, 0.2), (-10, 0, 0.4), (-21, 3, 0.6), (-26, 6, 0.8), (-31, -6, 1), (-42, -3, 1.2), (-47, 0, 1.4),
+        (-52, 3, 1.6), (-63, 6, 1.8), (-68, -6, 2), (-73, -3, 2.2), (-84, 0, 2.4), (-89, 3, 2.6), (-94, 6, 2.8), (-105, -6, 3),
+        (-110, -3, 3.2), (-115, 0, 3.4), (-126, 3, 3.6), (-131, 6, 3.8)]))
     scene.publish("/cloud2", cloud([(-7 * i, -10 + 5 * (i % 5), -3 + 0.2 * i) for i in range(20)]))
 
 
@@ -110,23 +80,16 @@ def pc2_points_rgb8(scene):
 
 def pc2_points_rgba_alpha_per_point(scene):
     scene.show(display("PointCloud2", {"Size (Pixels)": 14, "Style": "Points"}))
-    scene.publish(
-        "/cloud",
-        cloud(waves(16, 12), fields=[("rgba", "uint32", packed(count_colors(192), 40 + 1 * numpy.arange(192) % 192))]),
-    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgba", "uint32", packed(
+        count_colors(192), 40 + 1 * numpy.arange(192) % 192))]))
 
 
 def pc2_points_spheres_around_camera(scene):
     scene.camera(eye=(0.3, 0.2, 0.35), target=(-0.5, -0.3, 0.2))
-    scene.show(
-        display("PointCloud2", {"Size (Pixels)": 20, "Style": "Points"}),
-        display(
-            "PointCloud2",
-            {"Color": "80; 160; 240", "Color Transformer": "FlatColor", "Size (m)": 0.2, "Style": "Spheres"},
-            name="d",
-            topic="/cloud2",
-        ),
-    )
+    scene.show(display("PointCloud2", {"Size (Pixels)": 20, "Style": "Points"}),
+               display("PointCloud2",
+                       {"Color": "80; 160; 240", "Color Transformer": "FlatColor", "Size (m)": 0.2, "Style": "Spheres"}, name="d",
+                       topic="/cloud2"))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/cloud2", cloud(ball(60, 0.6)))
 

@@ -15,19 +15,8 @@ def point_stamped(scene):
 
 def point_stamped_history(scene):
     scene.frame("sensor", at=(0.2, -0.1, 0.2), turned=(0.3, -0.2, 0.7))
-    scene.show(
-        display("Grid", {"Alpha": 0.4, "Cell Size": 0.4, "Plane Cell Count": 6}),
-        display(
-            "PointStamped",
-            {"Alpha": 0.5, "Color": "255; 220; 0", "History Length": 3, "Radius": 0.12},
-            name="p",
-            topic="/pt",
-        ),
-    )
-    scene.publish(
-        "/pt",
-        *(
-            PointStamped(header=header("sensor"), point=point(-0.6 + 0.3 * i, -0.3 + 0.2 * i, 0.1 + 0.05 * i))
-            for i in range(5)
-        )
-    )
+    scene.show(display("Grid", {"Alpha": 0.4, "Cell Size": 0.4, "Plane Cell Count": 6}),
+               display("PointStamped", {"Alpha": 0.5, "Color": "255; 220; 0", "History Length": 3, "Radius": 0.12}, name="p",
+                       topic="/pt"))
+    scene.publish("/pt", *(PointStamped(header=header("sensor"), point=point(-0.6 + 0.3 * i, -0.3 + 0.2 * i, 0.1 + 0.05 * i))
+        for i in range(5)))

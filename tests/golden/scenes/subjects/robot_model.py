@@ -9,12 +9,8 @@ def robot_model(scene):
     scene.frame("lamp_arm", parent="lamp_base", at=(0, 0, 0.05), turned=(0, 0.4, 0))
     scene.frame("lamp_head", parent="lamp_arm", at=(0, 0, 0.65), turned=(0, 0.8, 0))
     scene.frame("lamp_gear", parent="lamp_base", at=(0, 0.5, 0))
-    scene.show(
-        display(
-            "RobotModel",
-            {"Alpha": 1, "Collision Enabled": False, "Robot Description": "robot_description", "Visual Enabled": True},
-        )
-    )
+    scene.show(display("RobotModel", {
+        "Alpha": 1, "Collision Enabled": False, "Robot Description": "robot_description", "Visual Enabled": True}))
 
 
 def robot_model_all_links_off_one_on(scene):
@@ -24,19 +20,9 @@ def robot_model_all_links_off_one_on(scene):
     scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
-    scene.show(
-        display(
-            "RobotModel",
-            {
-                "Links": {
-                    "All Links Enabled": False,
-                    "Link Tree Style": "Links in Alphabetic Order",
-                    "lower": {"Alpha": 1, "Show Axes": True, "Value": True},
-                    "shoulder": {"Alpha": 0.3, "Show Axes": True},
-                }
-            },
-        )
-    )
+    scene.show(display("RobotModel", {"Links": {
+        "All Links Enabled": False, "Link Tree Style": "Links in Alphabetic Order",
+        "lower": {"Alpha": 1, "Show Axes": True, "Value": True}, "shoulder": {"Alpha": 0.3, "Show Axes": True}}}))
 
 
 def robot_model_alpha(scene):
@@ -45,10 +31,8 @@ def robot_model_alpha(scene):
     scene.frame("lamp_arm", parent="lamp_base", at=(0, 0, 0.05), turned=(0, 0.4, 0))
     scene.frame("lamp_head", parent="lamp_arm", at=(0, 0, 0.65), turned=(0, 0.8, 0))
     scene.frame("lamp_gear", parent="lamp_base", at=(0, 0.5, 0))
-    scene.show(
-        display("Grid"),
-        display("RobotModel", {"Alpha": 0.4, "Robot Description": "robot_description", "Visual Enabled": True}),
-    )
+    scene.show(display("Grid"), display("RobotModel", {
+        "Alpha": 0.4, "Robot Description": "robot_description", "Visual Enabled": True}))
 
 
 def robot_model_collision_only(scene):
@@ -76,24 +60,13 @@ def robot_model_link_options(scene):
     scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
     scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
     scene.frame("root")
-    scene.show(
-        display(
-            "RobotModel",
-            {
-                "Links": {
-                    "All Links Enabled": True,
-                    "Expand Joint Details": False,
-                    "Expand Link Details": False,
-                    "Expand Tree": False,
-                    "Link Tree Style": "Links in Alphabetic Order",
-                    "hand": {"Alpha": 1, "Show Axes": False, "Show Trail": True, "Value": True},
-                    "root": {"Alpha": 1, "Show Axes": True, "Show Trail": False},
-                    "shoulder": {"Alpha": 0.4, "Show Axes": True, "Show Trail": False, "Value": True},
-                    "upper": {"Alpha": 1, "Show Axes": True, "Show Trail": False, "Value": False},
-                }
-            },
-        )
-    )
+    scene.show(display("RobotModel", {"Links": {
+        "All Links Enabled": True, "Expand Joint Details": False, "Expand Link Details": False, "Expand Tree": False,
+        "Link Tree Style": "Links in Alphabetic Order",
+        "hand": {"Alpha": 1, "Show Axes": False, "Show Trail": True, "Value": True},
+        "root": {"Alpha": 1, "Show Axes": True, "Show Trail": False},
+        "shoulder": {"Alpha": 0.4, "Show Axes": True, "Show Trail": False, "Value": True},
+        "upper": {"Alpha": 1, "Show Axes": True, "Show Trail": False, "Value": False}}}))
 
 
 def robot_model_materials(scene):

@@ -15,12 +15,10 @@ def scalar_all_four_defaults(scene):
     scene.frame("s3", at=(-0.55, 0.25, 0.2), turned=(0.9, 0, 1.5))
     scene.frame("s4", at=(0, 0.25, 0.2), turned=(1.2, 0, 2))
     scene.frame("s5", at=(0.55, 0.25, 0.2), turned=(1.5, 0, 2.5))
-    scene.show(
-        display("FluidPressure", {"Size (m)": 0.4, "Style": "Spheres"}, name="p", topic="/p"),
-        display("Illuminance", {"Size (m)": 0.4, "Style": "Spheres"}, name="i", topic="/i"),
-        display("RelativeHumidity", {"Size (m)": 0.4, "Style": "Spheres"}, name="h", topic="/h"),
-        display("Temperature", {"Size (m)": 0.4, "Style": "Spheres"}, name="t", topic="/t"),
-    )
+    scene.show(display("FluidPressure", {"Size (m)": 0.4, "Style": "Spheres"}, name="p", topic="/p"),
+               display("Illuminance", {"Size (m)": 0.4, "Style": "Spheres"}, name="i", topic="/i"),
+               display("RelativeHumidity", {"Size (m)": 0.4, "Style": "Spheres"}, name="h", topic="/h"),
+               display("Temperature", {"Size (m)": 0.4, "Style": "Spheres"}, name="t", topic="/t"))
     scene.publish("/p", FluidPressure(header=header("s0"), fluid_pressure=100000))
     scene.publish("/i", Illuminance(header=header("s1"), illuminance=300))
     scene.publish("/h", RelativeHumidity(header=header("s2"), relative_humidity=0.7))
@@ -34,45 +32,17 @@ def scalar_colors_bounds_transformers(scene):
     scene.frame("s3", at=(-0.55, 0.25, 0.2), turned=(0.9, 0, 1.5))
     scene.frame("s4", at=(0, 0.25, 0.2), turned=(1.2, 0, 2))
     scene.frame("s5", at=(0.55, 0.25, 0.2), turned=(1.5, 0, 2.5))
-    scene.show(
-        display(
-            "FluidPressure",
-            {
-                "Max Color": "255; 255; 0",
-                "Max Intensity": 101000,
-                "Min Color": "0; 0; 255",
-                "Min Intensity": 99000,
-                "Size (m)": 0.4,
-                "Style": "Boxes",
-                "Use rainbow": False,
-            },
-            name="p",
-            topic="/p",
-        ),
-        display(
-            "Illuminance",
-            {"Autocompute Intensity Bounds": True, "Size (m)": 0.4, "Style": "Squares"},
-            name="i",
-            topic="/i",
-        ),
-        display(
-            "RelativeHumidity",
-            {
-                "Alpha": 0.5,
-                "Color": "255; 0; 255",
-                "Color Transformer": "FlatColor",
-                "Size (m)": 0.4,
-                "Style": "Spheres",
-            },
-            name="h",
-            topic="/h",
-        ),
-        display(
-            "Temperature", {"Invert Rainbow": False, "Size (m)": 0.4, "Style": "Flat Squares"}, name="t", topic="/t"
-        ),
-        display("Illuminance", {"Size (m)": 0.4, "Style": "Spheres"}, name="j", topic="/j"),
-        display("Temperature", {"Size (m)": 0.4, "Style": "Spheres"}, name="n", topic="/n"),
-    )
+    scene.show(display("FluidPressure",
+                       {"Max Color": "255; 255; 0", "Max Intensity": 101000, "Min Color": "0; 0; 255", "Min Intensity": 99000,
+                        "Size (m)": 0.4, "Style": "Boxes", "Use rainbow": False}, name="p", topic="/p"),
+               display("Illuminance", {"Autocompute Intensity Bounds": True, "Size (m)": 0.4, "Style": "Squares"}, name="i",
+                       topic="/i"),
+               display("RelativeHumidity",
+                       {"Alpha": 0.5, "Color": "255; 0; 255", "Color Transformer": "FlatColor", "Size (m)": 0.4,
+                        "Style": "Spheres"}, name="h", topic="/h"),
+               display("Temperature", {"Invert Rainbow": False, "Size (m)": 0.4, "Style": "Flat Squares"}, name="t", topic="/t"),
+               display("Illuminance", {"Size (m)": 0.4, "Style": "Spheres"}, name="j", topic="/j"),
+               display("Temperature", {"Size (m)": 0.4, "Style": "Spheres"}, name="n", topic="/n"))
     scene.publish("/p", FluidPressure(header=header("s0"), fluid_pressure=100500))
     scene.publish("/i", Illuminance(header=header("s1"), illuminance=300))
     scene.publish("/h", RelativeHumidity(header=header("s2"), relative_humidity=0.7))
@@ -84,18 +54,12 @@ def scalar_colors_bounds_transformers(scene):
 def scalar_fluidpressure(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
     scene.frame("sensor", at=(0.1, 0, 0.2))
-    scene.show(
-        display(
-            "FluidPressure", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s"
-        )
-    )
+    scene.show(display("FluidPressure", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s"))
     scene.publish("/s", FluidPressure(header=header("sensor"), fluid_pressure=99500))
 
 
 def scalar_temperature(scene):
     scene.camera(size=(640, 480), focal=(500, 500))
     scene.frame("sensor", at=(0.1, 0, 0.2))
-    scene.show(
-        display("Temperature", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s")
-    )
+    scene.show(display("Temperature", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s"))
     scene.publish("/s", Temperature(header=header("sensor"), temperature=24))

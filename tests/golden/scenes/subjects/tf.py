@@ -27,18 +27,8 @@ def tf_axes_marker_alpha_and_scale(scene):
     scene.frame("nearer", parent="near", at=(0.03, 0.04, 0))
     scene.frame("touching", parent="nearer", at=(0, 0, 0.0005))
     scene.frame("base_link", parent="map", at=(-0.5, -0.4, 0.2), turned=(0.2, 0, 0.3))
-    scene.show(
-        display(
-            "TF",
-            {
-                "Frame Timeout": 1000,
-                "Marker Alpha": 0.4,
-                "Marker Scale": 1.5,
-                "Show Arrows": False,
-                "Show Names": False,
-            },
-        )
-    )
+    scene.show(display("TF", {
+        "Frame Timeout": 1000, "Marker Alpha": 0.4, "Marker Scale": 1.5, "Show Arrows": False, "Show Names": False}))
 
 
 def tf_default(scene):
@@ -46,11 +36,8 @@ def tf_default(scene):
     scene.frame("torso", at=(0, 0, 0.4), turned=(0, 0, 0.4))
     scene.frame("head", parent="torso", at=(0.2, 0, 0.5), turned=(0, 0.5, 0))
     scene.frame("arm", parent="torso", at=(0.3, -0.4, 0), turned=(1, 0, 0.2))
-    scene.show(
-        display(
-            "TF", {"Frame Timeout": 1000, "Marker Scale": 1, "Show Arrows": True, "Show Axes": True, "Show Names": True}
-        )
-    )
+    scene.show(display("TF", {
+        "Frame Timeout": 1000, "Marker Scale": 1, "Show Arrows": True, "Show Axes": True, "Show Names": True}))
 
 
 def tf_frames_as_plain_values(scene):
@@ -58,11 +45,7 @@ def tf_frames_as_plain_values(scene):
     scene.frame("lens", parent="sensor", at=(0.25, 0, 0.1), turned=(0, 0.8, 0.2))
     scene.frame("near", at=(-0.3, 0.4, 0.05), turned=(0, 0, 2))
     scene.frame("base_link", parent="map", at=(-0.5, -0.4, 0.2), turned=(0.2, 0, 0.3))
-    scene.show(
-        display(
-            "TF", {"Frame Timeout": 1000, "Frames": {"All Enabled": True, "lens": {}, "near": True, "sensor": False}}
-        )
-    )
+    scene.show(display("TF", {"Frame Timeout": 1000, "Frames": {"All Enabled": True, "lens": {}, "near": True, "sensor": False}}))
 
 
 def tf_frames_fading(scene):
@@ -81,20 +64,8 @@ def tf_frames_off(scene):
     scene.frame("near", at=(-0.3, 0.4, 0.05), turned=(0, 0, 2))
     scene.frame("nearer", parent="near", at=(0.03, 0.04, 0))
     scene.frame("base_link", parent="map", at=(-0.5, -0.4, 0.2), turned=(0.2, 0, 0.3))
-    scene.show(
-        display(
-            "TF",
-            {
-                "Frame Timeout": 1000,
-                "Frames": {
-                    "All Enabled": False,
-                    "base_link": {"Value": False},
-                    "near": {"Value": True},
-                    "sensor": {"Value": False},
-                },
-            },
-        )
-    )
+    scene.show(display("TF", {"Frame Timeout": 1000, "Frames": {
+        "All Enabled": False, "base_link": {"Value": False}, "near": {"Value": True}, "sensor": {"Value": False}}}))
 
 
 def tf_frames_on_their_way_to_grey(scene):
@@ -118,13 +89,11 @@ def tf_frames_past_timeout(scene):
 def tf_moving_frames_update_interval(scene):
     scene.frame("post", at=(-0.4, -0.2, 0.1))
     scene.show(display("TF", {"Frame Timeout": 1000, "Update Interval": 0.3}))
-    scene.publish(
-        "/tf",
-        frames(frame_at("cart", "base_link", (0.9, 0.1, 0.2), (0, 0, 1), secs=-2)),
-        frames(frame_at("cart", "base_link", (0.5, 0.3, 0.2), (0, 0, 2), secs=-1)),
-        frames(frame_at("arm", "cart", (0.2, 0, 0.3), (0, 1, 0), secs=-2)),
-        frames(frame_at("arm", "cart", (0.3, -0.2, 0.2), (0, 0.5, 0), secs=-1.5)),
-    )
+    scene.publish("/tf",
+                  frames(frame_at("cart", "base_link", (0.9, 0.1, 0.2), (0, 0, 1), secs=-2)),
+                  frames(frame_at("cart", "base_link", (0.5, 0.3, 0.2), (0, 0, 2), secs=-1)),
+                  frames(frame_at("arm", "cart", (0.2, 0, 0.3), (0, 1, 0), secs=-2)),
+                  frames(frame_at("arm", "cart", (0.3, -0.2, 0.2), (0, 0.5, 0), secs=-1.5)))
 
 
 def tf_names_only(scene):

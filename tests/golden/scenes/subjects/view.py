@@ -8,13 +8,7 @@ from ..scene import ORBIT
 
 def view_fps(scene):
     scene.rviz_view = {
-        **ORBIT,
-        "Class": "rviz/FPS",
-        "Pitch": 0.4,
-        "Position": {"X": 1, "Y": -2, "Z": 2},
-        "Value": "FPS (rviz)",
-        "Yaw": 2.0,
-    }
+        **ORBIT, "Class": "rviz/FPS", "Pitch": 0.4, "Position": {"X": 1, "Y": -2, "Z": 2}, "Value": "FPS (rviz)", "Yaw": 2.0}
     scene.show(display("Grid"), display("Axes"), display("PointCloud2", {"Size (m)": 0.05}), display("MarkerArray"))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/m", sphere_cube_cylinder())
@@ -44,13 +38,8 @@ def view_target_frame_rotated(scene):
 
 def view_third_person_follower(scene):
     scene.rviz_view = {
-        **ORBIT,
-        "Class": "rviz/ThirdPersonFollower",
-        "Pitch": 0.4,
-        "Target Frame": "sensor",
-        "Value": "ThirdPersonFollower (rviz)",
-        "Yaw": 2.2,
-    }
+        **ORBIT, "Class": "rviz/ThirdPersonFollower", "Pitch": 0.4, "Target Frame": "sensor",
+        "Value": "ThirdPersonFollower (rviz)", "Yaw": 2.2}
     scene.frame("sensor", at=(0.1, -0.2, 0.3), turned=(0.5, -0.3, 0.9))
     scene.show(display("Grid"), display("Axes"), display("PointCloud2", {"Size (m)": 0.05}), display("MarkerArray"))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
@@ -59,14 +48,7 @@ def view_third_person_follower(scene):
 
 def view_top_down_ortho(scene):
     scene.rviz_view = {
-        **ORBIT,
-        "Angle": 0.7,
-        "Class": "rviz/TopDownOrtho",
-        "Scale": 60,
-        "Value": "TopDownOrtho (rviz)",
-        "X": 0.3,
-        "Y": 0.2,
-    }
+        **ORBIT, "Angle": 0.7, "Class": "rviz/TopDownOrtho", "Scale": 60, "Value": "TopDownOrtho (rviz)", "X": 0.3, "Y": 0.2}
     scene.show(display("Grid"), display("Axes"), display("PointCloud2", {"Size (m)": 0.05}), display("MarkerArray"))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/m", sphere_cube_cylinder())
