@@ -3,12 +3,30 @@
 Shapes are arrays of n × 3 numbers in metres, channels are arrays of n. All are the same each time.
 """
 
+import math
+
 import numpy
 from sensor_msgs.msg import PointCloud2, PointField
 
 from .messages import header
 
 _TYPES = {"int8": 1, "uint8": 2, "int16": 3, "uint16": 4, "int32": 5, "uint32": 6, "float32": 7, "float64": 8}
+
+
+# Points that lie in no order, and no nearer to each other than markers need.
+SCATTERED = [
+    (0.10201343894004822, -0.07649841159582138, 0.5620033741), (-0.035613980144262314, 0.015484984964132309, 0.22356292605400085),
+    (-0.4412810206413269, -0.2871411442756653, 0.0910501480102539),
+    (-0.08555378764867783, -0.30935078859329224, -0.05313597619533539),
+    (-0.044158484786748886, 0.07426488399505615, -0.2048734873533249),
+    (-0.10405879467725754, 0.17111675441265106, 0.2760317325592041),
+    (-0.31145262718200684, 0.13290244340896606, -0.20210231840610504),
+    (-0.386665940284729, -0.3934466242790222, -0.19066210091114044)]
+
+
+def spiral(count):
+    """Points that go up around the z axis."""
+    return [(0.5 * math.cos(0.7 * i), 0.5 * math.sin(0.7 * i), 0.05 * i) for i in range(count)]
 
 
 def waves(columns, rows, height=lambda x, y: 0.2 + 0.15 * numpy.sin(3 * x) * numpy.cos(2 * y) + 0.1 * y,
@@ -46,15 +64,23 @@ def packed(rgb, alpha=0):
     return numpy.asarray(alpha).astype(numpy.uint32) << 24 | red << 16 | green << 8 | blue
 
 
-def cloud(xyz, frame="base_link", fields=(), **options):
+def cloud(xyz, frame="base_link", fields=(), rgb=None, **options):
     """A PointCloud2 with the float32 fields x, y, z and the further `fields`.
 
+    rgb: colours n × 3 of 0 to 255, for a field `rgb` instead.
     fields: (name, type, values), where the type is numpy's name of it, or `rgb` for packed colours in a float.
     options: those of `raw_cloud`.
     """
     xyz = numpy.asarray(xyz, float)
     position = [(name, "float32", xyz[:, axis]) for axis, name in enumerate("xyz")]
+    if rgb is not None:
+        fields = [("rgb", "rgb", packed(rgb))]
     return raw_cloud([*position, *fields], frame, **options)
+
+
+def colored_waves():
+    """A PointCloud2 of 16 × 12 points in waves, each of another colour."""
+    return cloud(waves(16, 12), rgb=count_colors(192))
 
 
 def raw_cloud(fields, frame="base_link", rows=1, point_step=None, offsets=None, is_dense=False):

@@ -4,16 +4,21 @@ ROS's message classes are used where nothing has to be filled in.
 """
 
 import genpy
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Accel, AccelStamped, PoseStamped, PoseWithCovariance, PoseWithCovarianceStamped
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped, Wrench, WrenchStamped
+from nav_msgs.msg import MapMetaData, OccupancyGrid
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from .geometry import color, pose, transform, vector
+from .geometry import color, colors, points, pose, transform, vector
 
 # The stamp of all messages, in seconds.
 STAMP_SECS = 1700000000
+
+# The kinds of a Marker.
+ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT, MESH, TRIANGLES = range(12)
 
 
 def time_at(secs=0.0):
@@ -26,14 +31,18 @@ def header(frame="base_link", secs=0.0):
     return Header(stamp=time_at(secs), frame_id=frame)
 
 
-def marker(kind, at=(0.0, 0.0, 0.0), turned=(0.0, 0.0, 0.0), size=(0.0, 0.0, 0.0), paint=(0.0, 0.0, 0.0, 0.0),
-           frame="base_link", **fields):
+def marker(kind, at=(0.0, 0.0, 0.0), turned=(0.0, 0.0, 0.0), size=0.0, paint=(0.0, 0.0, 0.0, 0.0), frame="base_link", **fields):
     """A Marker in the namespace `m`, whose stamp is 0: placed by the last transform.
 
-    size: its scale; paint: its colour and alpha; fields: those of Marker, as they are.
+    size: its scale, one number if it is the same along x, y and z; paint: its colour and, if it is not 1, alpha.
+    fields: `points` and `colors` as rows of numbers, `mesh` as the name of a file of the assets, and those of Marker.
     """
     fields = {"header": Header(frame_id=frame), "ns": "m", **fields}
-    return Marker(type=kind, pose=pose(at, turned), scale=vector(*size), color=color(*paint), **fields)
+    fields.update({name: make(fields[name]) for name, make in (("points", points), ("colors", colors)) if name in fields})
+    if "mesh" in fields:
+        fields["mesh_resource"] = f"package://conformance_assets/meshes/{fields.pop('mesh')}"
+    scale = size if isinstance(size, tuple) else (size,) * 3
+    return Marker(type=kind, pose=pose(at, turned), scale=vector(*scale), color=color(*paint), **fields)
 
 
 def markers(*each):
@@ -69,10 +78,47 @@ def camera_info(frame, size, focal, centre=None, shift=(0.0, 0.0), **fields):
 
 
 def covariance(x, y, z, roll, pitch, yaw, others=None):
-    """The 36 numbers of a pose's covariance from its diagonal; others: those beside it, by row and column."""
+    """The 36 numbers of a pose's covariance from its diagonal.
+
+    others: those beside it, by row and column; the one on the other side of the diagonal is the same if it is not given.
+    """
     rows = [[0.0] * 6 for _ in range(6)]
     for index, value in enumerate((x, y, z, roll, pitch, yaw)):
         rows[index][index] = value
     for (row, column), value in (others or {}).items():
         rows[row][column] = value
+        rows[column][row] = others.get((column, row), value)
     return [value for row in rows for value in row]
+
+
+def pose_stamped(at=(0.0, 0.0, 0.0), turned=(0.0, 0.0, 0.0), frame="base_link"):
+    """A PoseStamped."""
+    return PoseStamped(header=header(frame), pose=pose(at, turned))
+
+
+def uncertain_pose(covariance, at=(0.0, 0.0, 0.0), turned=(0.0, 0.0, 0.0), frame="base_link"):
+    """A PoseWithCovarianceStamped."""
+    return PoseWithCovarianceStamped(header=header(frame),
+                                     pose=PoseWithCovariance(pose=pose(at, turned), covariance=covariance))
+
+
+def wrench_stamped(force, torque, frame="base_link"):
+    """A WrenchStamped."""
+    return WrenchStamped(header=header(frame), wrench=Wrench(force=vector(*force), torque=vector(*torque)))
+
+
+def twist_stamped(linear, angular, frame="base_link"):
+    """A TwistStamped."""
+    return TwistStamped(header=header(frame), twist=Twist(linear=vector(*linear), angular=vector(*angular)))
+
+
+def accel_stamped(linear, angular, frame="base_link"):
+    """An AccelStamped."""
+    return AccelStamped(header=header(frame), accel=Accel(linear=vector(*linear), angular=vector(*angular)))
+
+
+def occupancy_grid(resolution, size, at, turned=(0.0, 0.0, 0.0), data=(), frame="base_link", **info):
+    """An OccupancyGrid of cells of `resolution` metres, with its origin at `at`. size: in cells, along x and y."""
+    width, height = size
+    info = MapMetaData(resolution=resolution, width=width, height=height, origin=pose(at, turned), **info)
+    return OccupancyGrid(header=header(frame), info=info, data=data)

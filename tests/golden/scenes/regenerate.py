@@ -1,8 +1,8 @@
 """Makes golden cases again with the real rviz: the bag from its scene, the picture from rviz.
 
-This is what `tests/golden/regenerate` runs once the plugin is there; its header describes the arguments. A picture is taken again
-if it differs: 4 times, or 60 times where rviz draws it differently from run to run (`varies` in cases.yaml). It is the same if one
-of them is.
+This is what `tests/golden/regenerate` runs once the plugin is there; its header describes the arguments. A picture is taken
+again if it differs: 4 times, or 60 times where rviz draws it differently from run to run (`varies` in cases.yaml). It is the same
+if one of them is.
 """
 
 import argparse

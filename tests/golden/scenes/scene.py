@@ -1,19 +1,24 @@
 """The scene of a golden case: displays, messages and a camera.
 
-A case is a function with the case's name and the one parameter `scene`, a Scene to fill, in one of the modules of `subjects`.
-What it shows is said in `cases.yaml`.
+A case is a function with the case's name and the one parameter `scene`, a Scene to fill, or a row of a `family`, in one of the
+modules of `subjects`. What it shows is said in `cases.yaml`.
 """
 
+import functools
 import importlib
 import inspect
 import pathlib
 import pkgutil
+
+from visualization_msgs.msg import MarkerArray
 
 from . import displays as shown
 from .geometry import look_at
 from .messages import camera_info, frame_at, frames
 
 CAMERA_FRAME = "proj_view"
+# Options of a camera with a larger picture.
+LARGE = {"size": (640, 480), "focal": (500, 500)}
 
 ORBIT = {"Class": "rviz/Orbit", "Name": "Current View", "Value": "Orbit (rviz)", "Target Frame": "<Fixed Frame>",
          "Distance": 4, "Pitch": 0.6, "Yaw": 5.8}
@@ -59,6 +64,11 @@ class Scene:
         """Adds messages, `secs` after the scene's beginning."""
         self._messages += [(topic, message, secs) for message in messages]
 
+    def show_markers(self, *markers):
+        """Shows Markers with a MarkerArray display."""
+        self.show(shown.display("MarkerArray"))
+        self.publish("/m", MarkerArray(markers=list(markers)))
+
     def messages(self):
         """All messages in their order: (topic, message, seconds since the scene's beginning)."""
         fixed = ([self._camera_frame] if self._camera_frame else []) + self._frames
@@ -85,17 +95,42 @@ class Scene:
         }
 
 
+def family(function, rows):
+    """Makes a case of each row, by name: the arguments of `function` behind the scene, as a sequence or by their names."""
+    for name, row in rows.items():
+        arguments, named = ((), row) if isinstance(row, dict) else (row, {})
+        _add(name, functools.partial(_call, function, arguments, named))
+
+
+def _call(function, arguments, named, scene):
+    function(scene, *arguments, **named)
+
+
+def one_display(kind, topic, **more):
+    """A function for `family` whose rows are the properties of one display, its message and, if need be, the camera's options."""
+    def fill(scene, properties, message, camera=None):
+        scene.camera(**(camera or {}))
+        scene.show(shown.display(kind, properties, **more))
+        scene.publish(topic, message)
+
+    return fill
+
+
+def _add(name, function):
+    if name in _cases:
+        raise ValueError(f"there are two cases {name}")
+    _cases[name] = function
+
+
+@functools.cache
 def all_cases():
     """The functions of all cases, by name."""
-    if not _cases:
-        folder = pathlib.Path(__file__).parent / "subjects"
-        for found in pkgutil.iter_modules([str(folder)]):
-            module = importlib.import_module(f"{__package__}.subjects.{found.name}")
-            for name, function in inspect.getmembers(module, inspect.isfunction):
-                if list(inspect.signature(function).parameters) == ["scene"]:
-                    if name in _cases:
-                        raise ValueError(f"there are two cases {name}: {_cases[name].__module__} and {module.__name__}")
-                    _cases[name] = function
+    folder = pathlib.Path(__file__).parent / "subjects"
+    for found in pkgutil.iter_modules([str(folder)]):
+        module = importlib.import_module(f"{__package__}.subjects.{found.name}")
+        for name, function in inspect.getmembers(module, inspect.isfunction):
+            if function.__module__ == module.__name__ and list(inspect.signature(function).parameters) == ["scene"]:
+                _add(name, function)
     return dict(sorted(_cases.items()))
 
 

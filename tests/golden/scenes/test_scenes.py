@@ -104,9 +104,9 @@ class Pictures(unittest.TestCase):
 
 
 class Messages(unittest.TestCase):
-    def test_a_covariance_has_its_diagonal_and_what_is_beside_it(self):
+    def test_a_covariance_has_its_diagonal_and_what_is_on_both_sides_of_it(self):
         values = messages.covariance(1, 2, 3, 4, 5, 6, {(0, 5): 0.5})
-        self.assertEqual((values[0], values[7], values[35], values[5], values[30]), (1, 2, 6, 0.5, 0.0))
+        self.assertEqual((values[0], values[7], values[35], values[5], values[30]), (1, 2, 6, 0.5, 0.5))
 
 
 if __name__ == "__main__":

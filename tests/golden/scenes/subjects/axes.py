@@ -1,10 +1,11 @@
 """The Axes display."""
 
 from ..displays import display
+from ..scene import LARGE
 
 
 def axes(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.frame("sensor", at=(0.4, -0.5, 0.3), turned=(0.5, 0.4, 0.3))
     scene.show(display("Axes", {"Length": 0.8, "Radius": 0.08}, name="A"),
                display("Axes", {"Length": 0.5, "Radius": 0.02, "Reference Frame": "sensor"}, name="B"))

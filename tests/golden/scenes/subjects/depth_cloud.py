@@ -7,10 +7,11 @@ from sensor_msgs.msg import RegionOfInterest
 from ..displays import display
 from ..images import hilly_depth, image, millimetres, ramps, size_ramps, wavy_depth, with_alpha
 from ..messages import camera_info
+from ..scene import LARGE
 
 
 def depth_cloud(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.frame("depth", at=(-0.8, 0, 1.2), turned=(-2.2142974355881813, 0, -math.pi / 2))
     scene.show(display("DepthCloud", {
         "Color Transformer": "RGB8", "Size (m)": 0.01, "Style": "Flat Squares", "Queue Size": None}))

@@ -4,16 +4,14 @@ import math
 
 from sensor_msgs.msg import JointState
 
+from ..common import arm_frames, lamp_frames
 from ..displays import display
 from ..messages import header
 
 
 def effort(scene):
     scene.camera(eye=(1.7, 1.2, 1.2), target=(0, 0, 0.4), size=(640, 480), focal=(500, 500))
-    scene.frame("lamp_base", at=(0, -0.2, 0.05), turned=(0, 0, 0.3))
-    scene.frame("lamp_arm", parent="lamp_base", at=(0, 0, 0.05), turned=(0, 0.4, 0))
-    scene.frame("lamp_head", parent="lamp_arm", at=(0, 0, 0.65), turned=(0, 0.8, 0))
-    scene.frame("lamp_gear", parent="lamp_base", at=(0, 0.5, 0))
+    lamp_frames(scene)
     scene.show(display("Effort", {
         "Alpha": 1, "History Length": 1, "Robot Description": "robot_description", "Scale": 1, "Width": 0.02}))
     scene.publish("/joint_states", JointState(
@@ -22,11 +20,7 @@ def effort(scene):
 
 def effort_axes_signs_limits(scene):
     scene.camera(focal=(330, 330))
-    scene.frame("shoulder", at=(0, -0.3, 0.1), turned=(0, 0, 0.5))
-    scene.frame("upper", parent="shoulder", at=(0, 0, 0.15), turned=(0, -0.7, 0))
-    scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
-    scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
-    scene.frame("root")
+    arm_frames(scene)
     scene.show(display("Effort"))
     scene.publish("/joint_states", JointState(
         header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]))
@@ -34,11 +28,7 @@ def effort_axes_signs_limits(scene):
 
 def effort_history_length_2(scene):
     scene.camera(focal=(330, 330))
-    scene.frame("shoulder", at=(0, -0.3, 0.1), turned=(0, 0, 0.5))
-    scene.frame("upper", parent="shoulder", at=(0, 0, 0.15), turned=(0, -0.7, 0))
-    scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
-    scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
-    scene.frame("root")
+    arm_frames(scene)
     scene.show(display("Effort", {"History Length": 2}))
     scene.publish("/joint_states",
                   JointState(header=header(""), name=["turn", "lift"], position=[0, 0], effort=[10, 10]),
@@ -48,11 +38,7 @@ def effort_history_length_2(scene):
 
 def effort_joint_off(scene):
     scene.camera(focal=(330, 330))
-    scene.frame("shoulder", at=(0, -0.3, 0.1), turned=(0, 0, 0.5))
-    scene.frame("upper", parent="shoulder", at=(0, 0, 0.15), turned=(0, -0.7, 0))
-    scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
-    scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
-    scene.frame("root")
+    arm_frames(scene)
     scene.show(display("Effort", {"Joints": {"All Joints Enabled": True, "lift": {"Value": False}, "turn": True}}))
     scene.publish("/joint_states", JointState(
         header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[10, -15, 0.3, 2]))
@@ -60,11 +46,7 @@ def effort_joint_off(scene):
 
 def effort_width_scale_past_limit_and_zero(scene):
     scene.camera(focal=(330, 330))
-    scene.frame("shoulder", at=(0, -0.3, 0.1), turned=(0, 0, 0.5))
-    scene.frame("upper", parent="shoulder", at=(0, 0, 0.15), turned=(0, -0.7, 0))
-    scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
-    scene.frame("hand", parent="lower", at=(0.4, 0, 0), turned=(0.5, 0.2, 0.1))
-    scene.frame("root")
+    arm_frames(scene)
     scene.show(display("Effort", {"Alpha": 0.3, "Scale": 0.5, "Width": 0.05}))
     scene.publish("/joint_states", JointState(
         header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[90, 0, 1.7, 2]))

@@ -1,6 +1,7 @@
 """The Grid display."""
 
 from ..displays import camera_pub, display
+from ..scene import LARGE
 
 
 def grid_billboards_other_frame(scene):
@@ -17,7 +18,7 @@ def grid_billboards_translucent_crossing(scene):
 
 
 def grid_billboards_xz(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("Grid", {
         "Alpha": 0.8, "Cell Size": 0.4, "Color": "200; 120; 60", "Line Style": {"Line Width": 0.03, "Value": "Billboards"},
         "Normal Cell Count": 0, "Offset": {"X": 0.2, "Y": -0.3, "Z": 0.1}, "Plane": "XZ", "Plane Cell Count": 6}))
@@ -29,7 +30,7 @@ def grid_dark_over_bright_background(scene):
 
 
 def grid_default(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("Grid"))
 
 

@@ -3,18 +3,18 @@
 import math
 
 from nav_msgs.msg import GridCells
-from visualization_msgs.msg import Marker
 
 from ..data import load
 from ..displays import display
 from ..geometry import points
-from ..messages import header, marker, markers
+from ..messages import CUBE, header, marker, markers
+from ..scene import LARGE
 
 DATA = load("grid_cells")
 
 
 def grid_cells(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("GridCells", {"Alpha": 1, "Color": "25; 255; 0"}))
     scene.publish("/g", GridCells(header=header(), cell_width=0.1, cell_height=0.1, cells=points(DATA["grid_cells_cells"])))
 
@@ -38,7 +38,7 @@ def grid_cells_second_message_replaces_first(scene):
                       DATA["grid_cells_negative_width_zero_height_nan_g_cells"])),
                   GridCells(header=header(), cell_width=0.09, cell_height=0.2, cells=points(
                       DATA["grid_cells_second_message_replaces_first_g_1_cells"])))
-    scene.publish("/m", markers(marker(Marker.CUBE, at=(0, 0, 0.1), size=(0.5, 0.5, 0.3), paint=(1, 0, 0, 0.5), id=1)))
+    scene.publish("/m", markers(marker(CUBE, at=(0, 0, 0.1), size=(0.5, 0.5, 0.3), paint=(1, 0, 0, 0.5), id=1)))
 
 
 def grid_cells_translucent_oblong_rotated_frame(scene):

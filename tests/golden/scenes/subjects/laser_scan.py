@@ -7,12 +7,13 @@ from ..data import load
 from ..displays import display
 from ..laser import ring_ranges
 from ..messages import frame_at, frames, header
+from ..scene import LARGE
 
 DATA = load("laser_scan")
 
 
 def laser_scan(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("LaserScan", {
         "Alpha": 1, "Autocompute Intensity Bounds": True, "Channel Name": "intensity", "Color Transformer": "Intensity",
         "Decay Time": 0, "Position Transformer": "XYZ", "Size (m)": 0.03, "Style": "Flat Squares", "Use rainbow": True}))

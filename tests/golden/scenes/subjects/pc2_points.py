@@ -2,49 +2,9 @@
 
 import numpy
 
-from ..clouds import any_colors, ball, cloud, count_colors, packed, ripples, waves
+from ..clouds import any_colors, ball, cloud, colored_waves, count_colors, packed, ripples, waves
 from ..displays import display
-
-
-def pc2_points_1px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 1, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
-
-
-def pc2_points_2_5px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 2.5, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
-
-
-def pc2_points_2px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 2, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
-
-
-def pc2_points_300px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 300, "Style": "Points"}))
-    scene.publish("/cloud", cloud([(0, 0, 0.2), (0.1, -0.2, 0.1), (-0.3, 0.1, 0)], fields=[(
-        "rgb", "rgb", packed(count_colors(3)))]))
-
-
-def pc2_points_3px_alpha_0_2(scene):
-    scene.show(display("PointCloud2", {"Alpha": 0.2, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(40, 30), fields=[("rgb", "rgb", packed(count_colors(1200)))]))
-
-
-def pc2_points_4px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 4, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
-
-
-def pc2_points_64px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 64, "Style": "Points"}))
-    scene.publish("/cloud", cloud(ball(60, 0.5), fields=[("rgb", "rgb", packed(count_colors(60)))]))
-
-
-def pc2_points_7px(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 7, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+from ..scene import LARGE, family, one_display
 
 
 def pc2_points_beyond_100m(scene):
@@ -60,40 +20,33 @@ def pc2_points_beyond_100m(scene):
     scene.publish("/cloud2", cloud([(-7 * i, -10 + 5 * (i % 5), -3 + 0.2 * i) for i in range(20)]))
 
 
-def pc2_points_centres_outside_picture(scene):
-    scene.camera(size=(320, 240), focal=(700, 700))
-    scene.show(display("PointCloud2", {"Size (Pixels)": 50, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
-
-
-def pc2_points_flat(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
-    scene.show(display("PointCloud2", {"Color Transformer": "FlatColor", "Size (Pixels)": 15, "Style": "Points"}))
-    scene.publish("/cloud", cloud(ripples(16, 12), is_dense=True))
-
-
-def pc2_points_rgb8(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
-    scene.show(display("PointCloud2", {"Style": "Points"}))
-    scene.publish("/cloud", cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(any_colors(1200, 1)))], is_dense=True))
-
-
-def pc2_points_rgba_alpha_per_point(scene):
-    scene.show(display("PointCloud2", {"Size (Pixels)": 14, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgba", "uint32", packed(
-        count_colors(192), 40 + 1 * numpy.arange(192) % 192))]))
-
-
 def pc2_points_spheres_around_camera(scene):
     scene.camera(eye=(0.3, 0.2, 0.35), target=(-0.5, -0.3, 0.2))
     scene.show(display("PointCloud2", {"Size (Pixels)": 20, "Style": "Points"}),
                display("PointCloud2",
                        {"Color": "80; 160; 240", "Color Transformer": "FlatColor", "Size (m)": 0.2, "Style": "Spheres"}, name="d",
                        topic="/cloud2"))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/cloud", colored_waves())
     scene.publish("/cloud2", cloud(ball(60, 0.6)))
 
 
-def pc2_points_translucent_overlapping(scene):
-    scene.show(display("PointCloud2", {"Alpha": 0.4, "Size (Pixels)": 15, "Size (m)": 0.12, "Style": "Points"}))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+family(one_display("PointCloud2", "/cloud"), {
+    "pc2_points_1px": ({"Size (Pixels)": 1, "Style": "Points"}, colored_waves()),
+    "pc2_points_2_5px": ({"Size (Pixels)": 2.5, "Style": "Points"}, colored_waves()),
+    "pc2_points_2px": ({"Size (Pixels)": 2, "Style": "Points"}, colored_waves()),
+    "pc2_points_300px": ({"Size (Pixels)": 300, "Style": "Points"}, cloud(
+        [(0, 0, 0.2), (0.1, -0.2, 0.1), (-0.3, 0.1, 0)], rgb=count_colors(3))),
+    "pc2_points_3px_alpha_0_2": ({"Alpha": 0.2, "Style": "Points"}, cloud(waves(40, 30), rgb=count_colors(1200))),
+    "pc2_points_4px": ({"Size (Pixels)": 4, "Style": "Points"}, colored_waves()),
+    "pc2_points_64px": ({"Size (Pixels)": 64, "Style": "Points"}, cloud(ball(60, 0.5), rgb=count_colors(60))),
+    "pc2_points_7px": ({"Size (Pixels)": 7, "Style": "Points"}, colored_waves()),
+    "pc2_points_centres_outside_picture": ({"Size (Pixels)": 50, "Style": "Points"}, colored_waves(), dict(
+        size=(320, 240), focal=(700, 700))),
+    "pc2_points_flat": (
+        {"Color Transformer": "FlatColor", "Size (Pixels)": 15, "Style": "Points"},
+        cloud(ripples(16, 12), is_dense=True), LARGE),
+    "pc2_points_rgb8": ({"Style": "Points"}, cloud(ripples(40, 30), rgb=any_colors(1200, 1), is_dense=True), LARGE),
+    "pc2_points_rgba_alpha_per_point": ({"Size (Pixels)": 14, "Style": "Points"}, cloud(
+        waves(16, 12), fields=[("rgba", "uint32", packed(count_colors(192), 40 + 1 * numpy.arange(192) % 192))])),
+    "pc2_points_translucent_overlapping": (
+        {"Alpha": 0.4, "Size (Pixels)": 15, "Size (m)": 0.12, "Style": "Points"}, colored_waves())})

@@ -5,10 +5,11 @@ from geometry_msgs.msg import PointStamped
 from ..displays import display
 from ..geometry import point
 from ..messages import header
+from ..scene import LARGE
 
 
 def point_stamped(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("PointStamped", {"Alpha": 1, "Color": "204; 41; 204", "Radius": 0.15}, name="p", topic="/p"))
     scene.publish("/p", PointStamped(header=header(), point=point(0.1, 0.2, 0.3)))
 
@@ -19,4 +20,4 @@ def point_stamped_history(scene):
                display("PointStamped", {"Alpha": 0.5, "Color": "255; 220; 0", "History Length": 3, "Radius": 0.12}, name="p",
                        topic="/pt"))
     scene.publish("/pt", *(PointStamped(header=header("sensor"), point=point(-0.6 + 0.3 * i, -0.3 + 0.2 * i, 0.1 + 0.05 * i))
-        for i in range(5)))
+                           for i in range(5)))

@@ -5,10 +5,11 @@ from geometry_msgs.msg import Polygon, PolygonStamped
 from ..displays import display
 from ..geometry import points32
 from ..messages import header
+from ..scene import LARGE
 
 
 def polygon(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("Polygon", {"Alpha": 1, "Color": "25; 255; 0"}, name="p", topic="/p"))
     scene.publish("/p", PolygonStamped(header=header(), polygon=Polygon(points=points32([
         (-0.6, -0.5, 0.1), (0.6, -0.4, 0.2), (0.5, 0.6, 0.1), (-0.2, 0.3, 0.4)]))))

@@ -2,18 +2,19 @@
 
 import math
 
-from geometry_msgs.msg import PoseArray, PoseStamped
+from geometry_msgs.msg import PoseArray
 
 from ..common import rising_poses, turning_poses
 from ..displays import display
 from ..geometry import pose, quaternion
-from ..messages import header
+from ..messages import header, pose_stamped
+from ..scene import LARGE
 
 
 def pose_arrow(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("Pose", {"Color": "255; 25; 0", "Shape": "Arrow"}))
-    scene.publish("/p", PoseStamped(header=header(), pose=pose((-0.4, 0.2, 0.3), (0, -0.3, 0.5))))
+    scene.publish("/p", pose_stamped((-0.4, 0.2, 0.3), (0, -0.3, 0.5)))
 
 
 def pose_axes_rotated_frame(scene):
@@ -22,8 +23,8 @@ def pose_axes_rotated_frame(scene):
                display("Pose",
                        {"Alpha": 0.4, "Color": "60; 180; 255", "Head Length": 0.3, "Head Radius": 0.25, "Shaft Length": 0.5,
                         "Shaft Radius": 0.1}, name="q", topic="/q"))
-    scene.publish("/p", PoseStamped(header=header("sensor"), pose=pose((0.1, 0.2, 0.1), (0.4, -0.3, 0.8))))
-    scene.publish("/q", PoseStamped(header=header(), pose=pose((-0.3, -0.5, 0.2), (0.5, -0.6, 0.9))))
+    scene.publish("/p", pose_stamped((0.1, 0.2, 0.1), (0.4, -0.3, 0.8), frame="sensor"))
+    scene.publish("/q", pose_stamped((-0.3, -0.5, 0.2), (0.5, -0.6, 0.9)))
 
 
 def pose_negative_and_zero_sizes(scene):
@@ -35,12 +36,12 @@ def pose_negative_and_zero_sizes(scene):
                        topic="/d"),
                display("Pose", {"Alpha": 0}, name="e", topic="/e"),
                display("Pose", {"Axes Length": -0.4, "Axes Radius": 0.05, "Shape": "Axes"}, name="f", topic="/f"))
-    scene.publish("/a", PoseStamped(header=header(), pose=pose((0.4, 0.3, 0.2), (0.4, -0.3, 0.8))))
-    scene.publish("/b", PoseStamped(header=header(), pose=pose((-0.4, 0.3, 0.2), (0.4, -0.3, 0.8))))
-    scene.publish("/c", PoseStamped(header=header(), pose=pose((-0.2, -0.5, 0.1), (0.4, -0.3, 0.8))))
-    scene.publish("/d", PoseStamped(header=header(), pose=pose((0.4, -0.4, 0.2), (0.4, -0.3, 0.8))))
-    scene.publish("/e", PoseStamped(header=header(), pose=pose((0, 0, 0.1), (0.4, -0.3, 0.8))))
-    scene.publish("/f", PoseStamped(header=header(), pose=pose((-0.8, 0, 0.3), (0.4, -0.3, 0.8))))
+    scene.publish("/a", pose_stamped((0.4, 0.3, 0.2), (0.4, -0.3, 0.8)))
+    scene.publish("/b", pose_stamped((-0.4, 0.3, 0.2), (0.4, -0.3, 0.8)))
+    scene.publish("/c", pose_stamped((-0.2, -0.5, 0.1), (0.4, -0.3, 0.8)))
+    scene.publish("/d", pose_stamped((0.4, -0.4, 0.2), (0.4, -0.3, 0.8)))
+    scene.publish("/e", pose_stamped((0, 0, 0.1), (0.4, -0.3, 0.8)))
+    scene.publish("/f", pose_stamped((-0.8, 0, 0.3), (0.4, -0.3, 0.8)))
 
 
 def pose_quaternion_unnormalized_nan_zero(scene):
@@ -48,15 +49,15 @@ def pose_quaternion_unnormalized_nan_zero(scene):
                display("Pose", {"Head Length": 0.2, "Shaft Length": 0.5}),
                display("Pose", {"Axes Length": 0.4, "Axes Radius": 0.05, "Shape": "Axes"}, name="q", topic="/q"))
     scene.publish("/p",
-                  PoseStamped(header=header(), pose=pose((0.5, 0.5, 0.1))),
-                  PoseStamped(header=header(), pose=pose((0, -0.2, 0.3), quaternion(
-                      0.475931549217439, -0.11680243104051477, 0.8094309783959814, 1.762006766098087))),
-                  PoseStamped(header=header(), pose=pose((math.nan, 0, 0), (0.4, -0.3, 0.8))))
-    scene.publish("/q", PoseStamped(header=header(), pose=pose((-0.4, 0.4, 0.1), quaternion(0, 0, 0, 0))))
+                  pose_stamped((0.5, 0.5, 0.1)),
+                  pose_stamped((0, -0.2, 0.3), quaternion(
+                      0.475931549217439, -0.11680243104051477, 0.8094309783959814, 1.762006766098087)),
+                  pose_stamped((math.nan, 0, 0), (0.4, -0.3, 0.8)))
+    scene.publish("/q", pose_stamped((-0.4, 0.4, 0.1), quaternion(0, 0, 0, 0)))
 
 
 def posearray_3d(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("PoseArray",
                        {"Color": "0; 200; 255", "Head Length": 0.06, "Head Radius": 0.03, "Shaft Length": 0.12,
                         "Shaft Radius": 0.015, "Shape": "Arrow (3D)"}, name="p", topic="/p"))
@@ -83,7 +84,7 @@ def posearray_axes_rotated_frame(scene):
 
 
 def posearray_flat(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("PoseArray", {"Arrow Length": 0.2, "Color": "255; 25; 0", "Shape": "Arrow (Flat)"}, name="p", topic="/p"))
     scene.publish("/p", rising_poses())
 

@@ -4,19 +4,19 @@ from geometry_msgs.msg import PoseWithCovariance, PoseWithCovarianceStamped
 
 from ..displays import display
 from ..geometry import pose
-from ..messages import covariance, header
+from ..messages import covariance, header, uncertain_pose
+from ..scene import LARGE
 
 
 def pose_with_covariance(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.show(display("PoseWithCovariance", {
         "Covariance": {"Orientation": {"Alpha": 0.5, "Color": "255; 255; 127", "Color Style": "Unique", "Frame": "Local",
                                        "Offset": 1, "Scale": 1, "Value": True},
                        "Position": {"Alpha": 0.3, "Color": "204; 51; 204", "Value": True}, "Value": True}, "Shape": "Arrow",
         "Head Length": None, "Head Radius": None, "Shaft Length": None, "Shaft Radius": None}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((-0.3, 0.1, 0.2), (0, 0, 0.5)),
-        covariance=covariance(0.04, 0.02, 0.01, 0.02, 0.03, 0.1, {(0, 1): 0.01, (1, 0): 0.01}))))
+    scene.publish("/p", uncertain_pose(
+        covariance(0.04, 0.02, 0.01, 0.02, 0.03, 0.1, {(0, 1): 0.01}), (-0.3, 0.1, 0.2), (0, 0, 0.5)))
 
 
 def pose_with_covariance_2d(scene):
@@ -24,18 +24,14 @@ def pose_with_covariance_2d(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Alpha": 0.6, "Offset": 1.2, "Scale": 1.5, "Value": True},
                    "Position": {"Scale": 2, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((-0.4, -0.3, 0.05), (0, 0, 0.7)),
-        covariance=covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02, (1, 0): 0.02}))))
+    scene.publish("/p", uncertain_pose(covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02}), (-0.4, -0.3, 0.05), (0, 0, 0.7)))
 
 
 def pose_with_covariance_2d_frame_fixed_rgb(scene):
     scene.show(display("Grid", {"Alpha": 0.4, "Cell Size": 0.4, "Plane Cell Count": 6}),
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Color Style": "RGB", "Frame": "Fixed", "Offset": 0.8, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((-0.4, -0.3, 0.05), (0, 0, 1.4)),
-        covariance=covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02, (1, 0): 0.02}))))
+    scene.publish("/p", uncertain_pose(covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02}), (-0.4, -0.3, 0.05), (0, 0, 1.4)))
 
 
 def pose_with_covariance_2d_negative_yaw(scene):
@@ -43,12 +39,8 @@ def pose_with_covariance_2d_negative_yaw(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Offset": 0.7, "Value": True}, "Position": {"Alpha": 0.8, "Value": True}, "Value": True}}))
     scene.publish("/p",
-                  PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-                      pose=pose((-0.4, -0.3, 0.05), (0, 0, 0.2)),
-                      covariance=covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02, (1, 0): 0.02}))),
-                  PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-                      pose=pose((0, 0.3, 0.05), (0, 0, 0.9)),
-                      covariance=covariance(0.02, 0.03, -1, 0, 0, -0.04, {(0, 1): 0.005, (1, 0): 0.005}))))
+                  uncertain_pose(covariance(0.05, 0.02, 0, 0, 0, 0.04, {(0, 1): 0.02}), (-0.4, -0.3, 0.05), (0, 0, 0.2)),
+                  uncertain_pose(covariance(0.02, 0.03, -1, 0, 0, -0.04, {(0, 1): 0.005}), (0, 0.3, 0.05), (0, 0, 0.9)))
 
 
 def pose_with_covariance_3d_frame_fixed(scene):
@@ -59,11 +51,10 @@ def pose_with_covariance_3d_frame_fixed(scene):
                    "Covariance": {"Orientation": {"Alpha": 1, "Color": "255; 120; 0", "Frame": "Fixed", "Offset": 0.7, "Scale": 1,
                                                   "Value": True}, "Position": {"Alpha": 1, "Color": "0; 120; 255", "Value": True},
                                   "Value": True}, "Shape": "Axes"}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header("sensor"), pose=PoseWithCovariance(
-        pose=pose((0, 0.1, 0.1), (0.4, -0.3, 0.8)),
-        covariance=covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
-            (0, 1): 0.012, (0, 2): -0.01, (1, 0): 0.012, (1, 2): 0.02, (2, 0): -0.01, (2, 1): 0.02, (3, 4): 0.012, (3, 5): -0.006,
-            (4, 3): 0.012, (4, 5): 0.01, (5, 3): -0.006, (5, 4): 0.01}))))
+    scene.publish("/p", uncertain_pose(
+        covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
+            (0, 1): 0.012, (0, 2): -0.01, (1, 2): 0.02, (3, 4): 0.012, (3, 5): -0.006, (4, 5): 0.01}), (0, 0.1, 0.1),
+        (0.4, -0.3, 0.8), frame="sensor"))
 
 
 def pose_with_covariance_3d_rgb(scene):
@@ -72,31 +63,28 @@ def pose_with_covariance_3d_rgb(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Alpha": 0.8, "Color Style": "RGB", "Offset": 0.6, "Scale": 1.5, "Value": True},
                    "Position": {"Alpha": 0.5, "Scale": 1.5, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header("sensor"), pose=PoseWithCovariance(
-        pose=pose((0, 0.1, 0.1), (0.4, -0.3, 0.8)),
-        covariance=covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
-            (0, 1): 0.012, (0, 2): -0.01, (1, 0): 0.012, (1, 2): 0.02, (2, 0): -0.01, (2, 1): 0.02, (3, 4): 0.012, (3, 5): -0.006,
-            (4, 3): 0.012, (4, 5): 0.01, (5, 3): -0.006, (5, 4): 0.01}))))
+    scene.publish("/p", uncertain_pose(
+        covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
+            (0, 1): 0.012, (0, 2): -0.01, (1, 2): 0.02, (3, 4): 0.012, (3, 5): -0.006, (4, 5): 0.01}), (0, 0.1, 0.1),
+        (0.4, -0.3, 0.8), frame="sensor"))
 
 
 def pose_with_covariance_asymmetric(scene):
     scene.show(display("Grid", {"Alpha": 0.4, "Cell Size": 0.4, "Plane Cell Count": 6}),
                display("PoseWithCovariance", {"Covariance": {"Orientation": {"Offset": 0.6, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((0, 0, 0.1), (0.4, -0.3, 0.8)),
-        covariance=covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
+    scene.publish("/p", uncertain_pose(
+        covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
             (0, 1): 0.006, (0, 2): 0.006, (0, 3): 0.006, (0, 4): 0.006, (0, 5): 0.006, (1, 0): -0.5, (1, 2): 0.006, (1, 3): 0.006,
             (1, 4): 0.006, (1, 5): 0.006, (2, 0): -0.5, (2, 1): -0.5, (2, 3): 0.006, (2, 4): 0.006, (2, 5): 0.006, (3, 0): -0.5,
             (3, 1): -0.5, (3, 2): -0.5, (3, 4): 0.006, (3, 5): 0.006, (4, 0): -0.5, (4, 1): -0.5, (4, 2): -0.5, (4, 3): -0.5,
-            (4, 5): 0.006, (5, 0): -0.5, (5, 1): -0.5, (5, 2): -0.5, (5, 3): -0.5, (5, 4): -0.5}))))
+            (4, 5): 0.006, (5, 0): -0.5, (5, 1): -0.5, (5, 2): -0.5, (5, 3): -0.5, (5, 4): -0.5}), (0, 0, 0.1), (0.4, -0.3, 0.8)))
 
 
 def pose_with_covariance_deviation_past_89_deg(scene):
     scene.show(display("Grid", {"Alpha": 0.4, "Cell Size": 0.4, "Plane Cell Count": 6}),
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Alpha": 0.5, "Offset": 0.3, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((0, 0, 0.1), (0, 0, 0.4)), covariance=covariance(0.04, 0, 0.04, 4, 0.01, 0))))
+    scene.publish("/p", uncertain_pose(covariance(0.04, 0, 0.04, 4, 0.01, 0), (0, 0, 0.1), (0, 0, 0.4)))
 
 
 def pose_with_covariance_negative_after_good(scene):
@@ -104,15 +92,11 @@ def pose_with_covariance_negative_after_good(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Offset": 0.5, "Value": True}, "Position": {"Alpha": 0.6, "Value": True}, "Value": True}}))
     scene.publish("/p",
-                  PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-                      pose=pose((0.3, 0.3, 0.1)),
-                      covariance=covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
-                          (0, 1): 0.012, (0, 2): -0.01, (1, 0): 0.012, (1, 2): 0.02, (2, 0): -0.01, (2, 1): 0.02, (3, 4): 0.012,
-                          (3, 5): -0.006, (4, 3): 0.012, (4, 5): 0.01, (5, 3): -0.006, (5, 4): 0.01}))),
-                  PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-                      pose=pose((-0.2, -0.1, 0.1), (0.4, -0.3, 0.8)),
-                      covariance=covariance(0.01, 0.02, 0.03, 0.01, 0.01, 0.01, {
-                          (0, 1): 0.1, (1, 0): 0.1, (3, 4): 0.05, (4, 3): 0.05}))))
+                  uncertain_pose(covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
+                                     (0, 1): 0.012, (0, 2): -0.01, (1, 2): 0.02, (3, 4): 0.012, (3, 5): -0.006, (4, 5): 0.01}),
+                                 (0.3, 0.3, 0.1)),
+                  uncertain_pose(covariance(0.01, 0.02, 0.03, 0.01, 0.01, 0.01, {(0, 1): 0.1, (3, 4): 0.05}), (-0.2, -0.1, 0.1),
+                                 (0.4, -0.3, 0.8)))
 
 
 def pose_with_covariance_negative_first(scene):
@@ -120,9 +104,8 @@ def pose_with_covariance_negative_first(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Offset": 0.5, "Value": True}, "Position": {"Alpha": 0.6, "Scale": 0.5, "Value": True},
                    "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((-0.2, -0.1, 0.1), (0.4, -0.3, 0.8)),
-        covariance=covariance(0.01, 0.02, 0.03, 0.01, 0.01, 0.01, {(0, 1): 0.1, (1, 0): 0.1, (3, 4): 0.05, (4, 3): 0.05}))))
+    scene.publish("/p", uncertain_pose(
+        covariance(0.01, 0.02, 0.03, 0.01, 0.01, 0.01, {(0, 1): 0.1, (3, 4): 0.05}), (-0.2, -0.1, 0.1), (0.4, -0.3, 0.8)))
 
 
 def pose_with_covariance_position_only(scene):
@@ -130,11 +113,10 @@ def pose_with_covariance_position_only(scene):
                display("PoseWithCovariance", {"Covariance": {
                    "Orientation": {"Value": False},
                    "Position": {"Alpha": 0.7, "Color": "255; 255; 0", "Scale": 1.2, "Value": True}, "Value": True}}))
-    scene.publish("/p", PoseWithCovarianceStamped(header=header(), pose=PoseWithCovariance(
-        pose=pose((0, 0, 0.1), (0.4, -0.3, 0.8)),
-        covariance=covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
-            (0, 1): 0.012, (0, 2): -0.01, (1, 0): 0.012, (1, 2): 0.02, (2, 0): -0.01, (2, 1): 0.02, (3, 4): 0.012, (3, 5): -0.006,
-            (4, 3): 0.012, (4, 5): 0.01, (5, 3): -0.006, (5, 4): 0.01}))))
+    scene.publish("/p", uncertain_pose(
+        covariance(0.04, 0.01, 0.09, 0.02, 0.05, 0.01, {
+            (0, 1): 0.012, (0, 2): -0.01, (1, 2): 0.02, (3, 4): 0.012, (3, 5): -0.006, (4, 5): 0.01}), (0, 0, 0.1),
+        (0.4, -0.3, 0.8)))
 
 
 def pose_with_covariance_zero(scene):

@@ -6,6 +6,7 @@ from sensor_msgs.msg import FluidPressure, Illuminance, RelativeHumidity, Temper
 
 from ..displays import display
 from ..messages import header
+from ..scene import LARGE
 
 
 def scalar_all_four_defaults(scene):
@@ -52,14 +53,14 @@ def scalar_colors_bounds_transformers(scene):
 
 
 def scalar_fluidpressure(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.frame("sensor", at=(0.1, 0, 0.2))
     scene.show(display("FluidPressure", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s"))
     scene.publish("/s", FluidPressure(header=header("sensor"), fluid_pressure=99500))
 
 
 def scalar_temperature(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.frame("sensor", at=(0.1, 0, 0.2))
     scene.show(display("Temperature", {"Alpha": 1, "Decay Time": 0, "Size (m)": 0.4, "Style": "Spheres"}, name="s", topic="/s"))
     scene.publish("/s", Temperature(header=header("sensor"), temperature=24))

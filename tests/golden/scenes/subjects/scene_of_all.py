@@ -1,14 +1,9 @@
 """Displays of many kinds in one scene."""
 
-import math
-
-from visualization_msgs.msg import Marker
-
-from ..clouds import ball, cloud, count_colors, packed, waves
+from ..clouds import ball, cloud, colored_waves, spiral
 from ..common import oval_path
 from ..displays import display, group
-from ..geometry import points
-from ..messages import marker, markers
+from ..messages import CUBE, LINE_STRIP, MESH, TEXT, marker, markers
 
 
 def scene_all_kinds_in_groups(scene):
@@ -21,13 +16,12 @@ def scene_all_kinds_in_groups(scene):
                            display("PointCloud2", {"Size (m)": 0.05, "Style": "Spheres"}),
                            display("PointCloud2", {"Color Transformer": "FlatColor", "Size (Pixels)": 5, "Style": "Points"},
                                    name="d", topic="/cloud2"))), display("MarkerArray"))
-    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/cloud", colored_waves())
     scene.publish("/cloud2", cloud(ball(100, 0.7)))
     scene.publish("/p", oval_path())
     scene.publish("/m", markers(
-        marker(Marker.CUBE, at=(0.3, -0.3, 0.4), turned=(0.4, 0.3, 0.8), size=(0.3, 0.3, 0.3), paint=(0.9, 0.2, 0.2, 0.5)),
-        marker(Marker.TEXT_VIEW_FACING, at=(0, 0, 0.8), size=(0, 0, 0.15), paint=(1, 1, 1, 1), id=1, text="goal"),
-        marker(Marker.LINE_STRIP, at=(0, 0, 0.4), size=(0.03, 0, 0), paint=(1, 1, 0, 1), id=2, points=points([(
-            0.5 * math.cos(0.7 * i), 0.5 * math.sin(0.7 * i), 0.05 * i) for i in range(14)])),
-        marker(Marker.MESH_RESOURCE, at=(-0.4, 0.4, 0.4), turned=(0.4, 0.3, 0.8), size=(1, 1, 1), id=3,
-               mesh_resource="package://conformance_assets/meshes/gear.dae", mesh_use_embedded_materials=True)))
+        marker(CUBE, at=(0.3, -0.3, 0.4), turned=(0.4, 0.3, 0.8), size=0.3, paint=(0.9, 0.2, 0.2, 0.5)),
+        marker(TEXT, at=(0, 0, 0.8), size=(0, 0, 0.15), paint=(1, 1, 1), id=1, text="goal"),
+        marker(LINE_STRIP, at=(0, 0, 0.4), size=(0.03, 0, 0), paint=(1, 1, 0), id=2, points=spiral(14)),
+        marker(MESH, at=(-0.4, 0.4, 0.4), turned=(0.4, 0.3, 0.8), size=1, id=3, mesh="gear.dae",
+               mesh_use_embedded_materials=True)))

@@ -5,6 +5,7 @@ from rosgraph_msgs.msg import Clock
 from ..common import arm_frame, cart_frame
 from ..displays import display
 from ..messages import frame_at, frames, time_at
+from ..scene import LARGE
 
 
 def tf_arrows_far_near_and_below_1mm(scene):
@@ -32,7 +33,7 @@ def tf_axes_marker_alpha_and_scale(scene):
 
 
 def tf_default(scene):
-    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.camera(**LARGE)
     scene.frame("torso", at=(0, 0, 0.4), turned=(0, 0, 0.4))
     scene.frame("head", parent="torso", at=(0.2, 0, 0.5), turned=(0, 0.5, 0))
     scene.frame("arm", parent="torso", at=(0.3, -0.4, 0), turned=(1, 0, 0.2))
