@@ -9,7 +9,7 @@ import threading
 
 import numpy
 
-from golden.scenes.processes import Program, wait_until
+from golden.scenes.processes import Program, free_port, wait_until
 from golden.scenes.rviz_runner import Stage
 
 from .browser import PATIENCE_SECS
@@ -37,7 +37,7 @@ class LiveScene:
         self.config = self.folder / 'projection.rviz'
         shutil.copy(ROOT / 'rviz/projection.rviz', self.config)
         self._write_mask()
-        self.port = self._free_port()
+        self.port = free_port()
         try:
             self._start_all()
         except BaseException:
@@ -110,15 +110,6 @@ class LiveScene:
         mask = numpy.full((800, 1280), 255, numpy.uint8)
         mask[:120, 960:] = 0
         Image.fromarray(mask).save(self.folder / 'mask.png')
-
-    @staticmethod
-    def _free_port():
-        sys.path.insert(0, str(ROOT / 'scripts'))
-        try:
-            from master_port import free_port
-        finally:
-            sys.path.pop(0)
-        return free_port()
 
 
 class Images:

@@ -47,7 +47,7 @@ fn the_plugin_of_a_sourced_workspace_is_found() {
 
 /// Output of a Python script that imports the bench's modules.
 fn python(script: &str) -> String {
-    succeed(&format!("python3 -B - <<'END'\nimport sys\nsys.path.insert(0, 'scripts')\n{script}\nEND"))
+    succeed(&format!("python3 -B - <<'END'\nimport sys\nsys.path.insert(0, 'tests')\n{script}\nEND"))
 }
 
 #[test]
@@ -58,9 +58,9 @@ fn rviz_draws_on_the_gpu_if_opengl_says_that_it_can() {
         fs::write(&rviz, format!("#!/bin/bash\n{text}\necho \"GL_RENDERER = $name\"\nexec sleep 60\n")).unwrap();
         fs::set_permissions(&rviz, fs::Permissions::from_mode(0o755)).unwrap();
         python(&format!(
-            "import bench_drivers\n\
-             bench_drivers.NVIDIA_DEVICES = '{devices}'\n\
-             command, name = bench_drivers.rviz_on_gpu(['{folder}/rviz'], '{folder}')\n\
+            "from bench import drivers\n\
+             drivers.NVIDIA_DEVICES = '{devices}'\n\
+             command, name = drivers.rviz_on_gpu(['{folder}/rviz'], '{folder}')\n\
              print(command[:-1], name)"
         ))
     };
@@ -79,13 +79,13 @@ fn a_table_says_which_driver_drew() {
     let notes = |gpu: &str, opengl: &str, rviz: &str| {
         python(&format!(
             "from types import SimpleNamespace\n\
-             import bench_page\n\
-             from bench_drivers import Drivers\n\
+             from bench import page\n\
+             from bench.drivers import Drivers\n\
              given = SimpleNamespace(drivers=Drivers({gpu}, {opengl}))\n\
              rows = [dict(name=name) for name in ('camera_stream, cpu', 'camera_stream, gpu', '{rviz}')]\n\
-             print(bench_page.driver_note(given, rows))\n\
-             print(len(bench_page.without_software_gpu(given, dict(rows=rows))['rows']))\n\
-             print(bench_page.machine(given).endswith('H200'))"
+             print(page.driver_note(given, rows))\n\
+             print(len(page.without_software_gpu(given, dict(rows=rows))['rows']))\n\
+             print(page.machine(given).endswith('H200'))"
         ))
     };
     let (h200, llvmpipe) = ("'NVIDIA H200'", "'llvmpipe (LLVM 15)'");

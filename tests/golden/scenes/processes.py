@@ -6,7 +6,9 @@ started it dies, whatever the reason (the kernel's parent-death signal). Nothing
 
 import ctypes
 import os
+import random
 import signal
+import socket
 import subprocess
 import time
 
@@ -85,3 +87,15 @@ def wait_until(condition, timeout_secs, what, programs=(), interval_secs=0.02):
         if time.monotonic() > end:
             raise TimeoutError(f"after {timeout_secs:g} s: {what}")
         time.sleep(interval_secs)
+
+
+def free_port():
+    """A port for a master, at random: below those that the kernel gives to clients, one of which may take it before."""
+    for port in random.sample(range(20000, 32000), 200):
+        with socket.socket() as trial:
+            try:
+                trial.bind(("127.0.0.1", port))
+                return port
+            except OSError:
+                continue
+    raise RuntimeError("no free port for a master between 20000 and 32000")

@@ -14,12 +14,11 @@ ended.
 
 import os
 import pathlib
-import random
 import shutil
-import socket
 import xmlrpc.client
+from typing import Any
 
-from .processes import Program, wait_until
+from .processes import Program, free_port, wait_until
 
 START_TIMEOUT_SECS = 120.0
 # Large enough for the window of each config.
@@ -68,11 +67,11 @@ class Stage:
 
     def _start_master(self):
         for attempt in range(10):
-            port = _free_port()
+            port = free_port()
             self.environment["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
             master = Program(["rosmaster", "--core", "-p", str(port)], self.environment, self.folder / f"master_{attempt}.log")
             self._programs.append(master)
-            self.master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
+            self.master: Any = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
             wait_until(lambda: self._answers() or not master.is_running(), START_TIMEOUT_SECS, "the master does not answer")
             # Another program may have taken the port in between, and might answer instead.
             if master.is_running():
@@ -189,15 +188,3 @@ def _environment(folder, plugin_prefix, packages):
         "QT_AUTO_SCREEN_SCALE_FACTOR": "0",
     })
     return environment
-
-
-def _free_port():
-    # Below the range that the kernel gives to clients, so that no connection takes it before the master does.
-    for port in random.sample(range(20000, 32000), 200):
-        with socket.socket() as trial:
-            try:
-                trial.bind(("127.0.0.1", port))
-                return port
-            except OSError:
-                continue
-    raise RuntimeError("no free port for a master between 20000 and 32000")

@@ -1,4 +1,4 @@
-//! A depth camera's cloud of any number of points: the wavy surface of `scripts/bench_end_to_end`.
+//! A depth camera's cloud of any number of points: the wavy surface of `./bench`.
 
 use nalgebra::{Matrix4, Point3, Vector3};
 use rcs_messages::sensor_msgs::PointField;

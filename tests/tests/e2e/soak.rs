@@ -34,7 +34,7 @@ fn half_a_minute_of_faults_costs_neither_images_nor_connections() {
     assert!(status.is_some_and(|status| status.success()), "{status:?}: {}", printed(&soak, &report));
     let page = fs::read_to_string(report.join("report.md")).unwrap();
     assert!(page.contains("everything held") && page.contains(" 0 different"), "{page}");
-    assert!(report.join("soak.svg").is_file() && report.join("faults.log").is_file());
+    assert!(report.join("faults.log").is_file());
     println!("{}", soak.lines().join("\n"));
 }
 

@@ -9,21 +9,21 @@ import os
 import random
 import re
 
-from bench_arguments import positive
+from bench.arguments import positive
 
 DESCRIPTION = """Runs the camera with every display and several cameras on a live ROS master for hours, while viewers,
 publishers, the master, configs, lenses and messages fail at random, and compares its images with those of the offline renderer.
-Installs and builds what is missing. The report has a page with figures and findings, a plot over time, the list of faults, the
-node's log, and for each image that differs the expected and the actual one, their difference, the config and a bag. Ctrl-C ends
-the run and writes the report."""
+Installs and builds what is missing. The report has a page with figures and findings, the list of faults, the node's log, and
+for each image that differs the expected and the actual one, their difference, the config and a bag. Ctrl-C ends the run and
+writes the report."""
 EXIT_STATUS = 'Exit status: 0 everything held, 1 something did not (see the report), 2 unusable arguments, 130 Ctrl-C.'
 FAULTS_EVERY_S = 1.3
 CHECKPOINT_EVERY_S = 22.0
 
 
 def kinds():
-    """The names of the faults, which are functions of soak_faults.py."""
-    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'soak_faults.py'), encoding='utf-8') as faults:
+    """The names of the faults, which are functions of `faults`."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'faults.py'), encoding='utf-8') as faults:
         return re.findall(r'^@fault\(.*\)\ndef (\w+)', faults.read(), re.MULTILINE)
 
 

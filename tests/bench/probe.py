@@ -19,6 +19,7 @@ import threading
 import time
 import warnings
 import xmlrpc.client
+from typing import Any
 
 import numpy
 import rosgraph
@@ -29,7 +30,7 @@ from dynamic_reconfigure.msg import Config, IntParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2
 
-from probe_messages import OPTICAL, camera_info, point_cloud, transform
+from .messages import OPTICAL, camera_info, point_cloud, transform
 
 SIZE_PX = (1280, 800)
 COLOURS = [0xff0000, 0x00ff00, 0x0000ff, 0xffff00, 0xff00ff, 0x00ffff]
@@ -118,7 +119,7 @@ class Drain(threading.Thread):
         super().__init__(daemon=True)
         self.take_message = take
         name = '/bench_drain'
-        node = xmlrpc.client.ServerProxy(rosgraph.Master(name).lookupNode(rospy.get_name()))
+        node: Any = xmlrpc.client.ServerProxy(rosgraph.Master(name).lookupNode(rospy.get_name()))
         _, _, (_, host, port) = node.requestTopic(name, topic, [['TCPROS']])
         self.socket = socket.create_connection((host, port))
         wanted = {'callerid': name, 'topic': topic, 'type': PointCloud2._type, 'md5sum': PointCloud2._md5sum}

@@ -5,12 +5,11 @@ import contextlib
 import os
 import re
 import subprocess
-import sys
 import threading
 import time
 
-from soak_processes import SCRIPTS, Failure, start, wait_until
-from soak_scene import BEACON_CAMERA, CAMERAS
+from .processes import Failure, module, start, wait_until
+from .scene import BEACON_CAMERA, CAMERAS
 
 # Most log lines in a window of this length: the node limits each place in its program to 50 a second.
 LOG_WINDOW_S, LOG_LINES = 10, 600
@@ -79,7 +78,7 @@ class Viewers:
         self.cameras = {'/soak/{}/image'.format(name): name for name in CAMERAS}
         self.log = os.path.join(folder, 'viewer.log')
         with open(self.log, 'ab') as log:
-            self.process = start([sys.executable, os.path.join(SCRIPTS, 'soak_viewer.py'), node_uri] + list(self.cameras),
+            self.process = start(module('soak.viewer', node_uri, *self.cameras),
                                  stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log)
         threading.Thread(target=self.read, daemon=True).start()
 

@@ -5,25 +5,23 @@ again. A fault that needs what another one has in hand waits for it.
 """
 
 import contextlib
-import os
 import random
 import signal
 import socket
 import struct
 import subprocess
-import sys
 import time
 
-import soak_config
-import soak_ros
 from dynamic_reconfigure.msg import BoolParameter, DoubleParameter, IntParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from roscpp.srv import SetLoggerLevel
 from sensor_msgs.msg import Image
-from soak_damage import KINDS as DAMAGES
-from soak_processes import SCRIPTS, Failure, end, start
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 from std_srvs.srv import Trigger
+
+from . import config, ros
+from .damage import KINDS as DAMAGES
+from .processes import Failure, end, module, start
+from .scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 
 FAULTS = {}
 LOGGER = 'ros.rviz_camera_stream'
@@ -59,7 +57,7 @@ def topic_of(name):
 
 
 def connected(run, name):
-    return soak_ros.subscribe(run.node.uri, topic_of(name), Image)
+    return ros.subscribe(run.node.uri, topic_of(name), Image)
 
 
 def reset(connection):
@@ -96,7 +94,7 @@ def viewer_stopped(run, rng):
     """A viewer is stopped by SIGSTOP, goes on, and is killed."""
     name, seconds = camera(rng), rng.uniform(1, 5)
     yield '{} for {:.1f} s'.format(name, seconds)
-    command = [sys.executable, os.path.join(SCRIPTS, 'soak_viewer.py'), run.node.uri, topic_of(name)]
+    command = module('soak.viewer', run.node.uri, topic_of(name))
     process = start(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
     try:
         time.sleep(1)
@@ -125,11 +123,11 @@ def viewer_half_open(run, rng):
     """Connections to the port of a topic that send half a header, or nothing."""
     name, count, seconds = camera(rng), rng.randrange(1, 12), rng.uniform(1, 6)
     yield '{} to {} for {:.1f} s'.format(count, name, seconds)
-    address = soak_ros.topic_address(run.node.uri, topic_of(name))
+    address = ros.topic_address(run.node.uri, topic_of(name))
     header = b'\xb0\0\0\0\x20\0\0\0message_definition=string data\n\n'
     with contextlib.ExitStack() as stack:
         for _ in range(count):
-            connection = stack.enter_context(contextlib.closing(socket.create_connection(address, soak_ros.TIMEOUT_S)))
+            connection = stack.enter_context(contextlib.closing(socket.create_connection(address, ros.TIMEOUT_S)))
             connection.sendall(header[:rng.randrange(len(header))])
         time.sleep(seconds)
 
@@ -139,8 +137,8 @@ def garbage(run, rng):
     """Noise on the node's TCPROS and XML-RPC ports."""
     count = rng.randrange(5, 40)
     yield '{} connections'.format(count)
-    api = soak_ros.rosgraph.network.parse_http_host_and_port(run.node.uri)
-    tcpros = soak_ros.topic_address(run.node.uri, topic_of('cam_a'))
+    api = ros.rosgraph.network.parse_http_host_and_port(run.node.uri)
+    tcpros = ros.topic_address(run.node.uri, topic_of('cam_a'))
     noise = bytes(rng.randrange(256) for _ in range(2000))
     call = b'<methodCall><methodName>%s</methodName><params>%s</params></methodCall>'
     pieces = [
@@ -152,7 +150,7 @@ def garbage(run, rng):
     ]
     for _ in range(count):
         with contextlib.suppress(OSError), contextlib.closing(
-                socket.create_connection(rng.choice([api, tcpros]), soak_ros.TIMEOUT_S)) as connection:
+                socket.create_connection(rng.choice([api, tcpros]), ros.TIMEOUT_S)) as connection:
             connection.sendall(rng.choice(pieces))
             if rng.random() < 0.5:
                 time.sleep(0.05)
@@ -249,7 +247,7 @@ def publisher_dead(run, rng):
 
 
 def register(stack, run, name, source, uri):
-    master = soak_ros.proxy(run.master.uri)
+    master = ros.proxy(run.master.uri)
     master.registerPublisher(name, source.topic, source.kind._type, uri)
     stack.callback(master.unregisterPublisher, name, source.topic, uri)
 
@@ -284,7 +282,7 @@ def config_edited(run, rng):
     yield '{} times'.format(times)
     try:
         for _ in range(times):
-            run.save_config(soak_config.edited(rng), rng)
+            run.save_config(config.edited(rng), rng)
             time.sleep(rng.uniform(0.2, 2.5))
     finally:
         run.save_config(None, rng)
@@ -293,10 +291,10 @@ def config_edited(run, rng):
 @fault('config')
 def config_broken(run, rng):
     """A config that cannot be read is saved, and repaired."""
-    how, seconds = rng.choice(list(soak_config.BREAKS)), rng.uniform(0.5, 3)
+    how, seconds = rng.choice(list(config.BREAKS)), rng.uniform(0.5, 3)
     yield '{} for {:.1f} s'.format(how, seconds)
     try:
-        soak_config.BREAKS[how](run.config_file, rng)
+        config.BREAKS[how](run.config_file, rng)
         time.sleep(seconds)
     finally:
         run.save_config(None, rng)
@@ -306,7 +304,7 @@ def config_broken(run, rng):
 def reload_called(run, rng):
     """The service reload_config is called, once with a config that cannot be read."""
     yield ''
-    for text in (soak_config.edited(rng), '{', None):
+    for text in (config.edited(rng), '{', None):
         run.save_config(text, rng)
         answer = run.call('/camera_stream/reload_config', Trigger, Trigger._request_class())
         if answer.success != (text != '{'):

@@ -16,8 +16,8 @@ import time
 import rospy
 from std_msgs.msg import String
 
-import bench_light
-from bench_probe import INFO, NEWEST, PlainClouds, Program, SIZE_PX, Usage, picture_topic
+from . import light
+from .probe import INFO, NEWEST, PlainClouds, Program, SIZE_PX, Usage, picture_topic
 
 # How a camera is named in the table, its class in rviz, and its further settings.
 Kind = collections.namedtuple('Kind', 'name class_name settings')
@@ -86,7 +86,7 @@ def measure(bench, kind, is_watched):
     with open(file, 'w') as out:
         out.write(CONFIG.format(cloud=NEWEST, camera=camera))
     with contextlib.ExitStack() as stack:
-        display, _, _ = stack.enter_context(bench_light.x_server(bench.log))
+        display, _, _ = stack.enter_context(light.x_server(bench.log))
         probe.send(0)
         probe.listen([picture_topic(0)] if is_watched else [])
         environment = dict(os.environ, DISPLAY=display, LIBGL_ALWAYS_SOFTWARE='1')

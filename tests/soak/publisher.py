@@ -1,6 +1,6 @@
 """A node of `./soak` that publishes: `sensors`, `scene` (with TF and the cameras), or `vandal`, which publishes invalid messages.
 
-    scripts/soak_publisher.py GROUP SEED
+    python3 -m soak.publisher GROUP SEED
 
 Each line on standard input is a command, a JSON list of a method's name and its arguments; the answer is a line of JSON. The node
 ends with its standard input.
@@ -25,9 +25,9 @@ from sensor_msgs.msg import CameraInfo, PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate, Marker, MarkerArray
 
-import soak_scene
-from soak_damage import damaged, serialized, with_stamp
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
+from . import scene
+from .damage import damaged, serialized, with_stamp
+from .scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 
 TF_HZ, INFO_HZ, HANDLES_HZ = 20, 1, 2
 # Messages of each cloud, made beforehand and sent in rotation.
@@ -40,7 +40,7 @@ class Publisher:
     def __init__(self, seed):
         self.seed, self.publishers, self.jobs, self.types = seed, {}, [], {}
         self.order = itertools.count()
-        self.is_paused, self.rate = False, 1.0
+        self.is_paused, self.rate, self.sources = False, 1.0, []
         self.prepare()
         threading.Thread(target=self.stay_registered, daemon=True).start()
 
@@ -121,7 +121,7 @@ class Publisher:
         self.publish_check(part, seed, stamp)
         for source in self.sources:
             if int(source.topic.endswith('_updates')) == part:
-                for message in soak_scene.check_messages(source, seed, stamp):
+                for message in scene.check_messages(source, seed, stamp):
                     self.publishers[source.topic].publish(message)
 
     def publish_check(self, part, seed, stamp):
@@ -135,8 +135,8 @@ class Sensors(Publisher):
         self.sources = [source for source in SOURCES if source.group == SENSORS]
         for source in self.sources:
             self.advertise(source.topic, source.kind)
-            rng = soak_scene.generator(self.seed, source.topic)
-            if source.topic == soak_scene.BEACON:
+            rng = scene.generator(self.seed, source.topic)
+            if source.topic == scene.BEACON:
                 self.repeat(source.hz, lambda source=source, rng=rng: self.send(source, source.make(rng, rospy.Time())))
             else:
                 made = [serialized(source.make(rng, rospy.Time())) for _ in range(CLOUDS)]
@@ -155,21 +155,21 @@ class Scene(Publisher):
         self.sources = [source for source in SOURCES if source.group == SCENE]
         self.begin, self.tf_silent_until, self.infos = time.monotonic(), 0.0, {}
         self.advertise('/tf', TFMessage)
-        self.advertise('/tf_static', TFMessage, True).publish(soak_scene.static_frames())
+        self.advertise('/tf_static', TFMessage, True).publish(scene.static_frames())
         for name in CAMERAS:
             self.advertise('/soak/{}/info'.format(name), CameraInfo, True)
             self.repeat(INFO_HZ, lambda name=name: self.send_info(name))
             self.send_info(name)
         self.repeat(TF_HZ, self.send_frames)
-        self.handles = soak_scene.Handles('soak')
+        self.handles = scene.Handles('soak')
         self.advertise(HANDLES, InteractiveMarkerUpdate)
         self.advertise(HANDLES + '_full', InteractiveMarkerInit, True).publish(self.handles.init())
-        rng = soak_scene.generator(self.seed, HANDLES)
+        rng = scene.generator(self.seed, HANDLES)
         self.repeat(HANDLES_HZ, lambda: self.send_handles(rng))
         self.repeat(HANDLES_HZ, lambda: self.publishers[HANDLES].publish(self.handles.keep_alive()))
         for source in self.sources:
             self.advertise(source.topic, source.kind, source.latch)
-            rng = soak_scene.generator(self.seed, source.topic)
+            rng = scene.generator(self.seed, source.topic)
             self.repeat(source.hz, lambda source=source, rng=rng: self.send(source, rng))
 
     def send(self, source, rng):
@@ -180,10 +180,10 @@ class Scene(Publisher):
         now = time.monotonic()
         if now >= self.tf_silent_until:
             seconds = 1.0 if self.is_paused else now - self.begin
-            self.publishers['/tf'].publish(soak_scene.moving_frames(seconds, stamp or rospy.Time.now()))
+            self.publishers['/tf'].publish(scene.moving_frames(seconds, stamp or rospy.Time.now()))
 
     def send_info(self, name):
-        message = self.infos.get(name) or soak_scene.camera_info(name)
+        message = self.infos.get(name) or scene.camera_info(name)
         message.header.stamp = rospy.Time.now()
         self.publishers['/soak/{}/info'.format(name)].publish(message)
 
@@ -196,14 +196,14 @@ class Scene(Publisher):
         if part == 0:
             # Exactly at the stamp of the messages, so that nothing is interpolated.
             self.send_frames(stamp)
-            self.send_handles(soak_scene.generator(seed, HANDLES), stamp)
+            self.send_handles(scene.generator(seed, HANDLES), stamp)
 
     def silence_tf(self, seconds):
         self.tf_silent_until = time.monotonic() + seconds
 
     def set_info(self, name, width, height, frame, broken):
         """Another lens of a camera; `broken` is what is wrong with it."""
-        message = soak_scene.camera_info(name, (width, height) if width else None, frame)
+        message = scene.camera_info(name, (width, height) if width else None, frame)
         projection = list(message.P)
         if broken == 'nan':
             projection[0] = math.nan
@@ -226,7 +226,6 @@ class Vandal(Publisher):
     """Publishes wrong messages, floods and frames that do not exist."""
 
     def prepare(self):
-        self.sources = []
         for source in SOURCES:
             self.advertise(source.topic, source.kind)
         self.advertise(HANDLES, InteractiveMarkerUpdate)
@@ -242,10 +241,10 @@ class Vandal(Publisher):
         """Messages of one topic that are damaged in one way."""
         rng = random.Random(seed)
         if topic == HANDLES:
-            make = soak_scene.Handles('vandal').update
+            make = scene.Handles('vandal').update
         else:
             make = next(source.make for source in SOURCES if source.topic == topic)
-        values = soak_scene.generator(seed, topic)
+        values = scene.generator(seed, topic)
         publisher = self.wait(topic)
         for _ in range(count):
             publisher.publish(damaged(make(values, rospy.Time.now()), kind, rng))
@@ -255,7 +254,7 @@ class Vandal(Publisher):
         for _ in range(count):
             for topic, kind in (('/soak/spheres', PointCloud2), ('/soak/pose', PoseStamped), ('/soak/odometry', Odometry)):
                 make = next(source.make for source in SOURCES if source.topic == topic and source.kind is kind)
-                message = make(soak_scene.generator(count, topic), rospy.Time.now())
+                message = make(scene.generator(count, topic), rospy.Time.now())
                 message.header.frame_id = frame
                 self.publishers[topic].publish(message)
             time.sleep(0.05)
@@ -268,7 +267,7 @@ class Vandal(Publisher):
                 return number
             now = rospy.Time.now()
             parents = ('map', 'base_link', 'nowhere', 'made_up_{}_{}'.format(seed, number - 1))
-            publisher.publish(TFMessage([soak_scene.transform(
+            publisher.publish(TFMessage([scene.transform(
                 parents[number % 4], 'made_up_{}_{}'.format(seed, number), (number % 7 - 3, number % 5, 2), stamp=now)]))
             time.sleep(1 / hz)
 
@@ -278,22 +277,22 @@ class Vandal(Publisher):
         for _ in range(count):
             now = rospy.Time.now()
             bad = rng.choice([
-                soak_scene.transform('map', 'base_link', (math.nan, 0, 0), stamp=now),
-                soak_scene.transform('map', 'base_link', (0, 0, 0), (0, 0, 0, 0), now),
-                soak_scene.transform('map', 'base_link', (0, 0, 0), (math.inf, 0, 0, 1), now),
-                soak_scene.transform('base_link', 'base_link', (0, 0, 0), stamp=now),
-                soak_scene.transform('', 'base_link', (0, 0, 0), stamp=now),
-                soak_scene.transform('map', '', (0, 0, 0), stamp=now),
-                soak_scene.transform('map', 'base_link', (9, 9, 9), stamp=now - rospy.Duration(60)),
-                soak_scene.transform('map', 'x' * 5000, (0, 0, 0), stamp=now),
+                scene.transform('map', 'base_link', (math.nan, 0, 0), stamp=now),
+                scene.transform('map', 'base_link', (0, 0, 0), (0, 0, 0, 0), now),
+                scene.transform('map', 'base_link', (0, 0, 0), (math.inf, 0, 0, 1), now),
+                scene.transform('base_link', 'base_link', (0, 0, 0), stamp=now),
+                scene.transform('', 'base_link', (0, 0, 0), stamp=now),
+                scene.transform('map', '', (0, 0, 0), stamp=now),
+                scene.transform('map', 'base_link', (9, 9, 9), stamp=now - rospy.Duration(60)),
+                scene.transform('map', 'x' * 5000, (0, 0, 0), stamp=now),
             ])
             publisher.publish(TFMessage([bad]))
             time.sleep(0.02)
 
     def many_markers(self, count, seconds):
         """Thousands of markers, which are deleted all at once."""
-        rng, publisher = soak_scene.generator(count, 'many'), self.wait('/soak/markers')
-        markers = [soak_scene.marker(rng, rospy.Time(), 'many', number) for number in range(count)]
+        rng, publisher = scene.generator(count, 'many'), self.wait('/soak/markers')
+        markers = [scene.marker(rng, rospy.Time(), 'many', number) for number in range(count)]
         for one in markers:
             one.type = Marker.CUBE
             one.points = []
@@ -306,7 +305,7 @@ class Vandal(Publisher):
     def missing_meshes(self, addresses):
         publisher = self.wait('/soak/marker')
         for number, address in enumerate(addresses):
-            one = soak_scene.marker(soak_scene.generator(number, address), rospy.Time(), 'missing', number)
+            one = scene.marker(scene.generator(number, address), rospy.Time(), 'missing', number)
             one.type, one.mesh_resource, one.mesh_use_embedded_materials = Marker.MESH_RESOURCE, address, True
             publisher.publish(one)
             time.sleep(0.05)

@@ -3,7 +3,7 @@
 import collections
 import os
 
-import soak_scene
+from . import scene
 
 EXTRAS = [
     'Class: rviz/Grid, Plane: YZ, Plane Cell Count: 5, Color: 200; 80; 80',
@@ -22,7 +22,7 @@ EXTRAS = [
 
 def edited(rng):
     """The config with displays removed, added and changed, and perhaps another camera."""
-    displays = collections.OrderedDict(soak_scene.DISPLAYS)
+    displays = collections.OrderedDict(scene.DISPLAYS)
     removable = [name for name in displays if name not in ('polygon', 'range', 'beacon')]
     for name in rng.sample(removable, rng.randrange(0, 6)):
         del displays[name]
@@ -31,7 +31,7 @@ def edited(rng):
             displays[name] = displays[name].replace('Alpha: ', 'Alpha: 0.3, Old Alpha: ')
     for number, extra in enumerate(rng.sample(EXTRAS, rng.randrange(0, 5))):
         displays['extra {}'.format(number)] = extra
-    return soak_scene.config(displays, ['more_{}'.format(number) for number in range(rng.randrange(0, 2))])
+    return scene.config(displays, ['more_{}'.format(number) for number in range(rng.randrange(0, 2))])
 
 
 # Where a wrong message has an effect that lasts until the display is reset, as in rviz: a mistake of a server of interactive markers
@@ -41,11 +41,11 @@ LASTING = ('depth', 'lidar', 'boxes', 'spheres', 'decaying', 'beacon', 'legacy',
 
 def reset(topics):
     """The config without those displays of topics that a wrong message may have changed for good; None where there are none."""
-    displays = collections.OrderedDict(soak_scene.DISPLAYS)
+    displays = collections.OrderedDict(scene.DISPLAYS)
     for name in LASTING:
         if any('Topic: {},'.format(topic) in displays[name] for topic in topics):
             del displays[name]
-    return soak_scene.config(displays) if len(displays) < len(soak_scene.DISPLAYS) else None
+    return scene.config(displays) if len(displays) < len(scene.DISPLAYS) else None
 
 
 def save(file, text, rng=None):
@@ -72,7 +72,7 @@ def cut_in_half(file, rng):
     write(file, text)
 
 
-TEXT = soak_scene.config().encode()
+TEXT = scene.config().encode()
 BREAKS = {
     'cut in half': cut_in_half,
     'empty': lambda file, rng: write(file, b''),

@@ -10,7 +10,7 @@ import os
 import re
 import time
 
-from bench_probe import Program
+from .probe import Program
 
 # Names of programs under test. `auto` takes the CPU or a hardware GPU.
 GPU, AUTO, RVIZ, RVIZ_GPU = 'camera_stream, gpu', 'camera_stream, auto', 'rviz', 'rviz, gpu'

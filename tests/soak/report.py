@@ -1,4 +1,4 @@
-"""The report of `./soak`: figures, trends, findings, and a plot over time."""
+"""The report of `./soak`: figures, trends and findings."""
 
 import bisect
 import collections
@@ -6,9 +6,9 @@ import os
 import statistics
 import time
 
-from bench_page import machine, table
-from soak_plot import Panel, Series, draw, quoted
-from soak_scene import CAMERAS
+from bench.tables import processor, table
+
+from .scene import CAMERAS
 
 # Measurements of the process: heading, unit, and the limit of growth from the first quarter's median to the last's:
 # an amount, or a share of the first quarter's if that is more.
@@ -21,7 +21,8 @@ TRENDS = {
 WARM_UP_SHARE, WARM_UP_S = 0.1, 30.0
 # In shorter runs memory is still filling: each kind of fault needs some at its worst, and comes by about twice a minute.
 SHORTEST_TREND_S = 1500.0
-PLOTTED_EVERY_S = 5.0
+# Rows of the table over time.
+PARTS = 12
 
 
 def slope_an_hour(samples, key):
@@ -87,42 +88,22 @@ def fault_rows(run):
     return rows
 
 
-def plot(run, file):
-    """Memory, threads and descriptors, CPU time and gaps over time; faults as bars."""
-    samples, begin, now = run.watch.samples, run.begin, time.monotonic()
+def row_over_time(run, begin, end):
+    """The figures of a part of the run."""
+    samples = [sample for sample in run.watch.samples if begin <= sample['at'] < end]
+    row = {key: max((sample[key] for sample in samples), default=float('nan')) for key in TRENDS}
+    length = samples[-1]['at'] - samples[0]['at'] if samples else 0.0
+    cpu_s = samples[-1]['cpu_s'] - samples[0]['cpu_s'] if length else float('nan')
+    gaps = [length for at, _, length, _ in run.watch.viewers.gaps if begin <= at < end]
+    return dict(row, minutes=(end - run.begin) / 60, cpu=100 * cpu_s / (length or 1.0), gap=1000 * max(gaps, default=float('nan')),
+                faults=sum(begin <= record['begin'] < end for record in run.records),
+                findings=sum(begin <= at + run.begin < end for at, _ in run.watch.findings.all))
 
-    def over_time(value):
-        return [((sample['at'] - begin) / 60, value(sample)) for sample in samples]
 
-    load = [((b['at'] - begin) / 60, 100 * (b['cpu_s'] - a['cpu_s']) / (b['at'] - a['at']))
-            for a, b in zip(samples, samples[1:]) if b['at'] > a['at']]
-    gaps = []
-    for camera in CAMERAS:
-        longest = collections.defaultdict(float)
-        for at, name, length, _ in run.watch.viewers.gaps:
-            if name == camera:
-                slot = int((at - begin) / PLOTTED_EVERY_S)
-                longest[slot] = max(longest[slot], 1000 * length)
-        points = [(slot * PLOTTED_EVERY_S / 60, length) for slot, length in sorted(longest.items())]
-        gaps.append(Series(camera, 'points pointtype 7 pointsize 0.3', points))
-    kinds = sorted({record['kind'] for record in run.records}, reverse=True)
-    bars = {True: [], False: []}
-    for record in run.records:
-        start, row = (record['begin'] - begin) / 60, kinds.index(record['kind'])
-        end = max(((record.get('end') or now) - begin) / 60, start + 0.01)
-        bars[bool(record['survived'])].append((start, row, start, end, row - 0.4, row + 0.4))
-    names = ', '.join('{} {}'.format(quoted(kind), row) for row, kind in enumerate(kinds))
-    rows = ['set ytics ({}) font ",8"'.format(names), 'set yrange [-1:{}]'.format(len(kinds))] if kinds else []
-    bar = 'boxxyerror fillstyle solid noborder lc rgb '
-    panels = [
-        Panel('memory (MB)', [], [Series('', 'lines', over_time(lambda sample: sample['memory_mb']))], 2),
-        Panel('', [], [Series(key, 'lines', over_time(lambda sample, key=key: sample[key]))
-                       for key in ('threads', 'descriptors')], 2),
-        Panel('CPU (% of a core)', [], [Series('', 'lines', load)], 2),
-        Panel('longest gap (ms)', ['set logscale y'], gaps, 2),
-        Panel('', rows, [Series('', bar + '"steelblue"', bars[True]), Series('', bar + '"red"', bars[False])], 4),
-    ]
-    draw(panels, [at / 60 for at, _ in run.watch.findings.all], max((now - begin) / 60, 0.01), file)
+def rows_over_time(run):
+    """The run in equal parts, each with the largest of its figures."""
+    part = (time.monotonic() - run.begin) / PARTS
+    return [row_over_time(run, run.begin + number * part, run.begin + (number + 1) * part) for number in range(PARTS)]
 
 
 def write(given, run, checks, is_interrupted):
@@ -142,7 +123,7 @@ def write(given, run, checks, is_interrupted):
     lines = [
         '# Soak', '',
         '`./soak --hours {:g} --seed {}{}` on {}{}: **{}**.'.format(
-            given.hours, given.seed, only, machine(), ', interrupted' if is_interrupted else '', outcome), '',
+            given.hours, given.seed, only, processor(), ', interrupted' if is_interrupted else '', outcome), '',
         table(['', ''], ['{name}', '{value}'], [
             {'name': 'time', 'value': '{:.2f} hours'.format(length / 3600)},
             {'name': 'pictures received', 'value': ', '.join('{} {:,}'.format(name, viewers.count[name]) for name in CAMERAS)},
@@ -169,7 +150,9 @@ def write(given, run, checks, is_interrupted):
               ['{name}', '{start:.0f}', '{median:.0f}', '{end:.0f}', '{max:.0f}', '{first:.1f}', '{last:.1f}', '{allowed:.0f}',
                '{slope:+.1f}'], process), '',
         '\\* after the warm-up.', '',
-        '![Memory, threads, descriptors, CPU time, gaps and faults over time](soak.svg)', '',
+        table(['until minute', 'memory MB', 'threads', 'descriptors', 'CPU %', 'longest gap ms', 'faults', 'findings'],
+              ['{minutes:.1f}', '{memory_mb:.0f}', '{threads}', '{descriptors}', '{cpu:.0f}', '{gap:.0f}', '{faults}', '{findings}'],
+              rows_over_time(run)), '',
         '## Times without a picture', '',
         '"Paused" are faults that stop pictures by their nature.', '',
         table(['phase', 'camera', 'pictures', 'median ms', 'p99 ms', 'longest ms'],
@@ -192,7 +175,6 @@ def write(given, run, checks, is_interrupted):
     with open(run.node.log, 'rb') as log, open(os.path.join(given.report, 'node.log'), 'wb') as out:
         log.seek(max(0, os.path.getsize(run.node.log) - (8 << 20)))
         out.write(log.read())
-    plot(run, os.path.join(given.report, 'soak.svg'))
     print('\n'.join(lines[2:9] if not findings else lines[2:]).split('## The process')[0])
     print('report: {}'.format(os.path.join(given.report, 'report.md')), flush=True)
     return not findings

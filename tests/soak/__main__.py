@@ -1,14 +1,11 @@
-#!/usr/bin/python3
 """Everything at once on a live ROS master, with faults at random, and the node's pictures compared with the offline renderer's.
-
-    scripts/soak_run --programs DIR --hours N [--seed S] [--report DIR] [--only FAULT,…] [--renderer cpu|gpu] [--gap-limit SECS]
 
 `./soak` runs it after building; `--programs` is the folder of camera_stream. It starts its own ROS master. The parts:
 
-    soak_scene.py      the config and the messages of all displays        soak_faults.py   the faults, and their plan
-    soak_publisher.py  the nodes that publish them                        soak_check.py    the picture checks
-    soak_viewer.py     the viewers                                        soak_watch.py    measurements and findings
-    soak_processes.py  starting and ending all processes                  soak_report.py   the report and its plot
+    scene      the config and the messages of all displays     faults  the faults, and their plan
+    publisher  the nodes that publish them                     check   the picture checks
+    viewer     the viewers                                     watch   measurements and findings
+    processes  starting and ending all processes               report  the report
 """
 
 import contextlib
@@ -21,16 +18,11 @@ import tempfile
 import threading
 import time
 
-import soak_arguments
-import soak_config
-import soak_faults
-import soak_report
-import soak_ros
-import soak_scene
-from soak_processes import Failure, Helper, Master, Node, end, wait_until
-from soak_watch import Watch
+from . import arguments, config, faults, report, ros, scene
+from .processes import Failure, Helper, Master, Node, end, wait_until
+from .watch import Watch
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Time before the first fault, in which everything is drawn once.
 CALM_S = 5.0
 # Limit for faults to end before an image check.
@@ -44,10 +36,10 @@ class Run:
         self.given, self.folder = given, folder
         self.program = os.path.join(given.programs, 'camera_stream')
         self.config_file = os.path.join(folder, 'soak.rviz')
-        soak_config.save(self.config_file, soak_scene.config())
+        config.save(self.config_file, scene.config())
         self.stop = threading.Event()
         self.locks = {name: threading.Lock() for name in
-                      ('master', 'node', 'config', 'lenses', 'vandal', soak_scene.SENSORS, soak_scene.SCENE)}
+                      ('master', 'node', 'config', 'lenses', 'vandal', scene.SENSORS, scene.SCENE)}
         self.services, self.records, self.threads, self.damaged = {}, [], [], set()
         self.master = Master(folder)
         stack.callback(lambda: end(self.master.process))
@@ -58,7 +50,7 @@ class Run:
         self.watch = Watch(self.node, given.gap_limit, self.begin)
         stack.callback(self.watch.end)
         self.helpers = {}
-        for group in (soak_scene.SCENE, soak_scene.SENSORS, 'vandal'):
+        for group in (scene.SCENE, scene.SENSORS, 'vandal'):
             self.helpers[group] = Helper(group, [group, str(given.seed)], folder)
             stack.callback(lambda group=group: end(self.helpers[group].process, signal.SIGTERM))
         for helper in self.helpers.values():
@@ -76,7 +68,7 @@ class Run:
 
     def save_config(self, text, rng):
         """Saves a config; None: the usual one."""
-        soak_config.save(self.config_file, text or soak_scene.config(), rng)
+        config.save(self.config_file, text or scene.config(), rng)
 
     def await_registration(self):
         """Waits until a new master knows the node's services and all publishers."""
@@ -88,14 +80,14 @@ class Run:
     def call(self, service, kind, request):
         """Calls a service of the node."""
         if service not in self.services:
-            self.services[service] = soak_ros.master_call(self.master.uri, 'lookupService', service)
-        return soak_ros.call_service(self.services[service], service, kind, request)
+            self.services[service] = ros.master_call(self.master.uri, 'lookupService', service)
+        return ros.call_service(self.services[service], service, kind, request)
 
     # --- the course of events
 
     def do(self, kind, seed):
         """Runs one fault to its end, on a thread of its own."""
-        function, needs = soak_faults.FAULTS[kind]
+        function, needs = faults.FAULTS[kind]
         with contextlib.ExitStack() as stack:
             for name in sorted(needs):
                 stack.enter_context(self.locks[name])
@@ -131,12 +123,12 @@ class Run:
     def run(self, checks):
         """Faults and picture checks until the time is over; the last thing is a check."""
         end_at = self.begin + 3600 * self.given.hours
-        plan = soak_faults.plan(self.given.seed, self.given.only, soak_arguments.FAULTS_EVERY_S)
+        plan = faults.plan(self.given.seed, self.given.only, arguments.FAULTS_EVERY_S)
         seeds = random.Random(self.given.seed + 1)
         self.pause(CALM_S)
         self.check(checks, seeds.randrange(1 << 30))
         while not self.stop.is_set() and time.monotonic() < end_at:
-            check_at = min(end_at, time.monotonic() + soak_arguments.CHECKPOINT_EVERY_S)
+            check_at = min(end_at, time.monotonic() + arguments.CHECKPOINT_EVERY_S)
             while not self.stop.is_set():
                 wait_s, kind, seed = next(plan)
                 if time.monotonic() + wait_s > check_at:
@@ -155,7 +147,7 @@ class Run:
             raise Failure('the node has ended')
 
     def check(self, checks, seed):
-        text = soak_config.reset(self.damaged)
+        text = config.reset(self.damaged)
         self.damaged.clear()
         if text:
             # Until the good messages that the displays begin with have come.
@@ -169,18 +161,18 @@ class Run:
             is_equal = checks.check(seed)
         finally:
             self.watch.is_checking = False
-        status = self.node.status() or {}
+        status = self.node.status() or dict.fromkeys(('memory_mb', 'threads', 'descriptors'), 0)
         print('{:8.1f} s  picture check {}: {}; {:.0f} MB, {} threads, {} descriptors'.format(
             time.monotonic() - self.begin, checks.passed + checks.failed, 'equal' if is_equal else 'DIFFERENT',
-            status.get('memory_mb', 0), status.get('threads', 0), status.get('descriptors', 0)), flush=True)
+            status['memory_mb'], status['threads'], status['descriptors']), flush=True)
 
 
 def main():
-    given = soak_arguments.parse()
+    given = arguments.parse()
     # The scene's meshes lie there.
     packages = [os.path.join(ROOT, 'tests', 'golden', 'assets'), os.environ.get('ROS_PACKAGE_PATH', '/usr/share')]
     os.environ['ROS_PACKAGE_PATH'] = os.pathsep.join(packages)
-    from soak_check import Checks
+    from .check import Checks
     folder = tempfile.mkdtemp(prefix='rviz_camera_stream_soak.')
     shutil.rmtree(given.report, ignore_errors=True)
     os.makedirs(given.report)
@@ -205,7 +197,7 @@ def main():
                 run.finish_faults()
     except Failure as error:
         sys.exit('soak: {}'.format(error))
-    is_good = soak_report.write(given, run, checks, bool(is_interrupted))
+    is_good = report.write(given, run, checks, bool(is_interrupted))
     shutil.rmtree(folder)
     sys.exit(130 if is_interrupted else 0 if is_good else 1)
 

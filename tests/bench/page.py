@@ -4,39 +4,20 @@ The text between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`
 hand. A section that was not measured stays as it is; one that no page has is printed.
 """
 
-import glob
 import os
-import re
 
-from bench_drivers import GPU, RVIZ, RVIZ_GPU, is_hardware
+from .drivers import GPU, RVIZ, RVIZ_GPU, is_hardware
+from .tables import processor, table
 
 STYLES = {'Flat Squares': 'Flat Squares 4 mm', 'Points': 'Points 3 px', 'Spheres': 'Spheres 4 mm', 'Boxes': 'Boxes 4 mm'}
 LATENCY = '{latency_ms:.1f} / {latency_p95_ms:.1f}{mark}'
 MARKERS = ('o', 's', '^', 'v')
 
 
-def found(pattern, files):
-    """What a pattern captures in the first file that has it."""
-    for name in sorted(glob.glob(files)):
-        with open(name) as file:
-            match = re.search(pattern, file.read(), re.MULTILINE)
-        if match:
-            return match.group(1).strip()
-    return None
-
-
 def machine(given):
     """The machine, in words."""
-    model = found(r'^model name\s*: (.*)', '/proc/cpuinfo') or 'of an unknown model'
     gpu = given.drivers.gpu
-    return ', '.join(part for part in ('{} cores ({})'.format(os.cpu_count(), model), is_hardware(gpu) and gpu) if part)
-
-
-def table(heads, row, rows):
-    """A Markdown table; `row` formats the figures of one row."""
-    lines = ['| ' + ' | '.join(heads) + ' |', '|---' * len(heads) + '|']
-    # There is no figure for pictures that never arrived.
-    return '\n'.join(lines + ['| ' + ' | '.join(row).format(**figures).replace('nan', '–') + ' |' for figures in rows])
+    return ', '.join([processor()] + ([gpu] if is_hardware(gpu) else []))
 
 
 def paragraphs(*parts):

@@ -1,9 +1,8 @@
-#!/usr/bin/python3
 """Measures running virtual cameras from outside and writes the tables of docs/explanation/performance.md and README.md.
 
-`./bench` runs it after building; `--programs` is the folder of camera_stream. It starts its own ROS master. bench_arguments.py
-parses the arguments, bench_probe.py publishes the clouds and receives the pictures, bench_light.py and bench_blackout.py watch a
-screen, bench_pages.py opens operator's pages, bench_page.py writes the tables. The sections:
+`./bench` runs it after building; `--programs` is the folder of camera_stream. It starts its own ROS master. `arguments` parses
+the arguments, `probe` publishes the clouds and receives the pictures, `light` and `blackout` watch a screen, `pages` opens
+operator's pages, `page` writes the tables. The sections:
 
     styles    a depth camera's cloud in each style
     points    Flat Squares by the number of points
@@ -19,7 +18,7 @@ screen, bench_pages.py opens operator's pages, bench_page.py writes the tables. 
     plugin    rviz with CameraPub in it, and with a camera that works as the plugin before it did
 
 In styles, points, idle and light rviz is measured for comparison, if it is installed with a plugin that has the class
-rviz_camera_stream/CameraPub; with several cameras only where it draws on a GPU. bench_drivers.py finds out whether it does.
+rviz_camera_stream/CameraPub; with several cameras only where it draws on a GPU. `drivers` finds out whether it does.
 """
 
 import collections
@@ -38,19 +37,15 @@ import xml.etree.ElementTree
 import rosgraph
 import rospy
 
-import bench_arguments
-import bench_blackout
-import bench_drivers
-import bench_light
-import bench_page
-import bench_pages
-import bench_plugin
-from bench_arguments import DEPTH_CAMERA_POINTS, SECTIONS
-from bench_drivers import AUTO, GPU, RVIZ, RVIZ_GPU
-from bench_probe import Compressed, INFO, NEWEST, ONE_BY_ONE, SIZE_PX, PlainClouds, Probe, Program, STREAM, SerializedCloud, Usage, picture_topic
-from master_port import free_port
+from scenes.processes import free_port
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+from . import arguments, blackout, drivers, light, page, pages, plugin
+from .arguments import DEPTH_CAMERA_POINTS, SECTIONS
+from .drivers import AUTO, GPU, RVIZ, RVIZ_GPU
+from .probe import (
+    Compressed, INFO, NEWEST, ONE_BY_ONE, SIZE_PX, PlainClouds, Probe, Program, STREAM, SerializedCloud, Usage, picture_topic)
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STYLES = ['Flat Squares', 'Points', 'Spheres', 'Boxes']
 SIZES_PX = [(640, 480), (1280, 800), (1920, 1080), (3840, 2160)]
 CAMERAS = [1, 2, 4]
@@ -121,13 +116,13 @@ class Bench:
         """Finds the drivers of the programs, and leaves out those that have none, or with `auto` no GPU to choose."""
         opengl = None
         for number, rviz in enumerate(self.rviz):
-            command, opengl = bench_drivers.rviz_on_gpu(rviz.command, self.folder)
-            self.rviz[number] = Camera(RVIZ_GPU if bench_drivers.is_hardware(opengl) else RVIZ, command)
-        gpu = bench_drivers.adapter(self.cameras[0].command[0], self.write_config(config(NEWEST)), self.folder)
-        drivers = self.given.drivers = bench_drivers.Drivers(gpu, opengl)
-        left_out = [] if bench_drivers.is_hardware(gpu) else [AUTO] if gpu else [AUTO, GPU]
+            command, opengl = drivers.rviz_on_gpu(rviz.command, self.folder)
+            self.rviz[number] = Camera(RVIZ_GPU if drivers.is_hardware(opengl) else RVIZ, command)
+        gpu = drivers.adapter(self.cameras[0].command[0], self.write_config(config(NEWEST)), self.folder)
+        self.given.drivers = drivers.Drivers(gpu, opengl)
+        left_out = [] if drivers.is_hardware(gpu) else [AUTO] if gpu else [AUTO, GPU]
         self.cameras = [camera for camera in self.cameras if camera.name not in left_out]
-        print('drivers: {} of the GPU renderer, {} of rviz'.format(*drivers), flush=True)
+        print('drivers: {} of the GPU renderer, {} of rviz'.format(*self.given.drivers), flush=True)
 
     def write_config(self, text):
         """A file with this config."""
@@ -172,7 +167,7 @@ class Bench:
 
     def draws_with_software(self, camera):
         """Whether it draws with a software driver of OpenGL or Vulkan."""
-        return camera.name == RVIZ or camera.name == GPU and not bench_drivers.is_hardware(self.given.drivers.gpu)
+        return camera.name == RVIZ or camera.name == GPU and not drivers.is_hardware(self.given.drivers.gpu)
 
     def by_program(self, rows):
         names = [camera.name for camera in self.cameras + self.rviz]
@@ -309,20 +304,20 @@ class Bench:
         return {'rows': rows}
 
     def light(self):
-        return bench_light.section(self, config(NEWEST), PlainClouds(DEPTH_CAMERA_POINTS))
+        return light.section(self, config(NEWEST), PlainClouds(DEPTH_CAMERA_POINTS))
 
     def blackout(self):
-        return bench_blackout.section(self, config(NEWEST), PlainClouds(DEPTH_CAMERA_POINTS))
+        return blackout.section(self, config(NEWEST), PlainClouds(DEPTH_CAMERA_POINTS))
 
     def pages(self):
         self.probe.use(NEWEST, PlainClouds(DEPTH_CAMERA_POINTS), SIZE_PX)
-        return bench_pages.section(self, config(NEWEST))
+        return pages.section(self, config(NEWEST))
 
     def plugin(self):
         if not self.rviz:
             print('left out: rviz or its plugin CameraPub is not installed', flush=True)
             return None
-        return bench_plugin.section(self)
+        return plugin.section(self)
 
     def run(self, section):
         print('--- ' + section, flush=True)
@@ -364,7 +359,7 @@ def display(folder):
 
 
 def main():
-    given = bench_arguments.parse()
+    given = arguments.parse()
     if given.list:
         for camera in itertools.chain(*programs(given)):
             print(camera.name)
@@ -384,10 +379,10 @@ def main():
         rospy.signal_shutdown('done')
     shutil.rmtree(folder)
     if given.dry:
-        for block in bench_page.blocks(given, results).values():
+        for block in page.blocks(given, results).values():
             print('\n' + block)
     else:
-        bench_page.write(ROOT, given, results)
+        page.write(ROOT, given, results)
 
 
 if __name__ == '__main__':

@@ -21,7 +21,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import TimeReference
 
-from bench_probe import NEWEST, SIZE_PX, Drain, Program, Usage, colour_of_pixels, picture_topic
+from .probe import NEWEST, SIZE_PX, Drain, Program, Usage, colour_of_pixels, picture_topic
 
 # The topic of the probe that stands for the screen.
 LIGHT = 'light'
@@ -132,7 +132,7 @@ def routes(programs, rviz):
         Route('camera_stream, projector_window', node, [], window),
     ]
     here = os.path.dirname(os.path.abspath(__file__))
-    image_view = [os.path.join(here, '..', 'ros_pkg', 'nodes', 'image_view_anywhere'), 'image:=' + picture_topic(0)]
+    image_view = [os.path.join(here, '..', '..', 'ros_pkg', 'nodes', 'image_view_anywhere'), 'image:=' + picture_topic(0)]
     return found + [Route('rviz, image_view', camera.command, [], image_view) for camera in rviz]
 
 

@@ -24,8 +24,8 @@ from visualization_msgs.msg import (
     InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate, Marker,
     MarkerArray)
 
-import probe_messages
-from probe_messages import OPTICAL, point_cloud, transform
+import bench.messages
+from bench.messages import OPTICAL, point_cloud, transform
 
 SENSORS, SCENE = 'sensors', 'scene'
 # Name: picture size in pixels, focal length, "Frame Rate", place in the map.
@@ -157,7 +157,7 @@ def camera_info(name, size_px=None, frame=None):
     size, focal_px, _, _ = CAMERAS[name]
     if size_px:
         focal_px *= size_px[0] / size[0]
-    return probe_messages.camera_info(frame or name, size_px or size, focal_px)
+    return bench.messages.camera_info(frame or name, size_px or size, focal_px)
 
 
 # --- messages ---------------------------------------------------------------------------------------------------------
@@ -374,8 +374,7 @@ def distance(rng, stamp):
 # --- topics -----------------------------------------------------------------------------------------------------------
 
 # Who publishes it, how often in Hz, and how many messages fill what the display keeps.
-Source = collections.namedtuple('Source', 'topic kind make group hz count latch')
-Source.__new__.__defaults__ = (1, False)
+Source = collections.namedtuple('Source', 'topic kind make group hz count latch', defaults=(1, False))
 
 SOURCES = [
     Source('/soak/depth', PointCloud2, depth, SENSORS, 10),

@@ -11,11 +11,11 @@ import sys
 import threading
 import time
 
-import soak_ros
-from master_port import free_port
-from soak_scene import URDF
+from scenes.processes import free_port
 
-SCRIPTS = os.path.dirname(os.path.abspath(__file__))
+from . import ros
+from .scene import URDF
+
 PR_SET_PDEATHSIG = 1
 ANSWER_S = 60.0
 # Linux kills a process when the thread that started it ends, so one thread that lives as long as the program starts all.
@@ -25,6 +25,11 @@ LIBC = ctypes.CDLL(None)
 
 class Failure(Exception):
     """A program that `./soak` needs failed."""
+
+
+def module(name, *arguments):
+    """The command that runs one of the tests' Python modules."""
+    return [sys.executable, '-B', '-m', name, *arguments]
 
 
 def start(command, **options):
@@ -73,19 +78,19 @@ class Master:
             self.process = start(['rosmaster', '--core', '-p', str(self.port)], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         if not wait_until(self.is_online, 30):
             raise Failure('the ROS master did not start; its log: ' + self.log)
-        soak_ros.master_call(self.uri, 'setParam', '/robot_description', URDF)
+        ros.master_call(self.uri, 'setParam', '/robot_description', URDF)
 
     def is_online(self):
         try:
-            return soak_ros.master_call(self.uri, 'getPid') > 0
-        except (OSError, soak_ros.xmlrpc.client.Error, soak_ros.http.client.HTTPException):
+            return ros.master_call(self.uri, 'getPid') > 0
+        except (OSError, ros.xmlrpc.client.Error, ros.http.client.HTTPException):
             return False
 
     def knows(self, node, service=None):
         """Whether a node and a service are registered."""
         try:
-            soak_ros.master_call(self.uri, 'lookupNode', node)
-            return service is None or bool(soak_ros.master_call(self.uri, 'lookupService', service))
+            ros.master_call(self.uri, 'lookupNode', node)
+            return service is None or bool(ros.master_call(self.uri, 'lookupService', service))
         except OSError:
             return False
 
@@ -112,7 +117,7 @@ class Node:
             raise Failure('the node did not start; its log: ' + self.log)
         if not wait_until(lambda: master.knows(self.name), 10):
             raise Failure('the node does not register at the master')
-        self.uri = soak_ros.master_call(master.uri, 'lookupNode', self.name)
+        self.uri = ros.master_call(master.uri, 'lookupNode', self.name)
 
     def status(self):
         """What `/proc` says of it: memory in MB, threads, descriptors, CPU time in s; None when it has ended."""
@@ -136,7 +141,7 @@ class Helper:
 
     def __init__(self, name, arguments, folder):
         self.name = name
-        self.command = [sys.executable, os.path.join(SCRIPTS, 'soak_publisher.py')] + arguments
+        self.command = module('soak.publisher', *arguments)
         self.log = os.path.join(folder, name + '.log')
         self.lock = threading.Lock()
         self.start()

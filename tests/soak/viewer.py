@@ -1,6 +1,6 @@
 """A viewer of `./soak`: receives pictures from the node and prints a line about each.
 
-    scripts/soak_viewer.py NODE_URI TOPIC...
+    python3 -m soak.viewer NODE_URI TOPIC...
 
 It asks the node itself for its topics, so that it depends on no master, and connects again when its connection is lost. Lines on
 standard output, fields separated by tabs; times are those of the monotonic clock, which all processes of a machine share:
@@ -19,8 +19,9 @@ import threading
 import time
 import zlib
 
-import soak_ros
 from sensor_msgs.msg import Image
+
+from . import ros
 
 
 class Viewer(threading.Thread):
@@ -35,10 +36,10 @@ class Viewer(threading.Thread):
         while True:
             connection = None
             try:
-                connection = soak_ros.subscribe(self.node_uri, self.topic, Image, '/soak_viewer_{}'.format(os.getpid()))
+                connection = ros.subscribe(self.node_uri, self.topic, Image, '/soak_viewer_{}'.format(os.getpid()))
                 connection.settimeout(None)
                 while True:
-                    self.see(soak_ros.read_message(connection))
+                    self.see(ros.read_message(connection))
             except OSError as error:
                 self.write('lost', self.topic, time.monotonic(), error)
                 time.sleep(0.2)

@@ -13,6 +13,7 @@ FAR = 1e30
 
 class Serialized:
     """Mixed into a message's class: a message that is its bytes."""
+    bytes = b''
 
     def serialize(self, buff):
         buff.write(self.bytes)

@@ -1,7 +1,7 @@
 """The picture checks of `./soak`: the node's pictures must be byte for byte what `camera_stream render` draws of the same
 messages.
 
-A check stops all that moves, publishes messages that replace everything from before (`soak_scene.check_messages`), writes the
+A check stops all that moves, publishes messages that replace everything from before (`scene.check_messages`), writes the
 same messages to a bag, and compares the pictures of all cameras. Nothing is left out: clouds that decay and frames that nobody
 publishes any more disappear while the check waits; the robot stands still and its frames are published on, so that they do not
 fade.
@@ -16,12 +16,12 @@ import rosbag
 import rospy
 from PIL import Image as Pillow
 
-import soak_scene
-from soak_processes import Failure, wait_until
-from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
+from . import scene
+from .processes import Failure, wait_until
+from .scene import CAMERAS, HANDLES, SENSORS, SOURCES, SCENE
 
 # Equal images in a row that end a check, and the earliest end: invented frames have expired by then.
-EQUAL, SETTLED_S = 5, soak_scene.FRAME_TIMEOUT_S + 1.0
+EQUAL, SETTLED_S = 5, scene.FRAME_TIMEOUT_S + 1.0
 PATIENCE_S = 60.0
 RENDER_S = 300.0
 
@@ -36,20 +36,20 @@ def write_bag(file, seed, stamp):
     with rosbag.Bag(file, 'w') as bag:
         def write(topic, message):
             bag.write(topic, message, later(stamp, 0.001 * next(at)))
-        write('/tf_static', soak_scene.static_frames())
-        write('/tf', soak_scene.moving_frames(1.0, stamp))
+        write('/tf_static', scene.static_frames())
+        write('/tf', scene.moving_frames(1.0, stamp))
         for name in CAMERAS:
-            write('/soak/{}/info'.format(name), soak_scene.camera_info(name))
-        handles = soak_scene.Handles('soak')
+            write('/soak/{}/info'.format(name), scene.camera_info(name))
+        handles = scene.Handles('soak')
         write(HANDLES + '_full', handles.init())
         write(HANDLES, handles.keep_alive())
-        write(HANDLES, handles.update(soak_scene.generator(seed, HANDLES), stamp, True))
+        write(HANDLES, handles.update(scene.generator(seed, HANDLES), stamp, True))
         for part in (0, 1):
             for source in SOURCES:
                 if int(source.topic.endswith('_updates')) == part:
-                    for message in soak_scene.check_messages(source, seed, stamp):
+                    for message in scene.check_messages(source, seed, stamp):
                         write(source.topic, message)
-        write('/tf', soak_scene.moving_frames(1.0, later(stamp, 0.9)))
+        write('/tf', scene.moving_frames(1.0, later(stamp, 0.9)))
 
 
 class Checks:
@@ -60,7 +60,7 @@ class Checks:
         self.passed, self.failed, self.took_s = 0, 0, []
         self.urdf = os.path.join(folder, 'robot.urdf')
         with open(self.urdf, 'w') as out:
-            out.write(soak_scene.URDF)
+            out.write(scene.URDF)
 
     def offline(self, camera, bag):
         """Width, height and pixels that are drawn of a bag."""

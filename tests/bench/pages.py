@@ -39,7 +39,7 @@ class Page:
         self.stream = self.socket.makefile('rb')
         status = self.stream.readline()
         if b' 101 ' not in status:
-            raise ConnectionError('the page is not served: {}'.format(status))
+            raise ConnectionError('the page is not served: {!r}'.format(status))
         while self.stream.readline().strip():
             pass
         self.send({'type': 'watch', 'cameras': [CAMERA]})

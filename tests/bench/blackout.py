@@ -29,9 +29,9 @@ from std_msgs.msg import ColorRGBA
 from std_srvs.srv import SetBool
 from visualization_msgs.msg import Marker, MarkerArray
 
-import bench_pages
-from bench_light import x_server
-from bench_probe import NEWEST, SIZE_PX, Program
+from . import pages
+from .light import x_server
+from .probe import NEWEST, SIZE_PX, Program
 
 MARKERS = 'bench_markers'
 ARROWS = 100000
@@ -56,14 +56,7 @@ def written(message):
     """The message, serialised once."""
     buffer = io.BytesIO()
     message.serialize(buffer)
-
-    class Written(type(message)):
-        """Sends what is written already."""
-
-        def serialize(self, buff):
-            buff.write(buffer.getvalue())
-
-    return Written()
+    return type('Written', (type(message),), {'serialize': lambda _, buff: buff.write(buffer.getvalue())})()
 
 
 class Sender(threading.Thread):
@@ -144,7 +137,7 @@ def script(_bench):
 def page(bench):
     """Blacks out as the operator's page does; what releases it makes no difference."""
     release = script(bench)
-    (host, port), token = bench_pages.address(bench.log)
+    (host, port), token = pages.address(bench.log)
     head = {'Authorization': 'Bearer ' + token, 'Content-Type': 'application/json'}
 
     def post(is_on):
@@ -155,7 +148,7 @@ def page(bench):
         connection.request('POST', '/api/blackout', json.dumps({'on': is_on, 'camera': None}), head)
         answer = connection.getresponse()
         if answer.status != 200:
-            sys.exit('bench: the page: {} {}'.format(answer.status, answer.read()))
+            sys.exit('bench: the page: {} {!r}'.format(answer.status, answer.read()))
         connection.close()
 
     return post
