@@ -28,10 +28,10 @@ def add_robot(scene):
 
 def robot_model(scene):
     """Settings of links count in rviz because the description is there before the config is loaded."""
-    links = {name: {'Value': scene.chance(0.8), 'Alpha': scene.alpha(), 'Show Axes': scene.chance(0.3), 'Show Trail': False}
+    shown = {name: {'Value': scene.chance(0.8), 'Alpha': scene.alpha(), 'Show Axes': scene.chance(0.3), 'Show Trail': False}
              for name in ARM_LINKS if scene.chance(0.5)}
     links = {'All Links Enabled': True, 'Expand Joint Details': False, 'Expand Link Details': False, 'Expand Tree': False,
-             'Link Tree Style': 'Links in Alphabetic Order', **links}
+             'Link Tree Style': 'Links in Alphabetic Order', **shown}
     more = {'Alpha': scene.alpha(), 'Visual Enabled': scene.chance(0.8), 'Collision Enabled': scene.chance(0.3),
             'Links': links}
     robot = add_robot(scene)

@@ -52,6 +52,7 @@ class Scene:
         self.end_secs = self.times[-1] + REST_SECS
         self.steps = [[] for _ in self.times]
         self.displays, self.cameras, self.parameters, self.classes, self.spoilt = [], [], {}, [], []
+        self.config = ''
         self.transforms_first = self.rng.random() < 0.5
         self.default_light = self.rng.random() < 0.9
         self.fixed = self.name('map')

@@ -48,9 +48,9 @@ def numbers(owner, path):
         for key, value in enumerate(owner[:FIRST]):
             yield from number(owner, key, value, f'{path}[{key}]')
     else:
-        for key in owner.__slots__:
-            if key not in SKIPPED_FIELDS:
-                yield from number(owner, key, getattr(owner, key), f'{path}.{key}')
+        for field in owner.__slots__:
+            if field not in SKIPPED_FIELDS:
+                yield from number(owner, field, getattr(owner, field), f'{path}.{field}')
 
 
 def number(owner, key, value, path):

@@ -21,6 +21,8 @@ PICTURES = ROOT / ('docs/images' if os.environ.get('RCS_WRITE_DOCS') else 'test_
 
 class OperatorPage(unittest.TestCase):
     """One node, one page on a laptop; each test leaves both as it found them."""
+    scene: LiveScene
+    page: Page
 
     @classmethod
     def setUpClass(cls):

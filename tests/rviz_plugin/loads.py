@@ -55,8 +55,9 @@ def main():
                     colours = len({tuple(pixel) for pixel in pixels(picture).reshape(-1, 3)})
                     print(f"picture {picture.width}x{picture.height}, {colours} colours, from {loaded_library(rviz.pid)}")
                     break
-            for each in (frame, infos, pictures):
-                each.close()
+            frame.close()
+            infos.close()
+            pictures.close()
     return 0
 
 

@@ -43,8 +43,10 @@ class Flow:
     def close(self):
         self._end.set()
         self._thread.join()
-        for each in (*self._infos, *self.pictures):
-            each.close()
+        for infos in self._infos:
+            infos.close()
+        for pictures in self.pictures:
+            pictures.close()
 
 
 def threads(pid):

@@ -13,6 +13,8 @@ from .window import ANSWER_TIMEOUT_SECS, CAMERA_PUB, ERROR, OK, WARNING, Rviz, c
 
 
 class Faults(unittest.TestCase):
+    frame: CameraFrame
+
     @classmethod
     def setUpClass(cls):
         stage()

@@ -50,6 +50,8 @@ Visibility:
 
 
 class Properties(unittest.TestCase):
+    frame: CameraFrame
+
     @classmethod
     def setUpClass(cls):
         stage()

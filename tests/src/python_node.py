@@ -95,15 +95,9 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
 
 def written(message):
     """A message serialised once, for large ones that are sent very often."""
-
-    class Written(type(message)):
-        def serialize(self, buff):
-            buff.write(self.bytes)
-
-    buffer, same = io.BytesIO(), Written()
+    buffer = io.BytesIO()
     message.serialize(buffer)
-    same.bytes = buffer.getvalue()
-    return same
+    return type("Written", (type(message),), {"serialize": lambda _, buff: buff.write(buffer.getvalue())})()
 
 
 class PublishRepeatedly(threading.Thread):

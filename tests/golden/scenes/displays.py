@@ -9,7 +9,7 @@ CAMERA_CLASS = "rviz_camera_stream/CameraPub"
 CAMERA_INFO_TOPIC = "/proj_view/camera_info"
 IMAGE_TOPIC = "/proj_view/image"
 
-USUAL = {
+USUAL: dict = {
     CAMERA_CLASS: {
         "Name": "CameraPub", "Background Color": "0; 0; 0", "Camera Info Topic": CAMERA_INFO_TOPIC, "Display namespace": "",
         "Frame Rate": -1, "Image Encoding": "rgb8", "Image Topic": IMAGE_TOPIC, "Near Clip Distance": 0.01, "Queue Size": 2},
@@ -51,9 +51,8 @@ def display(kind, properties=None, **more):
     more: `name`, `topic`, for short.
     """
     kind = kind if "/" in kind else f"rviz/{kind}"
-    found = {"Class": kind, "Enabled": True, "Value": True, **copy.deepcopy(USUAL.get(kind, {}))}
-    found.update({key.capitalize(): value for key, value in more.items()})
-    found.update(properties or {})
+    found = {"Class": kind, "Enabled": True, "Value": True, **copy.deepcopy(USUAL.get(kind, {})),
+             **{key.capitalize(): value for key, value in more.items()}, **(properties or {})}
     found["Value"] = found["Enabled"]
     return {key: value for key, value in found.items() if value is not None}
 

@@ -49,9 +49,7 @@ def picture_of(message):
     channels = CHANNELS.get(message.encoding)
     if channels is None:
         raise ValueError(f"the image has the encoding {message.encoding!r}, expected one of {', '.join(CHANNELS)}")
-    depth = numpy.dtype(numpy.uint8)
-    if message.encoding == "mono16":
-        depth = numpy.dtype(">u2" if message.is_bigendian else "<u2")
+    depth = numpy.dtype("u1" if message.encoding != "mono16" else ">u2" if message.is_bigendian else "<u2")
     rows = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
     used = message.width * len(channels) * depth.itemsize
     pixels = numpy.ascontiguousarray(rows[:, :used]).view(depth).reshape(message.height, message.width, len(channels))
