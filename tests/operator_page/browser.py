@@ -54,24 +54,25 @@ class Page:
         return self.driver.find_elements(By.CSS_SELECTOR, selector)
 
     def press(self, name):
-        """Presses the button or switch that a screen reader calls so."""
+        """Presses the button or switch that a screen reader calls so, as soon as it can be pressed."""
         # The browser is asked for the names of those alone that have the words.
         with_words = """
             const words = (node) => [node.textContent, node.ariaLabel, ...[...node.labels ?? []].map((each) => each.textContent)];
             return [...document.querySelectorAll(arguments[0])]
-                .filter((node) => node.checkVisibility() && words(node).join(" ").includes(arguments[1]))"""
+                .filter((node) => node.checkVisibility() && !node.matches(":disabled") && words(node).join(" ").includes(arguments[1]))"""
 
         def find():
             return [each for each in self.run(with_words, PRESSABLE, name) if each.accessible_name == name]
-        found = wait_until(find, PATIENCE_SECS, f'nothing is called {name!r}')
+        found = wait_until(find, PATIENCE_SECS, f'nothing that can be pressed is called {name!r}')
         # On the phone, the middle of the screen is never below what is fixed at its ends.
         self.run('arguments[0].scrollIntoView({ block: "center" })', found[0])
         found[0].click()
 
     def is_on(self, name):
         """Whether the switch that a screen reader calls so is on."""
-        found = next(each for each in self.elements('[role="switch"]') if each.accessible_name == name)
-        return found.is_selected()
+        def find():
+            return [each for each in self.elements('[role="switch"]') if each.accessible_name == name]
+        return wait_until(find, PATIENCE_SECS, f'no switch is called {name!r}')[0].is_selected()
 
     def set_field(self, selector, value, event='input'):
         """Sets a field as dragging a slider or choosing from a list does."""
@@ -124,12 +125,24 @@ class Page:
         return [each.get_attribute('outerHTML') for each in self.elements(PRESSABLE)
                 if each.is_displayed() and not each.accessible_name]
 
+    def number(self):
+        """How often the node was blacked out and released, as the page knows; none before it does."""
+        return self.driver.execute_async_script('import("/node.js").then((node) => arguments[0](node.state?.number ?? null))')
+
+    def wait_for_answer(self):
+        wait_until(lambda: not self.elements('[aria-busy]'), PATIENCE_SECS, 'the node does not answer')
+
     def focused(self):
         """The id of the element that has the focus."""
         return self.run('return document.activeElement.id')
 
     def tab(self):
         webdriver.ActionChains(self.driver).send_keys(Keys.TAB).perform()
+
+    def reload(self):
+        """Opens the page anew, as for a first visit but for the token."""
+        self.run('localStorage.removeItem("shortcuts")')
+        self.driver.refresh()
 
     def errors(self):
         """Lines of the browser's console since the last call."""

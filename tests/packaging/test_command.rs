@@ -5,7 +5,7 @@ use crate::{bash, printed_by, succeed};
 #[test]
 fn the_help_names_every_check() {
     let help = succeed("./test --help");
-    for name in ["lint", "format", "build", "scripts", "licences", "unit", "programs", "rviz"] {
+    for name in ["lint", "format", "build", "scripts", "licences", "unit", "programs", "rviz", "page"] {
         assert!(help.contains(name), "{name} is not in: {help}");
     }
 }
