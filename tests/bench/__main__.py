@@ -37,7 +37,7 @@ import xml.etree.ElementTree
 import rosgraph
 import rospy
 
-from scenes.processes import free_port
+from golden.scenes.processes import free_port
 
 from . import arguments, blackout, drivers, light, page, pages, plugin
 from .arguments import DEPTH_CAMERA_POINTS, SECTIONS

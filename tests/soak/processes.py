@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 
-from scenes.processes import free_port
+from golden.scenes.processes import free_port
 
 from . import ros
 from .scene import URDF

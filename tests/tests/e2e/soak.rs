@@ -25,7 +25,6 @@ fn printed(soak: &Running, report: &Path) -> String {
 }
 
 #[test]
-#[ignore = "a soak: ./test full"]
 fn half_a_minute_of_faults_costs_neither_images_nor_connections() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
