@@ -1,6 +1,6 @@
 """Measures rviz with cameras in it: CameraPub, and a plain camera that works as the plugin before it did.
 
-The plain camera (tests/rviz_plugin/driver) draws with each of rviz's frames, waits for the pixels, and publishes on rviz's main
+The plain camera (tests/rviz/rviz_plugin/driver) draws with each of rviz's frames, waits for the pixels, and publishes on rviz's main
 thread, whether or not somebody subscribes. Both run in the same rviz on the same virtual screen, one after the other, with the
 same cloud. What the main thread has to do for a frame is measured by the driver, from before the displays' update to after the
 window was drawn.

@@ -1,7 +1,8 @@
-//! The golden cases: a bag with a config and messages, rviz's image, and a line of `cases.yaml` that says what they show.
+//! The golden cases: a bag with a config and messages, rviz's image, and a line of `cases.yaml` that says what they
+//! show.
 //!
-//! `tests/golden/README.md` describes the files and fields. A field that is not known is an error, so that a misspelt one
-//! is not silently without effect.
+//! `tests/golden/README.md` describes the files and fields. A field that is not known is an error, so that a misspelt
+//! one is not silently without effect.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

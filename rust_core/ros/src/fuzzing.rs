@@ -1,4 +1,4 @@
-//! The parsers of foreign bytes without a connection, for the fuzz targets in `tests/fuzz_harness`. Each encodes again
+//! The parsers of foreign bytes without a connection, for the fuzz targets in `tests/fuzz`. Each encodes again
 //! what it has parsed, so that the targets can check that this is parsed as the same.
 
 use std::io::{self, Read, Write};

@@ -83,7 +83,7 @@ fn is_found_after(setup: &Path) {
 fn rviz_loads_the_plugin_after(setup: &Path, library: &Path) {
     let printed = succeed(&format!(
         "unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH; set +u; source {}; set -u
-         cd tests && python3 -B -W ignore -m rviz_plugin.loads",
+         cd tests/rviz && PYTHONPATH=..:$PYTHONPATH python3 -B -W ignore -m rviz_plugin.loads",
         setup.display()
     ));
     let library = fs::canonicalize(library).unwrap();

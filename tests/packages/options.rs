@@ -93,7 +93,7 @@ fn an_unknown_option_of_any_script_is_refused_before_anything_is_installed_built
     let all = scripts(&repository());
     let without: BTreeSet<String> = WITHOUT_OPTIONS.iter().map(|(script, _)| (*script).to_owned()).collect();
     assert!(without.is_subset(&all), "{:?}", without.difference(&all));
-    assert!(["bench", "tests/compare_live", ".ci/run"].iter().all(|script| all.contains(*script)), "{all:?}");
+    assert!(["bench", "tests/rviz/compare_live", ".ci/run"].iter().all(|script| all.contains(*script)), "{all:?}");
     let mut wrong = Vec::new();
     for script in all.difference(&without) {
         let output = run(script, "--nope");

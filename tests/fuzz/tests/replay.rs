@@ -1,5 +1,5 @@
-//! Inputs run again on stable Rust: the seeds of fuzzing, at most ten for each target, which reach most of what its corpus
-//! did, and those that once failed.
+//! Inputs run again on stable Rust: the seeds of fuzzing, at most ten for each target, which reach most of what its
+//! corpus did, and those that once failed.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::any::Any;

@@ -7,7 +7,7 @@ import unittest
 
 from .generator import DISPLAYS, scene_of
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 TABLE = ROOT / 'rust_core/rviz_config/src/displays/mod.rs'
 
 

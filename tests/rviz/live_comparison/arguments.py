@@ -1,6 +1,6 @@
-"""The arguments of `tests/compare_live`.
+"""The arguments of `tests/rviz/compare_live`.
 
-Needs only Python's standard library, so that `tests/compare_live` can check them before it installs anything: run as a program,
+Needs only Python's standard library, so that `tests/rviz/compare_live` can check them before it installs anything: run as a program,
 it exits with status 2 and a line on standard error if they are unusable.
 """
 
@@ -17,13 +17,13 @@ there.
 LIVE_SEED names the first seed where the command line does not. Exit status: 0 all scenes pass, 1 one does not, 2 unusable
 arguments.
 """
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def parse():
     """The arguments of the command line, with defaults."""
     target = ROOT / os.environ.get('CARGO_TARGET_DIR', 'target')
-    parser = argparse.ArgumentParser(prog='tests/compare_live', description=DESCRIPTION, allow_abbrev=False,
+    parser = argparse.ArgumentParser(prog='tests/rviz/compare_live', description=DESCRIPTION, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--seed', type=int, help='seed of the first scene [default: a random one, which is printed]')
     parser.add_argument('--count', type=int, default=12, help='number of scenes, each with a seed one higher [default: 12]')

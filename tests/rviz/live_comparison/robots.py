@@ -5,7 +5,7 @@ import os
 from .poses import offset
 from .scene import Frame
 
-ROBOTS = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), 'golden', 'robots', 'urdf')
+ROBOTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'golden', 'robots', 'urdf')
 # The robot of the file arm.urdf.
 ARM_LINKS = ['root', 'shoulder', 'upper', 'lower', 'hand']
 ARM_JOINTS = ['turn', 'lift', 'bend', 'roll']

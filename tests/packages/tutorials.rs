@@ -12,7 +12,7 @@ fn the_tutorials_commands_print_what_the_pages_say() {
     let pages = repository().join("docs/tutorials");
     let script = format!(
         "{}
-         tests/tutorials/run {}/*.md",
+         tests/programs/tutorials/run {}/*.md",
         devel_space(space.path()),
         pages.display()
     );

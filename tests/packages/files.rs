@@ -142,7 +142,7 @@ fn the_robots_descriptions_are_what_their_xacro_files_expand_to() {
     let folder = repository().join("ros_pkg/urdf");
     for name in ["fetch_turret", "arm_turret"] {
         let (source, expanded) = (folder.join(format!("{name}.urdf.xacro")), folder.join(format!("{name}.urdf")));
-        let compare = repository().join("tests/packaging/expand_xacro.py");
+        let compare = repository().join("tests/packages/expand_xacro.py");
         succeed(&format!("/usr/bin/python3 {} {} {}", compare.display(), source.display(), expanded.display()));
         // Where xacro itself is installed, it decides.
         let installed = "command -v xacro >/dev/null || exit 0";

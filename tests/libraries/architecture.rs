@@ -16,7 +16,7 @@ fn crates() -> Vec<String> {
     let core = fs::read_dir(repository().join("rust_core")).expect("rust_core is there");
     let folders =
         core.filter_map(|entry| entry.ok().filter(|entry| entry.path().is_dir())?.file_name().into_string().ok());
-    let tests = ["tests", "tests/support", "tests/fuzz_harness"].map(str::to_owned);
+    let tests = ["tests", "tests/support", "tests/fuzz"].map(str::to_owned);
     folders.map(|name| format!("rust_core/{name}")).chain(tests).collect()
 }
 

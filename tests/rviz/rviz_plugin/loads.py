@@ -1,6 +1,6 @@
 """Starts rviz as it is found in this environment, with CameraPub in its config, and waits for a picture.
 
-    python3 -m rviz_plugin.loads        from the folder `tests`, after sourcing a workspace's setup file
+    python3 -m rviz_plugin.loads        from the folder `tests/rviz`, `tests` in PYTHONPATH, after sourcing a workspace's setup file
 
 Prints the picture's size, its number of different colours, and the library that rviz has loaded the plugin from. Needs no
 prefix: whatever the sourced environment says about packages is used.

@@ -26,7 +26,7 @@ def main():
     seed = arguments.seed
     if seed is None:
         seed = int(os.environ.get('LIVE_SEED') or random.SystemRandom().randrange(SEEDS))
-    print(f'{arguments.count} scenes from seed {seed}; again: tests/compare_live --seed {seed} --count {arguments.count}',
+    print(f'{arguments.count} scenes from seed {seed}; again: tests/rviz/compare_live --seed {seed} --count {arguments.count}',
           flush=True)
     packages = [ROOT / 'tests/golden/assets', ROOT / 'tests/golden/robots']
     with tempfile.TemporaryDirectory(prefix='live_comparison_') as folder:

@@ -1,0 +1,1 @@
+"""The scenes of the golden cases, by what they show."""
