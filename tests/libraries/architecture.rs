@@ -13,7 +13,7 @@ const UNSAFE: [&str; 2] = ["rust_core/capi", "rust_core/process"];
 
 /// The folders of all crates.
 fn crates() -> Vec<String> {
-    let core = fs::read_dir(repository().join("rust_core")).expect("rust_core is there");
+    let core = fs::read_dir(repository().join("rust_core")).unwrap_or_else(|error| panic!("rust_core: {error}"));
     let folders =
         core.filter_map(|entry| entry.ok().filter(|entry| entry.path().is_dir())?.file_name().into_string().ok());
     let tests = ["tests", "tests/support", "tests/fuzz"].map(str::to_owned);

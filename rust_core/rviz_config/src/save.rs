@@ -141,7 +141,7 @@ impl Yaml {
         }
     }
 
-    /// What stands behind a key or a dash; `None` for what needs lines of its own.
+    /// Text behind a key or a dash; `None` for a value that needs lines of its own.
     fn inline(&self) -> Option<String> {
         match self {
             Self::Null => Some("~".to_owned()),

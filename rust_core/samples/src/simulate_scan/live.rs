@@ -15,14 +15,14 @@ use rcs_ros::{NodeEvent, Publisher, RosNode, ServiceCall};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Scan, View};
 use rcs_window::ScreenGrabber;
 
-/// What the projector shows.
+/// Topic of the image that the projector shows.
 const SHOWN: &str = "/projector/patterns";
 /// Time from image to image.
 const PERIOD: Duration = Duration::from_millis(100);
 /// Depth images that differ in their noise.
 const DEPTHS: u64 = 8;
 
-/// The same camera and projector with a quarter of the pixels.
+/// Camera and projector with a quarter of the pixels.
 pub(crate) fn small(rig: &Rig) -> Rig {
     let halved = |lens: &Lens| {
         let center_px = lens.center_px.map(|at| 0.5 * (at + 0.5) - 0.5);

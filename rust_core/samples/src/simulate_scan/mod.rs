@@ -177,7 +177,7 @@ fn with_board(rig: &Rig) -> Vec<Room> {
     BOARD_POSES.into_iter().map(room).collect()
 }
 
-/// What a scan from this place leaves behind.
+/// Capture of a scan from this place.
 fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
     let view = View::new(room, rig);
     let patterns = gray_code(PROJECTOR_PX);
@@ -195,8 +195,8 @@ fn scan(room: &Room, rig: &Rig, seed: u64) -> Capture {
     }
 }
 
-/// What a careful person with a tape measure finds: 1 % of the focal length, 8 pixels of the principal point, half a
-/// centimetre and a third of a degree off, and no distortion.
+/// Lens and pose as a careful person measures them with a tape: 1 % of the focal length, 8 pixels of the principal
+/// point, half a centimetre and a third of a degree off, and no distortion.
 fn by_tape(rig: &Rig, seed: u64) -> (Lens, Isometry3<f64>) {
     let random = &mut Random::new(&[seed, 0x5441_5045]);
     let mut error = |size: f64| if random.happens(0.5) { size } else { -size };
