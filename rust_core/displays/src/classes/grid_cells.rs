@@ -111,9 +111,4 @@ mod tests {
             assert_eq!(visual.fault(&cells(width, height, 1.0)), Some(text));
         }
     }
-
-    #[test]
-    fn translucent_cells_are_drawn_twice() {
-        assert_eq!(count(&mut visual(0.5), &cells(0.1, 0.2, 1.0)), Ok(2));
-    }
 }

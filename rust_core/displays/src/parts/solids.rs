@@ -132,29 +132,3 @@ pub(crate) fn arrow_turn(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
 pub(crate) fn arrow_pose(position: Vector3<f64>, direction: &Vector3<f64>) -> Matrix4<f64> {
     Isometry3::from_parts(Translation3::from(position), arrow_turn(direction)).to_homogeneous()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_arrow_reaches_from_its_position_along_its_direction() {
-        let material = Arc::new(Material::lit(Rgba::WHITE));
-        let size = ArrowSize { shaft_length_m: 1.0, shaft_diameter_m: 0.1, head_length_m: 0.5, head_diameter_m: 0.2 };
-        for direction in [Vector3::x(), -Vector3::z(), Vector3::z(), Vector3::new(1.0, 2.0, -3.0).normalize()] {
-            let pose = arrow_pose(Vector3::new(1.0, 0.0, 0.0), &direction);
-            let [_, head] = arrow(0, &pose, &size, &material, &material);
-            let tip = head.fixed_from_object.transform_point(&Point3::new(0.0, 0.5, 0.0));
-            assert!((tip - Point3::from(Vector3::x() + direction * 1.5)).norm() < 1e-12, "{direction}");
-        }
-    }
-
-    #[test]
-    fn axes_point_along_their_axes() {
-        let parts = axes(0, &Matrix4::identity(), 2.0, 0.1, &axes_materials(1.0));
-        for (i, part) in parts.iter().enumerate() {
-            let [a, b] = [0.5, -0.5].map(|y| part.fixed_from_object.transform_point(&Point3::new(0.0, y, 0.0)));
-            assert!((a[i].max(b[i]) - 2.0).abs() < 1e-12 && a[i].min(b[i]).abs() < 1e-12, "{i}: {a} {b}");
-        }
-    }
-}

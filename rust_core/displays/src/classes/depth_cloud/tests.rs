@@ -103,17 +103,6 @@ fn a_depth_lies_on_its_pixels_ray() {
 }
 
 #[test]
-fn binning_and_a_region_of_interest_move_the_rays() {
-    let mut bench = Bench::new(DepthCloudSettings::default());
-    let mut info = info(8, 2);
-    (info.binning_x, info.roi.width, info.roi.x_offset) = (2, 4, 1);
-    (info.P[0], info.P[2], info.roi.height) = (4.0, 3.0, 1);
-    bench.info(info);
-    assert!(bench.depth(millimetres(&[1000, 1000])));
-    assert_eq!(bench.points().buffer.positions, [[-0.5, 0.0, 1.0], [0.0, 0.0, 1.0]]);
-}
-
-#[test]
 fn points_are_as_large_as_their_pixels_unless_auto_size_is_off() {
     let drawn = |settings: DepthCloudSettings| {
         let mut bench = Bench::new(settings);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::visualization_msgs::{
     InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate,
@@ -11,7 +11,6 @@ use rcs_messages::visualization_msgs::{
 };
 use rcs_messages::AnyMessage;
 use rcs_rviz_config::InteractiveMarkersSettings;
-use rcs_scene::{Blending, Geometry};
 use rcs_transforms::{Time, TransformTree};
 
 use super::{create, InteractiveMarkersDisplay};
@@ -316,33 +315,6 @@ fn the_topics_are_those_of_the_servers_namespace() {
     assert_eq!(topics("/im/update_full"), (expected, String::new()));
     assert_eq!(topics(""), (vec![], String::new()));
     assert_eq!(topics("/im/feedback"), (vec![], "Invalid topic name: /im/feedback".to_owned()));
-}
-
-#[test]
-fn handles_are_coloured_by_their_axis_and_half_transparent_unless_transparency_is_off() {
-    for translucent in [true, false] {
-        let mut bench = Bench::with(&InteractiveMarkersSettings {
-            update_topic: "/im/update".into(),
-            enable_transparency: translucent,
-            ..Default::default()
-        });
-        let mut marker = ring("a", header("map", 0), 0.0);
-        marker.scale = 2.0;
-        marker.controls[0].interaction_mode = InteractiveMarkerControl::MOVE_AXIS;
-        // A quarter turn about z: the control's x axis is the marker's y axis.
-        (marker.controls[0].orientation.z, marker.controls[0].orientation.w) = (1.0, 1.0);
-        bench.start(&[marker]);
-        let drawables = bench.display.drawables();
-        assert_eq!(drawables.len(), 4, "two arrows of shaft and head");
-        for drawable in drawables {
-            let Geometry::Mesh { material, .. } = &drawable.geometry else { panic!("{drawable:?}") };
-            assert_eq!(material.blending == Blending::Alpha, translucent);
-            let rcs_scene::Lighting::Lit { diffuse, .. } = material.lighting else { panic!("{material:?}") };
-            assert!(diffuse.r < 1e-6 && diffuse.g == 1.0 && diffuse.b < 1e-6, "{diffuse:?}");
-            let place = drawable.sort_point.coords;
-            assert!(place.cross(&Vector3::y()).norm() < 1e-6 && (1.0..1.8).contains(&place.y.abs()), "{place}");
-        }
-    }
 }
 
 #[test]

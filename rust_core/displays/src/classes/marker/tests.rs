@@ -8,7 +8,7 @@ use rcs_messages::std_msgs::ColorRGBA;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::MarkerSettings;
-use rcs_scene::{Blending, CullMode, Drawable, Geometry, Lighting, Material, PointStyle};
+use rcs_scene::{Drawable, Geometry, Lighting, Material};
 use rcs_transforms::Time;
 
 use super::MarkerDisplay;
@@ -131,21 +131,6 @@ fn a_marker_display_subscribes_to_markers_and_arrays_and_an_array_display_only_t
 }
 
 #[test]
-fn a_cylinder_stands_along_z_in_its_pose() {
-    let mut cylinder = marker(Marker::CYLINDER, 1);
-    (cylinder.scale.x, cylinder.scale.y, cylinder.scale.z) = (2.0, 4.0, 6.0);
-    cylinder.pose.position.x = 10.0;
-    let drawn = Bench::new().only(&cylinder);
-    assert_eq!(drawn.display, 3);
-    assert_eq!(drawn.sort_point, Point3::new(10.0, 0.0, 0.0));
-    // The solid's axis is y; rviz's mirrored scale turns its top down.
-    assert_eq!(at(&drawn, [0.0, 0.5, 0.0]), [10.0, 0.0, -3.0]);
-    assert_eq!(at(&drawn, [0.5, 0.0, 0.0]), [11.0, 0.0, 0.0]);
-    assert_eq!(at(&drawn, [0.0, 0.0, 0.5]), [10.0, -2.0, 0.0]);
-    assert!(drawn.fixed_from_object.determinant() < 0.0);
-}
-
-#[test]
 fn quaternions_are_normalised_and_zero_ones_are_no_rotation_with_a_warning() {
     let mut bench = Bench::new();
     let mut cube = marker(Marker::CUBE, 1);
@@ -162,46 +147,20 @@ fn quaternions_are_normalised_and_zero_ones_are_no_rotation_with_a_warning() {
 }
 
 #[test]
-fn an_arrow_by_pose_points_along_x() {
-    let mut arrow = marker(Marker::ARROW, 1);
-    (arrow.scale.x, arrow.scale.y, arrow.scale.z) = (2.0, 0.1, 0.3);
-    let drawn = Bench::new().show(&[arrow]);
-    let [shaft, head] = drawn.as_slice() else { panic!("two parts") };
-    assert_eq!(at(shaft, [0.0, -0.5, 0.0]), [0.0; 3]);
-    assert_eq!(at(shaft, [0.0, 0.5, 0.0]), [1.54, 0.0, 0.0]);
-    assert_eq!(at(head, [0.0, 0.5, 0.0]), [2.0, 0.0, 0.0]);
-    // The thickness is y's sideways and z's upwards.
-    assert_eq!(at(shaft, [0.5, 0.0, 0.0]), [0.77, 0.0, 0.15]);
-    assert_eq!(at(shaft, [0.0, 0.0, 0.5]).map(f64::abs), [0.77, 0.05, 0.0]);
-    assert_eq!(head.sort_point.x, 2.0 * (0.77 + 0.115));
-}
-
-#[test]
-fn an_arrow_by_points_has_its_head_within_its_length() {
-    let mut arrow = marker(Marker::ARROW, 1);
-    arrow.points = points(&[[1.0, 0.0, 0.0], [1.0, 0.0, 2.0]]);
-    let mut bench = Bench::new();
-    for (head_length, head_base) in [(0.5, 1.5), (0.0, 2.0 * 0.77), (9.0, 0.0)] {
-        (arrow.scale.x, arrow.scale.y, arrow.scale.z) = (0.1, 0.2, head_length);
-        let drawn = bench.show(&[arrow.clone()]);
-        let [shaft, head] = drawn.as_slice() else { panic!("two parts") };
-        assert_eq!(at(shaft, [0.0, -0.5, 0.0]), [1.0, 0.0, 0.0]);
-        assert_eq!(at(head, [0.0, -0.5, 0.0]), [1.0, 0.0, head_base]);
-        assert_eq!(at(head, [0.0, 0.5, 0.0]), [1.0, 0.0, 2.0]);
+fn a_marker_of_a_wrong_number_of_points_is_an_error_and_the_old_one_is_gone() {
+    for (kind, text) in [
+        (Marker::ARROW, "an arrow has 0 or 2 points, not 3"),
+        (Marker::LINE_LIST, "two points a line, but there are 3"),
+    ] {
+        let mut marker = marker(kind, 1);
+        marker.points = points(&[[0.0; 3], [2.0, 0.0, 0.0]]);
+        let mut bench = Bench::new();
+        assert!(!bench.show(&[marker.clone()]).is_empty());
+        marker.points.push(Point::default());
+        assert!(bench.show(&[marker]).is_empty());
+        let (level, found) = bench.status("n/1").unwrap();
+        assert!(level == Level::Error && found.contains(text), "{found}");
     }
-    arrow.points.push(Point::default());
-    assert!(bench.show(&[arrow]).is_empty(), "three points are an error and take the old arrow away");
-    assert_eq!(bench.status("n/1").unwrap().0, Level::Error);
-}
-
-#[test]
-fn an_arrow_keeps_what_its_new_form_does_not_set() {
-    let mut bench = Bench::new();
-    let mut by_points = marker(Marker::ARROW, 1);
-    by_points.points = points(&[[0.0, 3.0, 0.0], [0.0, 4.0, 0.0]]);
-    bench.show(&[by_points]);
-    let by_pose = bench.show(&[marker(Marker::ARROW, 1)]);
-    assert_eq!(at(&by_pose[0], [0.0, -0.5, 0.0]), [0.0, 3.0, 0.0]);
 }
 
 #[test]
@@ -244,140 +203,6 @@ fn a_marker_sent_again_in_any_order_looks_as_one_sent_for_the_first_time() {
 }
 
 #[test]
-fn lines_blend_by_the_markers_alpha_and_sort_by_the_middle_of_their_own_box() {
-    let mut strip = marker(Marker::LINE_STRIP, 1);
-    strip.points = points(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [2.0, 4.0, 0.0]]);
-    strip.colors = [0.1, 0.2, 0.3, 0.4].map(|a| color(1.0, 0.0, 0.0, a)).to_vec();
-    (strip.scale.x, strip.pose.position.x) = (0.25, 50.0);
-    let mut bench = Bench::new();
-    let drawn = bench.only(&strip);
-    let Geometry::Ribbons(ribbons) = &drawn.geometry else { panic!("no ribbons") };
-    assert_eq!((ribbons.chains.len(), ribbons.chains[0].len(), ribbons.width_m), (1, 3, 0.25));
-    assert_eq!(ribbons.chains[0][2].color, [255, 0, 0, 102]);
-    assert_eq!(ribbons.blending, Blending::Replace);
-    assert_eq!(drawn.sort_point, Point3::new(1.0, 2.0, 0.0));
-    strip.color.a = 0.5;
-    assert!(bench.only(&strip).geometry.is_translucent());
-
-    strip.type_ = Marker::LINE_LIST.into();
-    let drawn = bench.only(&strip);
-    let Geometry::Ribbons(ribbons) = &drawn.geometry else { panic!("no ribbons") };
-    assert_eq!(ribbons.chains.iter().map(Vec::len).collect::<Vec<_>>(), [2], "the second line is not finite");
-    strip.points.pop();
-    strip.colors.pop();
-    assert!(bench.show(&[strip]).is_empty());
-    assert!(bench.status("n/1").unwrap().1.contains("two points a line"));
-}
-
-#[test]
-fn a_long_strip_is_cut_where_rviz_cuts_it() {
-    let mut strip = marker(Marker::LINE_STRIP, 1);
-    strip.points = (0..16_385 + 1).map(|i| Point { x: f64::from(i), y: 0.0, z: 0.0 }).collect();
-    let drawn = Bench::new().show(&[strip]);
-    let lengths: Vec<usize> = drawn
-        .iter()
-        .map(|drawable| match &drawable.geometry {
-            Geometry::Ribbons(ribbons) => ribbons.chains[0].len(),
-            other => panic!("{other:?}"),
-        })
-        .collect();
-    assert_eq!(lengths, [16_384, 2]);
-}
-
-#[test]
-fn a_translucent_list_is_drawn_twice_with_its_alpha_in_both_places() {
-    let mut list = marker(Marker::CUBE_LIST, 1);
-    list.points = points(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]]);
-    (list.scale.x, list.scale.y, list.scale.z) = (1.0, 2.0, 3.0);
-    let mut bench = Bench::new();
-    assert_eq!(bench.show(&[list.clone()]).len(), 1);
-    list.color.a = 0.5;
-    let drawn = bench.show(&[list.clone()]);
-    assert_eq!(drawn.len(), 2);
-    let Geometry::Points(cloud) = &drawn[0].geometry else { panic!("no points") };
-    assert_eq!(cloud.style, PointStyle::Boxes { size_m: [1.0, 2.0, 3.0] });
-    assert_eq!((cloud.alpha, cloud.buffer.positions.len(), cloud.buffer.colors.get(0)[3]), (0.5, 2, 127));
-    assert_eq!(drawn[1].sort_point, Point3::new(1.0, 0.0, 0.0));
-
-    list.colors = [1.0, 1.0, 0.2].map(|a| color(0.0, 1.0, 0.0, a)).to_vec();
-    let drawn = bench.show(&[list]);
-    let Geometry::Points(cloud) = &drawn[0].geometry else { panic!("no points") };
-    assert_eq!((cloud.alpha, cloud.blended, cloud.buffer.colors.get(1)), (1.0, true, [0, 255, 0, 255]));
-}
-
-#[test]
-fn discs_with_one_negative_side_are_seen_from_behind_which_is_not_at_all() {
-    let mut list = marker(Marker::SPHERE_LIST, 1);
-    list.points = points(&[[0.0; 3]]);
-    (list.scale.x, list.scale.y) = (-1.0, -2.0);
-    let mut bench = Bench::new();
-    let Geometry::Points(cloud) = bench.only(&list).geometry else { panic!("no points") };
-    assert_eq!(cloud.style, PointStyle::Spheres { size_m: [1.0, 2.0] });
-    list.scale.y = 2.0;
-    assert!(bench.show(&[list]).is_empty());
-}
-
-#[test]
-fn triangles_are_lit_in_one_colour_and_unlit_in_several() {
-    let mut triangles = marker(Marker::TRIANGLE_LIST, 1);
-    triangles.points =
-        points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
-    triangles.scale.x = 2.0;
-    let mut bench = Bench::new();
-    let lit = bench.only(&triangles);
-    let Geometry::Mesh { mesh, .. } = &lit.geometry else { panic!("no mesh") };
-    assert_eq!((mesh.vertices[0].normal, mesh.vertices[5].normal), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
-    assert_eq!(at(&lit, [1.0, 1.0, 1.0]), [2.0, 1.0, 1.0]);
-    assert_eq!((material(&lit).cull, diffuse(&lit)), (CullMode::None, [1.0, 0.5, 0.0, 1.0]));
-
-    // The vertices have no place for colours that come later.
-    triangles.colors = vec![color(0.0, 0.0, 1.0, 1.0); 2];
-    let Geometry::Mesh { mesh, .. } = bench.only(&triangles).geometry else { panic!("no mesh") };
-    assert_eq!(mesh.vertices[0].color, [255; 4]);
-    bench.show(&[delete_all()]);
-
-    // A colour for each face: the faces' alpha does not make it blend, the marker's would.
-    triangles.colors = vec![color(0.0, 0.0, 1.0, 0.5); 2];
-    let faces = bench.only(&triangles);
-    assert_eq!((material(&faces).lighting, material(&faces).blending), (Lighting::Unlit, Blending::Replace));
-    triangles.color.a = 0.5;
-    assert_eq!(material(&bench.only(&triangles)).blending, Blending::Alpha);
-
-    // A colour for each vertex: only theirs counts.
-    triangles.colors = vec![color(0.0, 0.0, 1.0, 1.0); 6];
-    let vertices = bench.only(&triangles);
-    assert_eq!(material(&vertices).blending, Blending::Replace);
-    let Geometry::Mesh { mesh, .. } = &vertices.geometry else { panic!("no mesh") };
-    assert_eq!(mesh.vertices[0].color, [0, 0, 255, 127]);
-    triangles.colors[4].a = 0.9;
-    assert_eq!(material(&bench.only(&triangles)).blending, Blending::Alpha);
-}
-
-#[test]
-fn text_stands_at_its_position_whatever_its_orientation() {
-    let mut text = marker(Marker::TEXT_VIEW_FACING, 1);
-    text.text = "goal".to_owned();
-    text.pose.position.y = 2.0;
-    text.pose.orientation.x = f64::NAN;
-    let mut bench = Bench::new();
-    let drawn = bench.only(&text);
-    assert!(matches!(drawn.geometry, Geometry::Text(_)));
-    assert_eq!(at(&drawn, [0.0; 3]), [0.0, 2.0, 0.0]);
-    text.text = " \n".to_owned();
-    assert!(bench.show(&[text]).is_empty());
-}
-
-#[test]
-fn a_mesh_that_cannot_be_loaded_is_named() {
-    let mut mesh = marker(Marker::MESH_RESOURCE, 7);
-    mesh.mesh_resource = "package://nowhere/none.stl".to_owned();
-    let mut bench = Bench::new();
-    assert!(bench.show(&[mesh, marker(Marker::CUBE, 1)]).len() == 1);
-    let (level, text) = bench.status("n/7").unwrap();
-    assert!(level == Level::Error && text.contains("package://nowhere/none.stl"), "{text}");
-}
-
-#[test]
 fn markers_are_replaced_by_namespace_and_id_and_change_their_type() {
     let mut bench = Bench::new();
     let other_namespace = Marker { ns: "other".to_owned(), ..marker(Marker::CUBE, 1) };
@@ -416,15 +241,6 @@ fn delete_all_without_a_frame_comes_before_what_its_array_adds_and_after_earlier
     lost.header.frame_id.clear();
     assert_eq!(bench.show(&[lost]).len(), 1);
     assert_eq!(bench.status("n/5").unwrap().0, Level::Error);
-}
-
-#[test]
-fn a_namespace_that_is_switched_off_is_not_shown() {
-    let mut settings = MarkerSettings::array_default();
-    settings.namespaces.insert("n".to_owned(), false);
-    let mut bench = Bench::with(MarkerDisplay::new(0, settings, false));
-    let other = Marker { ns: "new".to_owned(), ..marker(Marker::CUBE, 1) };
-    assert_eq!(bench.show(&[marker(Marker::CUBE, 1), other]).len(), 1);
 }
 
 #[test]

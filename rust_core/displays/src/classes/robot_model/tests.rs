@@ -85,23 +85,6 @@ fn a_missing_mesh_is_named_and_the_rest_is_drawn() {
 }
 
 #[test]
-fn links_and_kinds_of_geometry_can_be_switched_off_and_faded() {
-    let b = LinkSettings { alpha: 0.5, show_axes: true, ..LinkSettings::default() };
-    let links = [("b".to_owned(), b.clone())].into();
-    let mut bench =
-        Bench::new(&RobotModelSettings { collision_enabled: true, alpha: 0.5, links, ..RobotModelSettings::default() });
-    bench.place("a", 1.0);
-    bench.place("b", 2.0);
-    bench.update();
-    let colors: Vec<_> = bench.shown().into_iter().map(|(_, color)| color.unwrap()[3]).collect();
-    assert_eq!(colors, [0.25, 0.25, 0.25, 1.0, 1.0, 1.0], "a's box and sphere, b's cylinder, three axes");
-    let links = [("b".to_owned(), LinkSettings { enabled: false, ..b })].into();
-    let mut bench = Bench::new(&RobotModelSettings { visual_enabled: false, links, ..RobotModelSettings::default() });
-    bench.update();
-    assert_eq!(bench.shown(), []);
-}
-
-#[test]
 fn links_move_once_in_an_update_interval() {
     let mut bench = Bench::new(&RobotModelSettings { update_interval_secs: 0.5, ..RobotModelSettings::default() });
     bench.place("a", 0.0);

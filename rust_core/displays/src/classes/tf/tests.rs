@@ -146,14 +146,6 @@ fn frames_that_are_switched_off_are_hidden_one_by_one() {
 }
 
 #[test]
-fn there_is_no_arrow_to_a_parent_at_the_same_place() {
-    let mut bench = Bench::new(&timeout(15.0));
-    bench.publish("map", "base", 0.0, 0.0009, true);
-    assert!(bench.update(0.0));
-    assert_eq!(bench.shown(), (2, 0));
-}
-
-#[test]
 fn frames_are_updated_once_per_update_interval() {
     let mut bench = Bench::new(&TfSettings { update_interval_s: 2.0, ..timeout(30.0) });
     bench.publish("map", "base", 0.0, 1.0, false);

@@ -170,12 +170,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_nan_replaces_the_bounds_until_the_next_value() {
-        let (min, max) = bounds(&[1.0, 5.0, f32::NAN, 3.0], 9999.0);
-        assert_eq!((min, max), (3.0, 3.0));
-    }
-
-    #[test]
     fn bounds_are_those_of_one_value_after_the_other() {
         let mut values: Vec<f32> = (0..3 * POINTS_PER_SHARE).map(|i| (i * 7919 % 10_007) as f32 - 5000.0).collect();
         assert_eq!(bounds(&values, 9999.0), (-5000.0, 5006.0));

@@ -95,19 +95,6 @@ mod tests {
     }
 
     #[test]
-    fn points_without_a_finite_position_are_left_out_with_their_colours() {
-        let points = [
-            ([1.0, 2.0, 3.0], 0xff_00_00),
-            ([f32::NAN, 0.0, 0.0], 0x12_34_56),
-            ([0.0, f32::INFINITY, 0.0], 0x12_34_56),
-            ([4.0, 5.0, 6.0], 0x00_80_ff),
-        ];
-        let buffer = read_as(&cloud(&points), ColorTransformer::Rgb8).unwrap();
-        assert_eq!(buffer.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        assert_eq!(buffer.colors, PointColors::PerPoint(vec![[255, 0, 0, 255], [0, 128, 255, 255]]));
-    }
-
-    #[test]
     fn points_that_are_put_far_away_are_coloured_with_the_others() {
         let cloud = cloud(&[([1.0, 0.0, f32::NAN], 0), ([0.0, 0.0, 1.0], 0), ([0.0, 0.0, 2.0], 0), ([0.0; 3], 0)]);
         let layout = CloudLayout::of(&cloud).unwrap();

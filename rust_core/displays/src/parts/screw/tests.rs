@@ -54,18 +54,6 @@ const LONG: [f64; 3] = [0.0, 1.0, 0.0];
 const NONE: [f64; 3] = [0.0; 3];
 
 #[test]
-fn a_part_that_is_not_longer_than_the_width_is_hidden_unless_it_shall_be_shown() {
-    for (hide_small_values, parts) in [(true, [2, 5, 7, 0]), (false, [7; 4])] {
-        let mut bench = Bench::new(&ScrewSettings { hide_small_values, ..ScrewSettings::default() });
-        let sent = [(LONG, NONE), (NONE, LONG), (LONG, LONG), ([0.25, 0.0, 0.0], NONE)];
-        for ((linear, angular), parts) in sent.into_iter().zip(parts) {
-            assert!(bench.send(linear, angular));
-            assert_eq!(bench.display.drawables().len(), parts, "{linear:?} {angular:?}");
-        }
-    }
-}
-
-#[test]
 fn the_history_keeps_the_last_screws_where_their_frame_was() {
     let mut bench = Bench::new(&ScrewSettings { history_length: 2, ..ScrewSettings::default() });
     for x in [1.0, 2.0, 3.0] {

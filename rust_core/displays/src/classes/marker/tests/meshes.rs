@@ -3,57 +3,6 @@
 use super::*;
 use crate::framework::test_world::STL;
 
-/// A mesh of one triangle with a material of its own, and the bench that finds it.
-fn with_mesh(extension: &str) -> (Bench, Marker, tempfile::TempDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    write("package.xml", "<package><name>m</name></package>");
-    write("m.mtl", "newmtl blue\nKd 0 0 1\n");
-    write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl blue\nf 1 2 3\n");
-    write(
-        "m.stl",
-        "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
-    );
-    let mut marker = marker(Marker::MESH_RESOURCE, 1);
-    marker.mesh_resource = format!("file://{}", folder.path().join(format!("m.{extension}")).display());
-    (Bench::new(), marker, folder)
-}
-
-#[test]
-fn a_mesh_takes_the_markers_colour_or_is_tinted_with_it() {
-    let (mut bench, mut mesh, _folder) = with_mesh("obj");
-    let drawn = bench.only(&mesh);
-    assert_eq!(diffuse(&drawn), [1.0, 0.5, 0.0, 1.0]);
-
-    mesh.mesh_use_embedded_materials = true;
-    let drawn = bench.show(&[mesh.clone()]);
-    let [own, tint] = drawn.as_slice() else { panic!("own material and tint") };
-    assert_eq!((diffuse(own), diffuse(tint)), ([0.0, 0.0, 1.0, 1.0], [1.0, 0.5, 0.0, 0.5]));
-    assert_eq!((material(own).blending, material(tint).blending), (Blending::Replace, Blending::Alpha));
-    assert!(!tint.geometry.is_translucent(), "the tint of an opaque part is drawn with the opaque things");
-
-    mesh.color.a = 0.25;
-    let drawn = bench.show(&[mesh.clone()]);
-    assert_eq!(drawn.iter().map(diffuse).collect::<Vec<_>>(), [[0.0, 0.0, 1.0, 0.25], [1.0, 0.5, 0.0, 0.25]]);
-    assert!(drawn.iter().all(|drawable| drawable.geometry.is_translucent()));
-
-    // All zero asks for the file's colours, but only of a new mesh.
-    mesh.color = color(0.0, 0.0, 0.0, 0.0);
-    let drawn = bench.show(&[mesh.clone()]);
-    assert_eq!((drawn.len(), diffuse(&drawn[0])), (2, [0.0, 0.0, 1.0, 0.0]));
-    mesh.id = 2;
-    bench.show(&[delete_all()]);
-    assert_eq!(diffuse(&bench.only(&mesh)), [0.0, 0.0, 1.0, 1.0]);
-}
-
-#[test]
-fn a_mesh_without_materials_takes_the_tint_for_its_colour() {
-    let (mut bench, mut mesh, _folder) = with_mesh("stl");
-    mesh.mesh_use_embedded_materials = true;
-    let drawn = bench.only(&mesh);
-    assert_eq!((diffuse(&drawn), drawn.geometry.is_translucent()), ([1.0, 0.5, 0.0, 0.5], false));
-}
-
 fn mesh(url: &str, id: i32) -> Marker {
     Marker { mesh_resource: url.to_owned(), ..marker(Marker::MESH_RESOURCE, id) }
 }
