@@ -1,17 +1,18 @@
 //! Properties of every image of the CPU renderer, whatever numbers are in the scene.
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
-mod cpu_common;
+mod common;
 
 use std::sync::Arc;
 
-use cpu_common::{camera, drawable, render, Grid};
+use common::{at, camera, draw, pixel, points};
 use nalgebra::{Isometry3, Matrix4, Vector3};
 use proptest::prelude::*;
+use rcs_render::CpuRenderer;
 use rcs_scene::{
-    Blending, Camera, CullMode, DirectionalLight, DisplayMask, Drawable, Encoding, Filtering, Geometry,
-    HorizontalAlignment, Intrinsics, LineTopology, Lines, Material, Mesh, PointBuffer, PointColors, PointStyle, Points,
-    RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
+    Blending, Camera, CullMode, DirectionalLight, Drawable, Filtering, Geometry, HorizontalAlignment, Intrinsics,
+    LineTopology, Lines, Material, Mesh, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
+    RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
 };
 
 /// Mostly numbers of a scene in front of the camera, and now and then extreme or non-finite ones.
@@ -165,7 +166,7 @@ fn scene() -> impl Strategy<Value = Scene> {
     let thing = (geometry, matrix(), group).prop_map(|(geometry, fixed_from_object, group)| Drawable {
         fixed_from_object,
         group,
-        ..drawable(geometry)
+        ..at(0.0, 0.0, 0.0, geometry)
     });
     (prop::collection::vec(thing, 0..6), prop::option::of([-1.0f64..1.0, -1.0..1.0, -1.0..1.0])).prop_map(
         |(drawables, light)| Scene {
@@ -192,7 +193,7 @@ proptest! {
 
     #[test]
     fn a_image_depends_on_neither_the_threads_nor_the_time(scene in scene(), camera in any_camera()) {
-        let draw = |threads| render(&scene, &camera, &DisplayMask::all(), Encoding::Rgba8, threads);
+        let draw = |threads| draw(&mut CpuRenderer::with_threads(threads), &scene, &camera);
         let image = draw(1);
         prop_assert!(draw(1) == image);
         prop_assert!(draw(2) == image);
@@ -219,26 +220,22 @@ proptest! {
             .collect();
         let material = Material { cull: CullMode::None, ..Material::unlit(true) };
         let mesh = Geometry::Mesh { mesh: Arc::new(Mesh { vertices, indices }), material: Arc::new(material) };
-        let scene = Scene { drawables: vec![drawable(mesh)], light: None };
-        let image = render(&scene, &camera(100, 100), &DisplayMask::all(), Encoding::Rgb8, 2);
-        let grid = Grid::of(&image);
-        let seen = |level: u8| (0..10_000).filter(|i| grid.at(i % 100, i / 100)[0] == level).count();
+        let scene = Scene { drawables: vec![at(0.0, 0.0, 0.0, mesh)], light: None };
+        let image = draw(&mut CpuRenderer::with_threads(2), &scene, &camera(100, 100, 100.0));
+        let seen = |level: u8| (0..10_000).filter(|i| pixel(&image, i % 100, i / 100)[0] == level).count();
         prop_assert_eq!(seen(0) + seen(100), 10_000);
         prop_assert!(seen(100) > 300);
-        prop_assert_eq!(grid.at(50, 50)[0], 100);
+        prop_assert_eq!(pixel(&image, 50, 50)[0], 100);
     }
 }
 
 #[test]
 fn the_largest_images_are_drawn() {
-    let positions = vec![[0.0, 0.0, 1.0], [0.3, -0.2, 2.0]];
-    let buffer = Arc::new(PointBuffer { positions, colors: PointColors::Uniform([255; 4]) });
-    let style = PointStyle::Boxes { size_m: [0.5; 3] };
-    let points = Points { buffer, style, alpha: 1.0, blended: false, auto_size: false };
-    let scene = Scene { drawables: vec![drawable(Geometry::Points(points))], light: None };
+    let cloud = points(PointStyle::Boxes { size_m: [0.5; 3] }, [255; 4], &[[0.0, 0.0, 1.0], [0.3, -0.2, 2.0]]);
+    let scene = Scene { drawables: vec![at(0.0, 0.0, 0.0, Geometry::Points(cloud))], light: None };
     for (width, height) in [(16384, 64), (64, 16384)] {
-        let image = render(&scene, &camera(width, height), &DisplayMask::all(), Encoding::Mono8, 2);
-        assert_eq!(image.data.len(), (width * height) as usize);
-        assert!(image.data.iter().any(|&level| level > 0));
+        let image = draw(&mut CpuRenderer::with_threads(2), &scene, &camera(width, height, 100.0));
+        assert_eq!(image.data.len(), (width * height * 4) as usize);
+        assert!((0..height).any(|y| (0..width).any(|x| pixel(&image, x, y) != [0; 3])));
     }
 }
