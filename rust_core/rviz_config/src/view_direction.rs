@@ -83,29 +83,12 @@ mod tests {
     }
 
     #[test]
-    fn an_orbit_looks_back_from_where_it_stands() {
-        let (yaw, pitch, distance) = (5.8_f64, 0.6_f64, 4.0_f64);
-        let camera = [distance * yaw.cos() * pitch.cos(), distance * yaw.sin() * pitch.cos(), distance * pitch.sin()];
-        let direction = view(ViewController::Orbit(orbit(5.8, 0.6))).direction_in_target_frame();
-        assert_close(direction, camera.map(|x| -x / distance));
-        assert!(direction[0] < 0.0 && direction[1] > 0.0 && direction[2] < 0.0);
-    }
-
-    #[test]
     fn an_orbit_from_ahead_and_above_looks_back_and_down() {
         let at = view(ViewController::Orbit(orbit(0.0, std::f32::consts::FRAC_PI_4)));
         let half = 0.5_f64.sqrt();
         assert_close(at.direction_in_target_frame(), [-half, 0.0, -half]);
         let inverted = ViewConfig { invert_z: true, ..at };
         assert_close(inverted.direction_in_target_frame(), [-half, 0.0, half]);
-    }
-
-    #[test]
-    fn a_free_camera_looks_along_x_and_down_with_pitch() {
-        let down = std::f32::consts::FRAC_PI_2;
-        assert_close(fps(down, 0.0, 0.0).direction_in_target_frame(), [0.0, 1.0, 0.0]);
-        assert_close(fps(0.3, down, 1.0).direction_in_target_frame(), [0.0, 0.0, -1.0]);
-        assert_close(fps(0.0, 0.0, 0.1).direction_in_target_frame(), [1.0, 0.0, 0.0]);
     }
 
     #[test]
@@ -129,11 +112,5 @@ mod tests {
         let aligned = view(ViewController::FrameAligned(turned));
         assert_close(aligned.direction_in_fixed_frame(left), [-1.0, 0.0, 0.0]);
         assert_close(aligned.direction_in_fixed_frame(left_on_its_side), [0.0, 0.0, 1.0]);
-    }
-
-    #[test]
-    fn from_above_is_downwards() {
-        let above = view(ViewController::TopDownOrtho);
-        assert_close(above.direction_in_fixed_frame([0.0, 0.0, 1.0, 0.0]), [0.0, 0.0, -1.0]);
     }
 }
