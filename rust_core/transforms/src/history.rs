@@ -181,23 +181,6 @@ mod tests {
     }
 
     #[test]
-    fn between_samples_the_place_is_on_the_line_and_outside_it_is_unknown() {
-        let history = moving(&[sample(5.0, 0, 1.0), sample(6.0, 0, 3.0), sample(8.0, 0, 7.0)]);
-        for (secs, x) in [(5.0, 1.0), (5.5, 2.0), (6.0, 3.0), (7.0, 5.0), (8.0, 7.0)] {
-            assert_eq!(x_at(&history, secs), Some(x), "at {secs}");
-        }
-        assert_eq!(x_at(&history, 4.9), None);
-        assert_eq!(x_at(&history, 8.1), None);
-    }
-
-    #[test]
-    fn samples_out_of_order_find_their_place() {
-        let history = moving(&[sample(8.0, 0, 7.0), sample(5.0, 0, 1.0), sample(6.0, 0, 3.0)]);
-        assert_eq!(x_at(&history, 5.5), Some(2.0));
-        assert_eq!(x_at(&history, 0.0), Some(7.0));
-    }
-
-    #[test]
     fn the_history_reaches_the_cache_length_back_from_its_newest_sample() {
         let mut history = moving(&[sample(1.0, 0, 1.0), sample(2.0, 0, 2.0), sample(11.0, 0, 3.0)]);
         assert_eq!(x_at(&history, 1.0), Some(1.0), "just ten seconds old");
@@ -214,14 +197,6 @@ mod tests {
         for known in [sample(5.0, 0, 1.0), sample(6.0, 0, 2.0)] {
             assert_eq!(history.admits(known.stamp, CACHE), Admission::Known(known));
         }
-    }
-
-    #[test]
-    fn the_older_parent_holds_until_the_newer_sample() {
-        let history = moving(&[sample(5.0, 1, 1.0), sample(6.0, 2, 3.0)]);
-        let at = |secs| history.at(Time::from_secs_f64(secs)).map(|(parent, at)| (parent, at.translation.x));
-        assert_eq!(at(5.9), Some((FrameId(1), 1.0)));
-        assert_eq!(at(6.0), Some((FrameId(2), 3.0)));
     }
 
     #[test]
