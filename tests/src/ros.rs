@@ -21,11 +21,6 @@ pub const PROMPT: Duration = Duration::from_secs(20);
 /// How long an ended program's last lines may take to be read.
 const LAST_LINES: Duration = Duration::from_secs(60);
 
-/// Whether ROS's programs are installed here.
-pub fn is_ros_installed() -> bool {
-    program("roscore").is_file()
-}
-
 /// Polls `condition` until it holds; false when it does not within `timeout`.
 pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> bool {
     let started = Instant::now();

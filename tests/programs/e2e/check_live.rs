@@ -161,27 +161,3 @@ fn a_publisher_that_is_dead_is_in_the_table() {
     assert!(has_row(&table, &row), "{table}");
     assert_eq!(errors.matches("Failed to contact publisher [/dead]").count(), 1, "{errors}");
 }
-
-#[test]
-fn a_display_that_is_hidden_or_out_of_view_is_in_the_table() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
-    python.run("latch('/cloud', cloud(0xff0000))").unwrap();
-    let axes = "{Class: rviz/Axes, Name: axes, Enabled: true}";
-    // The camera looks along z from the frame's origin.
-    let behind = "{Class: rviz/Grid, Name: behind, Enabled: true, Offset: {X: 0, Y: 0, Z: -5}, Reference Frame: eye}";
-    let scene = config(&[CLOUD, axes, behind], &[CameraPub::default()]);
-    let (_folder, path) = file(&scene.replace("Visibility: {Value: true}", "Visibility: {Value: true, axes: false}"));
-    let output = check(&master, &path, &["--listen", "2"]);
-    let table = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(1), "{table}\n{}", text(&output.stderr));
-    let rows: [&[&str]; 2] = [
-        &["axes", "rviz/Axes", "Ok", "Visibility: hidden in camera CameraPub"],
-        &["behind", "rviz/Grid", "Warn", "Visibility: outside the view of camera CameraPub"],
-    ];
-    for row in rows {
-        assert!(has_row(&table, row), "{row:?} is not in\n{table}");
-    }
-    assert!(has_row(&table, &["cloud", "Ok", "1 messages received"]) && table.matches("Visibility").count() == 2);
-}

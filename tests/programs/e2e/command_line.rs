@@ -165,7 +165,7 @@ fn without_a_gpu_auto_needs_no_more_memory_and_threads_than_cpu() {
 #[test]
 fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     let args = "--splash-screen= --help-file h --no-stereo --fullscreen --in-mc-wrapper --disable-anti-aliasing -l -v \
-                --opengl 3 __log:=/dev/null -f world _tf_prefix:=r1 _stale_timeuot:=1";
+                --opengl 3 __log:=/dev/null -f /world _tf_prefix:=r1 _stale_timeuot:=1";
     let args: Vec<&str> = args.split_whitespace().chain(["_manipulator:={kinematics_solver: kdl}"]).collect();
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
     fixture.python("latch('/tf_static', tf('world', 'eye'))");

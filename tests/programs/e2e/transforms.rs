@@ -1,12 +1,12 @@
-//! Frames: clouds wait for theirs, invalid transforms are refused, a leading slash is ignored.
+//! Frames: invalid transforms are refused, a leading slash is ignored, a camera waits for its frame.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::time::Duration;
 
 /// A node whose camera sees an empty scene.
-fn fixture(args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
+fn fixture() -> RosFixture {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.python("viewer = Viewer('/view/image')");
@@ -22,36 +22,8 @@ fn nothing_appears(fixture: &RosFixture) {
 }
 
 #[test]
-fn a_cloud_waits_for_its_frame() {
-    let fixture = fixture(&[]);
-    fixture.python("now = rospy.Time.now(); latch('/cloud', cloud(0xff0000, 'table', stamp=now))");
-    nothing_appears(&fixture);
-    fixture.python("send('/tf', tf('map', 'table', stamp=now - rospy.Duration(0.5)))");
-    // It is transformed at its own stamp, for which there is no transform yet.
-    nothing_appears(&fixture);
-    fixture.python("send('/tf', tf('map', 'table', stamp=now + rospy.Duration(0.5)))");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
-}
-
-#[test]
-fn a_cloud_is_placed_where_its_frame_was_at_its_stamp() {
-    let fixture = fixture(&[]);
-    fixture.python("now = rospy.Time.now()");
-    // The table moves by 2 m in a second: half way the cloud is in the middle.
-    fixture.python("send('/tf', tf('map', 'table', xyz=(-1, 0, 0), stamp=now))");
-    fixture.python("send('/tf', tf('map', 'table', xyz=(1, 0, 0), stamp=now + rospy.Duration(1)))");
-    fixture.python("latch('/cloud', cloud(0x00ff00, 'table', stamp=now + rospy.Duration(0.5)))");
-    fixture.wait_for("viewer.middle() == (0, 255, 0)");
-    assert_eq!(fixture.python("viewer.pixel(21, 24), viewer.pixel(43, 24)"), "((0, 255, 0), (0, 255, 0))");
-    // Stamp zero means the latest transform: 1 m to the right, which is 25 pixels.
-    fixture.python("latch('/cloud', cloud(0x0000ff, 'table', points=((-0.5, 0, 2),)))");
-    fixture.wait_for("viewer.pixel(44, 24) == (0, 0, 255)");
-    assert_eq!(fixture.python("viewer.pixel(28, 24)"), "(0, 0, 0)");
-}
-
-#[test]
 fn invalid_rotations_are_refused_and_logged_with_their_publisher_and_frame() {
-    let fixture = fixture(&[]);
+    let fixture = fixture();
     fixture.python("nan = float('nan')");
     for (number, rotation) in ["(0, 0, 0, 0.9)", "(0, nan, 0, 1)", "(0, 0, 0, 0)"].into_iter().enumerate() {
         let frame = format!("table{number}");
@@ -69,24 +41,13 @@ fn invalid_rotations_are_refused_and_logged_with_their_publisher_and_frame() {
 
 #[test]
 fn a_leading_slash_of_a_frame_name_is_ignored() {
-    let fixture = fixture(&[]);
+    let fixture = fixture();
     fixture.python("latch('/tf_static', tf('/map', '/hand'))");
     fixture.python("latch('/eye/camera_info', info(frame='/hand'))");
     fixture.python("latch('/cloud', cloud(0xff0000, '/map'))");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and viewer.last.header.frame_id == '/hand'");
     fixture.python("latch('/cloud', cloud(0x00ff00, 'hand'))");
     fixture.wait_for("viewer.middle() == (0, 255, 0)");
-}
-
-#[test]
-fn the_fixed_frame_can_be_chosen_on_the_command_line() {
-    // There is no frame `map`, which the config names.
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["-f", "/world"]).unwrap();
-    fixture.python("latch('/tf_static', tf('world', 'eye', xyz=(5, 0, 0)))");
-    fixture.python("latch('/eye/camera_info', info())");
-    fixture.python("latch('/cloud', cloud(0xff0000, 'world', points=((5, 0, 2),)))");
-    fixture.python("viewer = Viewer('/view/image')");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
 
 #[test]

@@ -53,14 +53,6 @@ fn damaged_jpegs_are_logged_and_neither_end_the_node_nor_stop_the_image() {
 }
 
 #[test]
-fn a_display_whose_frame_is_missing_is_logged() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
-    let warnings = || fixture.log_lines(&["WARN", "display cloud", "Frame [lost] does not exist"]);
-    assert!(wait_until(PATIENCE, || warnings() == 1), "{}", fixture.log());
-}
-
-#[test]
 fn an_unknown_display_class_is_logged_and_the_other_displays_are_drawn() {
     let displays = [
         "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}",
@@ -74,21 +66,4 @@ fn an_unknown_display_class_is_logged_and_the_other_displays_are_drawn() {
         .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     assert_eq!(fixture.log_lines(&["WARN", "scene.rviz", "line 4", "fancy_plugins/Hologram"]), 1, "{}", fixture.log());
-}
-
-#[test]
-fn several_cameras_render_one_scene() {
-    let camera = |name, image, info, background| CameraPub { name, image, info, background, ..CameraPub::default() };
-    let cameras = [
-        CameraPub { namespace: "left", ..camera("Left", "/left/image", "/left/lens", "9; 0; 0") },
-        CameraPub { namespace: "right", ..camera("Right", "/right/image", "/right/lens", "0; 9; 0") },
-    ];
-    let fixture = RosFixture::start(&config(&[CLOUD], &cameras), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/left/lens', info()); latch('/right/lens', info(width=80, height=20))");
-    fixture.python("viewer = Viewer('/left/image'); right = Viewer('/right/image')");
-    fixture.wait_for("viewer.middle() == (9, 0, 0) and right.middle() == (0, 9, 0)");
-    fixture.python("latch('/cloud', cloud(0x0000ff))");
-    fixture.wait_for("viewer.middle() == (0, 0, 255) and right.middle() == (0, 0, 255)");
-    assert_eq!(fixture.python("(viewer.last.width, right.last.width)"), "(64, 80)");
 }
