@@ -37,6 +37,48 @@ const RED: &str = "viewer.middle() == (255, 0, 0)";
 const BLUE: &str = "viewer.middle() == (0, 0, 255)";
 const MARKERS: &str = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
 
+/// What an operator does with a node without arguments, each from a red wall.
+const SCENARIOS: [fn(&RosFixture); 4] = [
+    a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one,
+    diagnostics_say_who_has_set_what,
+    each_new_image_has_a_record_that_joins_it,
+    a_script_shows_cues_and_one_that_is_not_possible_changes_nothing,
+];
+
+/// The same with a window on a screen.
+const SCENARIOS_OF_A_WINDOW: [fn(&RosFixture, &Screen); 4] = [
+    the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it,
+    test_images_come_one_after_the_other_and_then_the_scene,
+    the_record_of_an_image_in_a_window_comes_when_the_x_server_has_it,
+    // Its markers stay.
+    a_blackout_does_not_wait_for_the_scene_that_is_being_drawn,
+];
+
+/// Takes back what a scenario has set, and waits for the wall.
+const BACK: &str = "blackout(False); pause(False); viewer.forget(); latch('/cloud', wall(0xff0000))";
+
+#[test]
+fn an_operator_is_obeyed() {
+    let fixture = fixture(&[]);
+    for scenario in SCENARIOS {
+        fixture.python(BACK);
+        fixture.wait_for(RED);
+        scenario(&fixture);
+    }
+}
+
+#[test]
+fn an_operator_is_obeyed_in_a_window() {
+    let screen = Screen::start();
+    let fixture = with_window(&screen, &[]);
+    for scenario in SCENARIOS_OF_A_WINDOW {
+        fixture.python(BACK);
+        assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+        fixture.wait_for(RED);
+        scenario(&fixture, &screen);
+    }
+}
+
 fn fixture(args: &[&str]) -> RosFixture {
     let fixture = RosFixture::start(&config(&[CLOUD, MARKERS], &[CameraPub::default()]), args).unwrap();
     fixture.python(WALL);
@@ -65,10 +107,7 @@ fn is_red(screen: &Screen) -> bool {
     screen.pixels().chunks_exact(3).all(|pixel| *pixel == [255, 0, 0])
 }
 
-#[test]
-fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one() {
-    let fixture = fixture(&[]);
-    fixture.wait_for(RED);
+fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one(fixture: &RosFixture) {
     assert_eq!(fixture.python("blackout(True)"), "(True, 'all cameras are black')");
     fixture.wait_for("is_black()");
     fixture.python("viewer.forget(); latch('/cloud', wall(0x0000ff))");
@@ -86,26 +125,20 @@ fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_on
     fixture.wait_for_log(&format!("all cameras: blackout off by {caller}")).unwrap();
 }
 
-#[test]
-fn diagnostics_say_who_has_set_what() {
-    let fixture = fixture(&[]);
+fn diagnostics_say_who_has_set_what(fixture: &RosFixture) {
     fixture.python("topic = '/diagnostics'");
     fixture.python(MONITOR);
-    fixture.wait_for(RED);
     let caller = fixture.python("rospy.get_name()");
     fixture.python("blackout(True); pause(True); trigger('/camera_stream/test_picture')");
     fixture.wait_for(format!("values('camera_stream: CameraPub').get('Dark', '').endswith('blackout by {caller}')"));
     fixture.wait_for(format!("'paused by {caller}' in values('camera_stream: CameraPub').get('Pause', '')"));
     fixture.wait_for(format!("'{caller}' in values('camera_stream: Global Status').get('Blackout', '')"));
     fixture.wait_for("'name' in values('camera_stream: Global Status').get('Test picture', '')");
+    fixture.python("while trigger('/camera_stream/test_picture')[1] != 'the scene': pass");
 }
 
-#[test]
-fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn() {
-    let screen = Screen::start();
-    let fixture = with_window(&screen, &[]);
+fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn(fixture: &RosFixture, screen: &Screen) {
     fixture.python(MANY);
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
     // Markers behind the wall, which are placed again and again.
     fixture.python(CROWD);
     fixture.python("array = crowd(100000, Marker.ARROW)");
@@ -113,16 +146,16 @@ fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn() {
     for _ in 0..5 {
         fixture.python("viewer.forget(); begun = time.time(); blackout(True)");
         let took: f64 = fixture.python("time.time() - begun").parse().unwrap();
-        assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
+        assert!(wait_until(PATIENCE, || is_black(screen)), "{}", fixture.log());
         fixture.wait_for("is_black()");
         let black = fixture.python("[i[0] for i in viewer.images][-1] - begun");
         println!("answered after {took:.3} s, black on the topic after {black} s");
         fixture.python("viewer.forget()");
         std::thread::sleep(Duration::from_millis(300));
-        assert!(is_black(&screen));
+        assert!(is_black(screen));
         assert_eq!(fixture.python("viewer.colors in ([], [(0, 0, 0)])"), "True", "nothing that was begun before");
         fixture.python("blackout(False)");
-        assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+        assert!(wait_until(PATIENCE, || is_red(screen)), "{}", fixture.log());
         fixture.wait_for(RED);
     }
 }
@@ -151,24 +184,20 @@ fn a_cameras_switch_blacks_out_that_camera_and_the_service_releases_it() {
     fixture.wait_for(BLUE);
 }
 
-#[test]
-fn the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it() {
-    let screen = Screen::start();
-    let fixture = with_window(&screen, &[]);
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
-    screen.press_until_logged(&fixture, "b", "camera CameraPub: blackout on by key b");
+fn the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it(fixture: &RosFixture, screen: &Screen) {
+    screen.press_until_logged(fixture, "b", "camera CameraPub: blackout on by key b");
     fixture.wait_for("is_black()");
-    assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || is_black(screen)), "{}", fixture.log());
     (0..3).for_each(|_| screen.press("b"));
     std::thread::sleep(Duration::from_millis(300));
-    assert!(is_black(&screen), "black is no toggle");
+    assert!(is_black(screen), "black is no toggle");
     fixture.python("blackout(True)");
-    screen.press_until_logged(&fixture, "shift+l", "camera CameraPub: blackout off by key Shift+L");
+    screen.press_until_logged(fixture, "shift+l", "camera CameraPub: blackout off by key Shift+L");
     std::thread::sleep(Duration::from_millis(300));
-    assert!(is_black(&screen) && fixture.python("is_black()") == "True", "the service holds");
-    screen.press_until_logged(&fixture, "b", "camera CameraPub: blackout on by key b");
+    assert!(is_black(screen) && fixture.python("is_black()") == "True", "the service holds");
+    screen.press_until_logged(fixture, "b", "camera CameraPub: blackout on by key b");
     fixture.python("blackout(False)");
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || is_red(screen)), "{}", fixture.log());
     fixture.wait_for(RED);
 }
 
@@ -316,11 +345,7 @@ fn masks_apply_to_paused_images_and_to_test_images() {
     fixture.wait_for("is_black()");
 }
 
-#[test]
-fn test_images_come_one_after_the_other_and_then_the_scene() {
-    let screen = Screen::start();
-    let fixture = with_window(&screen, &[]);
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+fn test_images_come_one_after_the_other_and_then_the_scene(fixture: &RosFixture, screen: &Screen) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("picture");
     for name in ["name", "border", "orientation", "grid", "checkerboard", "crosshair", "ramp"] {
@@ -333,7 +358,7 @@ fn test_images_come_one_after_the_other_and_then_the_scene() {
     }
     assert_eq!(fixture.python("trigger('/camera_stream/test_picture')"), "(True, 'the scene')");
     fixture.wait_for(RED);
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || is_red(screen)), "{}", fixture.log());
 }
 
 /// Receives the records of what was shown.
@@ -345,10 +370,7 @@ def joined():
     stamps = {image[2] for image in viewer.images}
     return [record.source for record in records if record.header.stamp.to_sec() in stamps]";
 
-#[test]
-fn each_new_image_has_a_record_that_joins_it() {
-    let fixture = fixture(&[]);
-    fixture.wait_for(RED);
+fn each_new_image_has_a_record_that_joins_it(fixture: &RosFixture) {
     fixture.python(RECORDS);
     fixture.wait_for("recorder.get_num_connections() == 1");
     fixture.python("viewer.forget(); latch('/cloud', wall(0x0000ff, rospy.Time(12, 34)))");
@@ -365,12 +387,7 @@ fn each_new_image_has_a_record_that_joins_it() {
     assert_eq!(fixture.python("len(records)"), count);
 }
 
-#[test]
-fn the_record_of_an_image_in_a_window_comes_when_the_x_server_has_it() {
-    let screen = Screen::start();
-    let fixture = with_window(&screen, &[]);
-    assert!(wait_until(PATIENCE, || is_red(&screen)), "{}", fixture.log());
-    fixture.wait_for(RED);
+fn the_record_of_an_image_in_a_window_comes_when_the_x_server_has_it(fixture: &RosFixture, screen: &Screen) {
     fixture.python(RECORDS);
     fixture.wait_for("recorder.get_num_connections() == 1");
     screen.signal("STOP");
@@ -448,11 +465,8 @@ shown = []
 listener = rospy.Subscriber('/camera_stream/cue', String, lambda message: shown.append(message.data))
 asking = rospy.Publisher('/camera_stream/set_cue', String, queue_size=10)";
 
-#[test]
-fn a_script_shows_cues_and_one_that_is_not_possible_changes_nothing() {
-    let fixture = fixture(&[]);
+fn a_script_shows_cues_and_one_that_is_not_possible_changes_nothing(fixture: &RosFixture) {
     let file = fixture.config_file().with_extension("cues.yaml");
-    fixture.wait_for(RED);
     fixture.python(SETTINGS);
     fixture.python(SCRIPT);
     fixture.wait_for("shown == [''] and asking.get_num_connections() == 1");
@@ -460,7 +474,7 @@ fn a_script_shows_cues_and_one_that_is_not_possible_changes_nothing() {
     assert!(none.starts_with("(False, 'there are no cues"), "{none}");
     std::fs::write(&file, CUES).unwrap();
     let next = |fixture: &RosFixture| fixture.python("trigger('/camera_stream/next_cue')");
-    assert_eq!([next(&fixture), next(&fixture)], ["(True, 'both')", "(True, 'dim')"]);
+    assert_eq!([next(fixture), next(fixture)], ["(True, 'both')", "(True, 'dim')"]);
     fixture.wait_for("viewer.middle() == (102, 0, 0) and shown[-1] == 'dim'");
     assert_eq!(fixture.python("settings.get_configuration(300)['cue']"), "dim");
     fixture.python("asking.publish('nothing')");

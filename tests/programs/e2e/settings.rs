@@ -54,6 +54,24 @@ fn fixture(config: &str, args: &[&str]) -> RosFixture {
     fixture
 }
 
+/// What changes the file of a node that watches it, each from a red square on black; the last ends the node.
+const SCENARIOS: [fn(&mut RosFixture); 4] = [
+    saving_the_file_changes_the_image,
+    images_go_on_when_the_file_changes_while_the_master_hangs,
+    images_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake,
+    a_config_that_became_a_fifo_or_huge_is_refused_and_all_goes_on,
+];
+
+#[test]
+fn a_watched_file_is_followed() {
+    let mut fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+    for scenario in SCENARIOS {
+        fixture.rewrite(&config(&[CLOUD], &[camera()]));
+        fixture.wait_for(format!("corner() == {BLACK} and viewer.middle() == {RED}"));
+        scenario(&mut fixture);
+    }
+}
+
 #[test]
 fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() {
     let grouped = format!("{{Class: rviz/Group, Name: My sensors, Enabled: true, Displays: [{CLOUD}]}}");
@@ -196,9 +214,7 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     fixture.wait_for("c.get_configuration()['show_cloud']");
 }
 
-#[test]
-fn images_go_on_when_the_file_changes_while_the_master_hangs() {
-    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+fn images_go_on_when_the_file_changes_while_the_master_hangs(fixture: &mut RosFixture) {
     fixture.master.signal("STOP");
     // Another subscription, another topic and another service: all of it is for the master to know.
     let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
@@ -212,9 +228,7 @@ fn images_go_on_when_the_file_changes_while_the_master_hangs() {
     fixture.wait_for(format!("second.middle() == {RED}"));
 }
 
-#[test]
-fn images_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake() {
-    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+fn images_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake(fixture: &mut RosFixture) {
     fixture.python(HANGING);
     let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
     fixture.rewrite(&config(&[CLOUD, &other], &[blue()]));
@@ -244,9 +258,7 @@ fn a_file_that_cannot_be_read_changes_nothing() {
     assert_eq!(fixture.log_lines(&["the config changed"]), 0, "{}", fixture.log());
 }
 
-#[test]
-fn a_config_that_became_a_fifo_or_huge_is_refused_and_all_goes_on() {
-    let mut fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+fn a_config_that_became_a_fifo_or_huge_is_refused_and_all_goes_on(fixture: &mut RosFixture) {
     let file = fixture.config_file();
     let become_fifo = || {
         fs::remove_file(&file).unwrap();
@@ -284,9 +296,7 @@ fn a_config_from_a_pipe_is_read_at_the_start_only() {
     assert!(!log().contains("the config changed"), "{}", log());
 }
 
-#[test]
-fn saving_the_file_changes_the_image() {
-    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+fn saving_the_file_changes_the_image(fixture: &mut RosFixture) {
     fixture.python("before = connections('/cloud'), viewer_connections()");
     fixture.rewrite(&config(&[CLOUD], &[blue()]));
     fixture.wait_for(format!("corner() == {BLUE}"));

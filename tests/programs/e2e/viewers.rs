@@ -32,9 +32,38 @@ pub(crate) fn fixture_with(args: &[&str], environment: &[(&str, &str)]) -> RosFi
     fixture
 }
 
+/// What subscribes to the image of one node, the last of which ends the node.
+const SCENARIOS: [fn(&RosFixture, &Screen); 6] = [
+    rostopic_sees_the_image_its_rate_and_its_type,
+    rosbag_records_the_image_as_it_was_sent,
+    a_window_that_fails_unregisters_its_node,
+    the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen,
+    image_views_window_is_kept_full_screen_over_the_monitor,
+    the_projectors_window_becomes_black_when_the_node_is_killed,
+];
+
+/// What the projector's window shows of images that a test publishes.
+const SCENARIOS_OF_A_WINDOW: [fn(&RosMaster, &PythonNode, &Screen); 3] = [
+    black_images_and_none_beat_a_pause_of_the_projectors_window,
+    the_projectors_window_waits_for_its_monitor,
+    // Its parameter stays.
+    the_projectors_window_reads_compressed_images,
+];
+
 #[test]
-fn rostopic_sees_the_image_its_rate_and_its_type() {
-    let fixture = fixture();
+fn the_image_of_a_node_is_seen_recorded_and_shown() {
+    let (screen, fixture) = (Screen::start(), fixture());
+    SCENARIOS.iter().for_each(|scenario| scenario(&fixture, &screen));
+}
+
+#[test]
+fn the_projectors_window_shows_what_is_published() {
+    let (screen, master) = (Screen::start(), RosMaster::start().unwrap());
+    let python = PythonNode::start(&master, &[]).unwrap();
+    SCENARIOS_OF_A_WINDOW.iter().for_each(|scenario| scenario(&master, &python, &screen));
+}
+
+fn rostopic_sees_the_image_its_rate_and_its_type(fixture: &RosFixture, _: &Screen) {
     let printed = fixture.master.output("rostopic", &["type", "/view/image"]).unwrap();
     assert_eq!(printed.trim(), "sensor_msgs/Image");
     let printed = fixture.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
@@ -47,9 +76,7 @@ fn rostopic_sees_the_image_its_rate_and_its_type() {
     assert!(hz.line_with("average rate: ").is_some(), "{:?} {:?}", hz.lines(), hz.errors());
 }
 
-#[test]
-fn rosbag_records_the_image_as_it_was_sent() {
-    let fixture = fixture();
+fn rosbag_records_the_image_as_it_was_sent(fixture: &RosFixture, _: &Screen) {
     let folder = tempfile::tempdir().unwrap();
     let bag = folder.path().join("recorded.bag");
     let mut command = fixture.master.command("rosbag");
@@ -174,13 +201,10 @@ pub(crate) fn saved(python: &PythonNode, file: &Path) -> Vec<u8> {
     fs::read(file).unwrap()
 }
 
-#[test]
-fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen() {
-    let screen = Screen::start();
-    let fixture = fixture();
+fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen(fixture: &RosFixture, screen: &Screen) {
     let screenshot = screen.folder.path().join("screenshot.png");
     let mut window =
-        window(&fixture.master, &screen, &["image:=/view/image", "--screenshot", screenshot.to_str().unwrap()]);
+        window(&fixture.master, screen, &["image:=/view/image", "--screenshot", screenshot.to_str().unwrap()]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for(
         "viewer.last is not None and len({i[6] for i in viewer.images[-10:]}) == 1 and len(viewer.images) > 20",
@@ -200,13 +224,9 @@ fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen()
     assert_eq!(window.end("TERM").unwrap().code(), Some(0), "{:?}", window.errors());
 }
 
-#[test]
-fn the_projectors_window_waits_for_its_monitor() {
-    let screen = Screen::start();
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=bytes([255])))").unwrap();
-    let mut shown = window(&master, &screen, &["image:=/image", "--monitor", "HDMI-9"]);
+fn the_projectors_window_waits_for_its_monitor(master: &RosMaster, python: &PythonNode, screen: &Screen) {
+    python.run("latch('/pixel', Image(width=1, height=1, encoding='mono8', step=1, data=bytes([255])))").unwrap();
+    let mut shown = window(master, screen, &["image:=/pixel", "--monitor", "HDMI-9"]);
     let is_told = || shown.errors().iter().any(|line| line.contains("no monitor 'HDMI-9'; monitors: 0: screen"));
     assert!(wait_until(PATIENCE, is_told), "{:?}", shown.errors());
     let mut xrandr = Command::new("xrandr");
@@ -216,13 +236,10 @@ fn the_projectors_window_waits_for_its_monitor() {
     assert_eq!(shown.end("TERM").unwrap().code(), Some(0), "{:?}", shown.errors());
 }
 
-#[test]
-fn a_window_that_fails_unregisters_its_node() {
-    let screen = Screen::start();
-    let fixture = fixture();
+fn a_window_that_fails_unregisters_its_node(fixture: &RosFixture, screen: &Screen) {
     let nodes = || fixture.master.output("rosnode", &["list"]).unwrap();
     let mut window =
-        window(&fixture.master, &screen, &["image:=/view/image", "--screenshot", "/nowhere/at/all/screenshot.png"]);
+        window(&fixture.master, screen, &["image:=/view/image", "--screenshot", "/nowhere/at/all/screenshot.png"]);
     let status = window.wait(PATIENCE);
     assert_eq!(status.and_then(|status| status.code()), Some(1), "{:?}", window.errors());
     assert!(
@@ -261,12 +278,10 @@ fn windows_on_an_x_server_that_hangs_end_and_unregister() {
     screen.signal("CONT");
 }
 
-#[test]
-fn the_projectors_window_becomes_black_when_the_node_is_killed() {
-    let screen = Screen::start();
-    let fixture = fixture();
-    let window = window(&fixture.master, &screen, &["image:=/view/image", "_stale_timeout:=1.0"]);
+fn the_projectors_window_becomes_black_when_the_node_is_killed(fixture: &RosFixture, screen: &Screen) {
     let has_light = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [10, 20, 200]);
+    assert!(wait_until(PATIENCE, || !has_light()), "the windows of before are gone");
+    let window = window(&fixture.master, screen, &["image:=/view/image", "_stale_timeout:=1.0"]);
     assert!(wait_until(PATIENCE, has_light), "{:?}", window.errors());
     fixture.node.signal("KILL");
     assert!(wait_until(PATIENCE, || screen.pixels().iter().all(|value| *value == 0)), "{:?}", window.errors());
@@ -274,18 +289,18 @@ fn the_projectors_window_becomes_black_when_the_node_is_killed() {
     assert!(wait_until(PATIENCE, is_logged), "{:?}", window.errors());
 }
 
-#[test]
-fn black_images_and_none_beat_a_pause_of_the_projectors_window() {
-    let screen = Screen::start();
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
+fn black_images_and_none_beat_a_pause_of_the_projectors_window(
+    master: &RosMaster,
+    python: &PythonNode,
+    screen: &Screen,
+) {
     python
         .run(
             "level = [b'\\xff']\ndef picture(): return Image(width=640, height=360, encoding='mono8', step=640, \
              data=level[0] * 640 * 360)\nstream = PublishRepeatedly(20, lambda i: picture(), '/image')",
         )
         .unwrap();
-    let window = window(&master, &screen, &["image:=/image", "--stale-timeout", "1"]);
+    let window = window(master, screen, &["image:=/image", "--stale-timeout", "1"]);
     let level = || screen.pixels()[0];
     assert!(wait_until(PATIENCE, || level() == 255), "{:?}", window.errors());
     let log = || window.lines().join(" ") + &window.errors().join(" ");
@@ -305,12 +320,8 @@ fn black_images_and_none_beat_a_pause_of_the_projectors_window() {
     assert!(wait_until(PATIENCE, || level() == 0), "{}", log());
 }
 
-#[test]
-fn the_projectors_window_reads_compressed_images() {
-    let screen = Screen::start();
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let window = window(&master, &screen, &["image:=/photos", "_image_transport:=compressed"]);
+fn the_projectors_window_reads_compressed_images(master: &RosMaster, python: &PythonNode, screen: &Screen) {
+    let window = window(master, screen, &["image:=/photos", "_image_transport:=compressed"]);
     python.run("import io; from PIL import Image as Photo; from sensor_msgs.msg import CompressedImage").unwrap();
     python.run(format!("photo = Photo.linear_gradient('L').resize(({WIDTH_PX}, {HEIGHT_PX})).convert('RGB')")).unwrap();
     let send = |format: &str, photo: &str| {
@@ -338,15 +349,12 @@ fn the_projectors_window_reads_compressed_images() {
     assert!(wait_until(PATIENCE, is_told), "{:?}", window.errors());
 }
 
-#[test]
-fn image_views_window_is_kept_full_screen_over_the_monitor() {
+fn image_views_window_is_kept_full_screen_over_the_monitor(fixture: &RosFixture, screen: &Screen) {
     const TITLE: &str = "picture of the projector";
-    let screen = Screen::start();
-    let fixture = fixture();
     let mut command = fixture.master.environment(Command::new(repository().join("ros_pkg/nodes/image_view_anywhere")));
     command.env("DISPLAY", &screen.display).args(["image:=/view/image", &format!("_window_name:={TITLE}")]);
     let viewer = Running::start(&mut command).unwrap();
-    let keeper = window(&fixture.master, &screen, &["--place", TITLE, "--monitor", "0"]);
+    let keeper = window(&fixture.master, screen, &["--place", TITLE, "--monitor", "0"]);
     let wmctrl = |args: &[&str]| {
         let output = Command::new("wmctrl").args(args).env("DISPLAY", &screen.display).output().unwrap();
         String::from_utf8(output.stdout).unwrap()
