@@ -115,8 +115,13 @@ fn a_small_motion_of_any_samples_is_refused() {
 #[test]
 fn two_scans_in_one_are_refused_even_with_noisy_depth() {
     for seed in 0..3 {
-        let simulation = Simulation { depth_noise_m: 0.003, ..Simulation::new(seed) };
-        for change in [Change { degrees: 0.1, ..NONE }, Change { shift_m: 0.002, ..NONE }] {
+        let changes = [
+            (Change { degrees: 0.1, ..NONE }, 0.003),
+            (Change { shift_m: 0.002, ..NONE }, 0.003),
+            (Change { degrees: 0.05, ..NONE }, 0.0004),
+        ];
+        for (change, depth_noise_m) in changes {
+            let simulation = Simulation { depth_noise_m, ..Simulation::new(seed) };
             let refused = solve(&changed(&simulation, change, Which::Last(0.4)), &options()).unwrap_err();
             let Refusal::TwoPoses { is_in_order: true, second_percent, .. } = refused else {
                 panic!("{seed} {change:?}: {refused}");
