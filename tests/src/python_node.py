@@ -93,11 +93,17 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
     return TFMessage([transform])
 
 
-def written(message):
-    """A message serialised once, for large ones that are sent very often."""
+def serialized(message):
+    """A message's bytes."""
     buffer = io.BytesIO()
     message.serialize(buffer)
-    return type("Written", (type(message),), {"serialize": lambda _, buff: buff.write(buffer.getvalue())})()
+    return buffer.getvalue()
+
+
+def written(message, data=None):
+    """A message serialised once, for large ones that are sent very often, or of its type with the bytes that are given."""
+    data = data or serialized(message)
+    return type("Written", (type(message),), {"serialize": lambda _, buff: buff.write(data)})()
 
 
 class PublishRepeatedly(threading.Thread):

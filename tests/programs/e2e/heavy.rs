@@ -46,10 +46,9 @@ const HEAVY: &str = "import numpy\n\
      def of_points(kind, places, size=0.01, alpha=1):\n    \
          marker = Marker(header=Header(frame_id='map'), ns='heavy', type=kind, pose=Pose(orientation=Quaternion(0, 0, 0, 1)), \
              scale=Vector3(size, size, size), color=ColorRGBA(0, 1, .5, alpha), points=[Point(1, 2, 3)])\n    \
-         same, one = written(marker), struct.pack('<I3d', 1, 1, 2, 3)\n    \
-         assert same.bytes.count(one) == 1\n    \
-         same.bytes = same.bytes.replace(one, struct.pack('<I', len(places)) + places.astype('<f8').tobytes())\n    \
-         return same\n\
+         data, one = serialized(marker), struct.pack('<I3d', 1, 1, 2, 3)\n    \
+         assert data.count(one) == 1\n    \
+         return written(marker, data.replace(one, struct.pack('<I', len(places)) + places.astype('<f8').tobytes()))\n\
      none = cloud(0, points=[])\n\
      no_marker = Marker(action=Marker.DELETEALL)\n\
      def shown():\n    \
