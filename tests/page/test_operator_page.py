@@ -373,6 +373,12 @@ class OperatorPage(unittest.TestCase):
             self.page.press(button)
             self.wait(lambda: 'cannot write' in self.page.text('#failure'), f'{button}: the failure is not shown')
 
+    def test_the_first_image_takes_its_caption_away(self):
+        caption = '''const screen = document.querySelector(".screen");
+            return screen && screen.querySelector("canvas").width > 16 ? [screen.querySelector(".caption").textContent] : null;'''
+        self.page.reload()
+        self.assertEqual([''], self.wait(lambda: self.page.run(caption), 'there is no image'))
+
     def test_the_image_is_live_and_masks_are_hatched(self):
         self.wait(lambda: self.page.text('.masked') == 'hatched: no light', 'the mask is not shown')
         hatched = '''const canvas = document.querySelectorAll(".screen canvas")[1];

@@ -55,10 +55,13 @@ function makeScreen(name) {
   const imageContext = image.getContext('2d', { alpha: false });
   const hatchingContext = hatching.getContext('2d', { willReadFrequently: true });
   let hasImage = false;
+  let dark = null;
+  const tell = () => setText(caption, dark ?? (hasImage ? '' : 'no image yet'));
 
   async function showImage(head, bytes) {
     const bitmap = await decode(head, bytes);
     hasImage = true;
+    tell();
     if (image.width !== bitmap.width || image.height !== bitmap.height) {
       image.width = bitmap.width;
       image.height = bitmap.height;
@@ -96,9 +99,13 @@ function makeScreen(name) {
     imageContext.clearRect(0, 0, image.width, image.height);
     hatchingContext.clearRect(0, 0, hatching.width, hatching.height);
     setText(masked, '');
+    tell();
   }
 
-  const update = (camera) => setText(caption, camera.dark ?? (hasImage ? '' : 'no image yet'));
+  function update(camera) {
+    dark = camera.dark;
+    tell();
+  }
   return { node, update, clear, image: showImage, mask: showMask };
 }
 
