@@ -37,7 +37,7 @@ const RED: &str = "viewer.middle() == (255, 0, 0)";
 const BLUE: &str = "viewer.middle() == (0, 0, 255)";
 const MARKERS: &str = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
 
-/// What an operator does with a node without arguments, each from a red wall.
+/// An operator's scenarios on a node without arguments, each from a red wall.
 const SCENARIOS: [fn(&RosFixture); 4] = [
     a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_one,
     diagnostics_say_who_has_set_what,
@@ -45,7 +45,7 @@ const SCENARIOS: [fn(&RosFixture); 4] = [
     a_script_shows_cues_and_one_that_is_not_possible_changes_nothing,
 ];
 
-/// The same with a window on a screen.
+/// Scenarios of an operator whose node has a window on a screen.
 const SCENARIOS_OF_A_WINDOW: [fn(&RosFixture, &Screen); 4] = [
     the_key_of_a_window_blacks_out_its_camera_and_the_service_releases_it,
     test_images_come_one_after_the_other_and_then_the_scene,

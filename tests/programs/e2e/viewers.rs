@@ -42,7 +42,7 @@ const SCENARIOS: [fn(&RosFixture, &Screen); 6] = [
     the_projectors_window_becomes_black_when_the_node_is_killed,
 ];
 
-/// What the projector's window shows of images that a test publishes.
+/// Scenarios of the projector's window, which shows images that a test publishes.
 const SCENARIOS_OF_A_WINDOW: [fn(&RosMaster, &PythonNode, &Screen); 3] = [
     black_images_and_none_beat_a_pause_of_the_projectors_window,
     the_projectors_window_waits_for_its_monitor,
