@@ -28,7 +28,8 @@ const SPACING_PX: u32 = 1;
 const MOST_FONT_BYTES: u64 = 64 << 20;
 
 /// Paths of rviz's font: in ROS installations, and on Debian, whose rviz uses the system's.
-const RVIZ_FONTS: [&str; 4] = [
+const RVIZ_FONTS: [&str; 5] = [
+    "/opt/ros/one/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
     "/opt/ros/noetic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
     "/opt/ros/melodic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
     "/usr/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",

@@ -107,6 +107,7 @@ fn a_projection_that_is_well_has_no_fault() {
     let args = ["-d", file, "--window", MONITOR, "--stale-timeout", "1", "--listen", "3"];
     let run = Run::new(&fixture.master, Some(&screen.display), &args);
     let lines = [
+        "✓ distribution: ",
         "✓ master: http://127.0.0.1:",
         "✓ clocks: offsets of stamps: 127.0.0.1 ",
         "✓ camera_info: 640x360, frame eye",

@@ -1,7 +1,7 @@
-//! `camera_stream doctor`: goes down the chain from the master to the light, and says what is wrong and what to do.
+//! `camera_stream doctor`: goes down the chain from the distribution to the light, and says what is wrong and what to do.
 //!
 //! ```text
-//!  graph: master, clocks ─► camera: CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
+//!  distribution ─► graph: master, clocks ─► camera: CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
 //! ```
 //!
 //! It listens as `check --live` does and to the images as well, then each file makes one group of
@@ -9,6 +9,7 @@
 
 mod camera;
 mod displays;
+mod distribution;
 mod exposure;
 pub(crate) mod finding;
 mod graph;
@@ -64,6 +65,7 @@ pub(crate) fn run(
     out: &mut dyn Write,
 ) -> Result<Verdict> {
     let mut report = Report { out, is_coloured: is_coloured(), findings: Vec::new(), error: None };
+    report.add([distribution::distribution()]);
     let has_master = match Session::connect() {
         Ok(session) => {
             let examined = examine(&session, config, words, args, &mut report);
