@@ -24,7 +24,7 @@ class Distribution:
     package: str
     prefix: str
     python: str
-    # The name in the changelog.
+    # The name in the changelog: the oldest that it is for.
     suite: str
     # For /opt/ros/DISTRO: what the packages' names begin with. Debian's own have none in common.
     name_prefix: str = ''
@@ -53,5 +53,7 @@ class Distribution:
 DISTRIBUTIONS = [
     Distribution('ros-melodic-rviz-camera-stream', '/opt/ros/melodic', '/usr/bin/python2', 'bionic', 'ros-melodic-'),
     Distribution('ros-noetic-rviz-camera-stream', '/opt/ros/noetic', '/usr/bin/python3', 'focal', 'ros-noetic-'),
+    # ROS-O, for Ubuntu 22.04 and newer.
+    Distribution('ros-one-rviz-camera-stream', '/opt/ros/one', '/usr/bin/python3', 'jammy', 'ros-one-'),
     Distribution('ros-rviz-camera-stream', '/usr', '/usr/bin/python3', 'bookworm'),
 ]

@@ -67,14 +67,13 @@ fn linked_by_the_readme() -> Vec<String> {
 #[test]
 fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
     let (built, output) = (stand_in(VERSION), tempfile::tempdir().unwrap());
-    let all =
-        "--only ros-melodic-rviz-camera-stream --only ros-noetic-rviz-camera-stream --only ros-rviz-camera-stream";
-    make(built.path(), output.path(), all);
     for (name, prefix, dependency, python) in [
         ("ros-melodic-rviz-camera-stream", "/opt/ros/melodic", "ros-melodic-roslaunch", "#!/usr/bin/python2"),
         ("ros-noetic-rviz-camera-stream", "/opt/ros/noetic", "ros-noetic-roslaunch", "#!/usr/bin/python3"),
+        ("ros-one-rviz-camera-stream", "/opt/ros/one", "ros-one-roslaunch", "#!/usr/bin/python3"),
         ("ros-rviz-camera-stream", "/usr", "python3-roslaunch", "#!/usr/bin/python3"),
     ] {
+        make(built.path(), output.path(), &format!("--only {name}"));
         let package = output.path().join(format!("{name}_{VERSION}-1_amd64.deb"));
         let paths = paths(&package);
         let has = |path: &str| assert!(paths.iter().any(|found| found == path), "{name}: no {path} in {paths:#?}");
