@@ -33,7 +33,7 @@ unset rviz_camera_stream_folder
 '''
 
 
-def stage(built, folder, name, licences):
+def stage(built, folder, name, licences, materials):
     """Installs everything below `folder`/`name` and returns that."""
     install(built, f'/{name}', '/usr/bin/python3', folder)
     tree = Path(folder) / name
@@ -47,6 +47,7 @@ def stage(built, folder, name, licences):
     install_help(built, tree / 'share', 'zsh/site-functions')
     copy_pages(tree / 'share/doc' / PACKAGE)
     (tree / 'share/doc' / PACKAGE / 'third_party_licences.txt').write_text(licences)
+    (tree / 'share/doc' / PACKAGE / 'sbom.cdx.json').write_text(materials)
     return tree
 
 
