@@ -10,6 +10,7 @@ mod files;
 mod launch;
 mod options;
 mod packages;
+mod published;
 mod setup;
 mod test_command;
 mod tutorials;
