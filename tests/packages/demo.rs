@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use rcs_tests::programs::repository;
 use rcs_tests::ros::{wait_until, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{Setup, CLOUD};
 
 use crate::files::pixels;
 use crate::{bash, bash_command, printed_by, processors, succeed};
@@ -104,10 +104,8 @@ fn a_hand_in_the_light_is_lit_only_without_a_surface() {
 
 #[test]
 fn the_latency_of_clouds_that_another_node_replaces_is_not_measured() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python(
-        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info(width=640, height=480, f=500.0))",
-    );
+    let fixture = Setup::of(&[CLOUD]).start();
+    fixture.python("place_camera(width=640, height=480, f=500.0)");
     fixture.python(
         "edge = cloud(0xff0000, points=[(0, 0.3, 1)]); repeated = PublishRepeatedly(20, lambda i: edge, '/cloud')",
     );

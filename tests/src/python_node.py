@@ -12,12 +12,15 @@ import traceback
 import zlib
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 publishers = {}
+arrays, known = [], {}
+viewer = monitor_subscriber = None
 # What rospy prints must not come between the answers.
 answers, sys.stdout = sys.stdout.buffer, sys.stderr
 
@@ -91,6 +94,46 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
     t.x, t.y, t.z = xyz
     r.x, r.y, r.z, r.w = q
     return TFMessage([transform])
+
+
+def place_camera(**fields):
+    """Publishes where the camera `eye` is, and its CameraInfo."""
+    latch("/tf_static", tf("map", "eye"))
+    latch("/eye/camera_info", info(**fields))
+
+
+def show(color=0xFF0000, topic="/view/image", **fields):
+    """Publishes the camera and a cloud of one point before it, and watches its image as `viewer`."""
+    global viewer
+    place_camera(**fields)
+    latch("/cloud", cloud(color))
+    viewer = Viewer(topic)
+
+
+def monitor(topic="/diagnostics"):
+    """Keeps arrivals, stamps and names of diagnostics, and the last (level, message, hardware, values) of each name."""
+    global monitor_subscriber
+    monitor_subscriber = rospy.Subscriber(topic, DiagnosticArray, note)
+
+
+def note(array):
+    arrays.append((time.time(), array.header.stamp.to_sec(), [status.name for status in array.status]))
+    for status in array.status:
+        level = ord(status.level) if isinstance(status.level, bytes) else status.level
+        pairs = {value.key: value.value for value in status.values}
+        known[status.name] = (level, status.message, status.hardware_id, pairs)
+
+
+def level(name):
+    return known[name][0] if name in known else None
+
+
+def message(name):
+    return known[name][1] if name in known else None
+
+
+def values(name):
+    return known[name][3] if name in known else {}
 
 
 def serialized(message):

@@ -1,7 +1,7 @@
 //! A rospy node that a test controls: it runs the Python code that the test sends, which publishes, subscribes and
 //! calls services.
 //!
-//! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `Viewer`...) are in `python_node.py`.
+//! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `show`, `monitor`, `Viewer`...) are in `python_node.py`.
 
 use crate::ros::{wait_until, RosMaster};
 use std::fmt::Display;
@@ -13,22 +13,6 @@ use std::time::Duration;
 use rcs_process::lock;
 
 const SCRIPT: &str = include_str!("python_node.py");
-
-/// Python that subscribes to the diagnostics on the topic `topic` and keeps arrivals, stamps and the last status of
-/// each name as (level, message, hardware, values).
-pub const MONITOR: &str = "
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-arrays, known = [], {}
-def note(array):
-    arrays.append((time.time(), array.header.stamp.to_sec(), [status.name for status in array.status]))
-    for status in array.status:
-        values = {value.key: value.value for value in status.values}
-        known[status.name] = (ord(status.level) if isinstance(status.level, bytes) else status.level, status.message, status.hardware_id, values)
-monitor = rospy.Subscriber(topic, DiagnosticArray, note)
-def level(name): return known[name][0] if name in known else None
-def message(name): return known[name][1] if name in known else None
-def values(name): return known[name][3] if name in known else {}
-";
 
 /// A rospy node. It ends when this is dropped.
 #[derive(Debug)]

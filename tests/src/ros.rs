@@ -53,11 +53,7 @@ pub fn free_port() -> io::Result<u16> {
     Err(io::Error::other("no port is free"))
 }
 
-/// Where ROS's programs are: a sourced installation's, or Debian's.
-fn program(name: &str) -> PathBuf {
-    installed(&Path::new("bin").join(name))
-}
-
+/// Where a file of ROS is: in a sourced installation, or Debian's.
 fn installed(path: &Path) -> PathBuf {
     let sourced = std::env::var("CMAKE_PREFIX_PATH").unwrap_or_default();
     let places = sourced.split(':').filter(|place| !place.is_empty()).chain(["/usr"]);
@@ -129,7 +125,12 @@ impl RosMaster {
 
     /// A program of ROS that uses this master.
     pub fn command(&self, name: &str) -> Command {
-        self.environment(Command::new(program(name)))
+        self.environment(Command::new(installed(&Path::new("bin").join(name))))
+    }
+
+    /// One of the project's programs, as built, that uses this master.
+    pub fn program(&self, name: &str) -> Command {
+        self.environment(Command::new(crate::programs::program(name)))
     }
 
     /// Sets the environment of any program so that it uses this master.
@@ -219,6 +220,15 @@ impl Running {
             found.is_some()
         });
         found
+    }
+
+    /// Waits for a line on its standard error with all of these texts.
+    ///
+    /// # Panics
+    /// When there is none in time.
+    pub fn wait_for_error(&self, texts: &[&str]) {
+        let is_said = || lock(&self.errors).iter().any(|line| texts.iter().all(|text| line.contains(text)));
+        assert!(wait_until(PATIENCE, is_said), "{texts:?}: {:?}", self.errors());
     }
 
     /// Waits until more lines contain `text` than now; false when none comes.

@@ -1,6 +1,5 @@
 //! What most end-to-end tests start: a master of their own, a Python node that the test controls, and `camera_stream`.
 
-use crate::programs::program;
 use crate::python_node::PythonNode;
 use crate::ros::{RosMaster, Running, PATIENCE, PROMPT};
 use std::fmt::Write as _;
@@ -62,6 +61,19 @@ pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
     text + "  Enabled: true\n  Global Options: {Fixed Frame: map, Frame Rate: 30}\n"
 }
 
+/// A master, and a Python node that has run this code.
+///
+/// # Panics
+/// When one of them does not start, or the code fails.
+pub fn master_and_python(code: impl std::fmt::Display) -> (RosMaster, PythonNode) {
+    let start = || {
+        let master = RosMaster::start()?;
+        let python = PythonNode::start(&master, &[])?;
+        python.run(code).map(|_| (master, python))
+    };
+    start().unwrap_or_else(|error| fail(&error))
+}
+
 /// Names the renderer of all nodes of these tests: `cpu` (the default), `gpu` or `auto`.
 const RENDERER: &str = "RCS_RENDERER";
 
@@ -80,47 +92,103 @@ pub struct RosFixture {
     folder: PathBuf,
 }
 
-impl RosFixture {
-    /// Starts a master, a Python node and `camera_stream` with a config and more arguments, and waits until
-    /// `camera_stream` is ready.
+/// A node to be started on a master of its own, beside a Python node: its config, arguments and environment.
+#[derive(Clone, Debug)]
+pub struct Setup<'a> {
+    config: String,
+    args: Vec<&'a str>,
+    environment: Vec<(&'a str, &'a str)>,
+    is_time_simulated: bool,
+}
+
+impl<'a> Setup<'a> {
+    /// A node with these displays and the default camera.
+    pub fn of(displays: &[&str]) -> Self {
+        Self::with_cameras(displays, &[CameraPub::default()])
+    }
+
+    /// A node with these displays and cameras.
+    pub fn with_cameras(displays: &[&str], cameras: &[CameraPub]) -> Self {
+        Self::with_config(config(displays, cameras))
+    }
+
+    /// A node with the text of a config.
+    pub fn with_config(config: String) -> Self {
+        Self { config, args: Vec::new(), environment: Vec::new(), is_time_simulated: false }
+    }
+
+    /// Adds arguments.
+    pub fn args(mut self, args: &[&'a str]) -> Self {
+        self.args.extend(args);
+        self
+    }
+
+    /// Has the node use an X server, and no other display server.
+    pub fn on_screen(mut self, display: &'a str) -> Self {
+        self.environment.extend([("DISPLAY", display), ("WAYLAND_DISPLAY", ""), ("WAYLAND_SOCKET", "")]);
+        self
+    }
+
+    /// Sets `/use_sim_time`, so that there is no time before the first `/clock`.
+    pub fn simulated_time(mut self) -> Self {
+        self.is_time_simulated = true;
+        self
+    }
+
+    /// Starts the master, the Python node and `camera_stream`, and waits until that is ready.
     ///
-    /// # Errors
+    /// # Panics
     /// When one of them does not start.
-    pub fn start(config: &str, args: &[&str]) -> io::Result<Self> {
-        let master = RosMaster::start()?;
+    pub fn start(&self) -> RosFixture {
+        let fixture = self.launch();
+        fixture.wait_for_log("drawing ").unwrap_or_else(|error| fail(&error));
+        fixture
+    }
+
+    /// Starts all of them as [`start`](Self::start), and neither waits for `camera_stream` nor expects it to live.
+    ///
+    /// # Panics
+    /// When a process cannot be started.
+    pub fn launch(&self) -> RosFixture {
+        RosMaster::start().and_then(|master| self.beside(master)).unwrap_or_else(|error| fail(&error))
+    }
+
+    /// Starts the Python node and `camera_stream` beside what a master has already, and does not wait.
+    ///
+    /// # Errors
+    /// When a process cannot be started.
+    pub fn beside(&self, master: RosMaster) -> io::Result<RosFixture> {
+        if self.is_time_simulated {
+            master.output("rosparam", &["set", "/use_sim_time", "true"])?;
+        }
         let python = PythonNode::start(&master, &[])?;
-        let fixture = Self::with(master, python, config, args)?;
-        fixture.wait_for_log("drawing ")?;
-        Ok(fixture)
-    }
-
-    /// Starts `camera_stream` beside a master, which may not run yet, and a Python node.
-    ///
-    /// # Errors
-    /// When it does not start.
-    pub fn with(master: RosMaster, python: PythonNode, config: &str, args: &[&str]) -> io::Result<Self> {
-        Self::with_environment(master, python, config, args, &[])
-    }
-
-    /// As [`with`](Self::with), with more environment variables.
-    ///
-    /// # Errors
-    /// When it does not start.
-    pub fn with_environment(
-        master: RosMaster,
-        python: PythonNode,
-        config: &str,
-        args: &[&str],
-        environment: &[(&str, &str)],
-    ) -> io::Result<Self> {
         let folder = std::env::temp_dir().join(format!("rcs_fixture_{}", master.uri().replace(['/', ':'], "")));
         fs::create_dir_all(&folder)?;
         let file = folder.join(CONFIG);
-        fs::write(&file, config)?;
-        let node = Running::start(&mut command(&master, &file, args, environment))?;
-        Ok(Self { node, python, master, folder })
+        fs::write(&file, &self.config)?;
+        let node = Running::start(&mut command(&master, &file, &self.args, &self.environment))?;
+        Ok(RosFixture { node, python, master, folder })
     }
 
+    /// Starts all, publishes a red cloud before the camera with the Python helper `show`, and waits until the viewer
+    /// `viewer` sees it in the middle of the image.
+    ///
+    /// # Panics
+    /// When it is not seen.
+    pub fn showing_red(&self) -> RosFixture {
+        let fixture = self.start();
+        fixture.python("show()");
+        fixture.wait_for("viewer.middle() == (255, 0, 0)");
+        fixture
+    }
+}
+
+#[expect(clippy::panic, reason = "a test cannot go on")]
+fn fail(error: &io::Error) -> ! {
+    panic!("{error}")
+}
+
+impl RosFixture {
     /// Starts `camera_stream` again, without arguments, after it has ended.
     ///
     /// # Errors
@@ -184,8 +252,7 @@ impl RosFixture {
     #[expect(clippy::panic, reason = "a test cannot go on")]
     pub fn wait_for(&self, python: impl std::fmt::Display) {
         if !self.python.wait_for(PATIENCE, &python) {
-            let received =
-                "(viewer.colors[-10:], viewer.images[-3:], viewer.infos[-3:]) if 'viewer' in globals() else None";
+            let received = "viewer and (viewer.colors[-10:], viewer.images[-3:], viewer.infos[-3:])";
             panic!("not true after {PATIENCE:?}: {python}; the viewer received {:?}", self.python.run(received));
         }
     }
@@ -225,7 +292,7 @@ impl RosFixture {
 
 /// `camera_stream` with a config and more arguments.
 fn command(master: &RosMaster, config: &Path, args: &[&str], environment: &[(&str, &str)]) -> Command {
-    let mut command = master.environment(Command::new(program("camera_stream")));
+    let mut command = master.program("camera_stream");
     command.envs(environment.iter().copied());
     let renderer = std::env::var(RENDERER).unwrap_or_else(|_| "cpu".to_owned());
     command.arg("-d").arg(config).args(args);

@@ -9,9 +9,8 @@ use rcs_calibration::Lens;
 use rcs_files::blend_file::BlendFile;
 use rcs_files::projector::ProjectorFile;
 use rcs_tests::programs::{program, repository};
-use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros::{Running, PATIENCE};
+use rcs_tests::ros_fixture::{config, master_and_python, CameraPub, Setup, CLOUD};
 
 const SIZE: [u32; 2] = [128, 80];
 
@@ -139,11 +138,8 @@ fn the_node_gives_its_images_their_share_in_linear_light() {
     let lifts: Vec<f32> = (0..64 * 48).map(|at| if at % 64 < 32 { 0.01 } else { 0.0 }).collect();
     BlendFile::new([64, 48], &weights, &lifts).write(&path).unwrap();
     let arg = format!("_blend:={}", path.display());
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[&arg]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
-    fixture.python("latch('/cloud', cloud(0xff0000))");
-    fixture.python("viewer = Viewer('/view/image')");
+    let fixture = Setup::of(&[CLOUD]).args(&[&arg]).start();
+    fixture.python("show()");
     // Half the light of 255, and of what is left over the lift, is the level 255 · (0.01 + 0.99 · 0.5)^(1 / 2.2).
     fixture.wait_for("viewer.last and viewer.pixel(40, 24) == (255, 0, 0) and viewer.pixel(24, 24) == (187, 31, 31)");
     assert_eq!(fixture.python("viewer.pixel(2, 2), viewer.pixel(60, 2)"), "((31, 31, 31), (0, 0, 0))");
@@ -166,15 +162,14 @@ fn nodes_that_know_nothing_of_each_other_light_the_live_surface_evenly() {
     let left = write_projector(folder.path(), "left", -0.5);
     // Its frame is placed by a file, and the frame of that on /tf only.
     let right = write_projector_in(folder.path(), "right", "stand", [0.0, 0.0, -1.0]);
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("wall = [(0.05 * x, 0.05 * y, 0) for x in range(-45, 46) for y in range(-25, 26)]").unwrap();
+    let (master, python) =
+        master_and_python("wall = [(0.05 * x, 0.05 * y, 0) for x in range(-45, 46) for y in range(-25, 26)]");
     python.run("PublishRepeatedly(5, lambda i: cloud(0xffffff, points=wall), '/cloud')").unwrap();
     python
         .run("PublishRepeatedly(20, lambda i: tf('map', 'stand', (0.5, 0, -1), stamp=rospy.Time.now()), '/tf')")
         .unwrap();
     let blended = master
-        .environment(Command::new(program("projector_blend")))
+        .program("projector_blend")
         .args([&left, &right, "--topic", "/cloud", "-o", &folder.path().display().to_string()])
         .output()
         .unwrap();
@@ -183,7 +178,7 @@ fn nodes_that_know_nothing_of_each_other_light_the_live_surface_evenly() {
     // Each projector has a machine of its own: another address, a node that publishes its file, and one that draws.
     let start = |name: &str, address: &str, file: &str, gamma: &str| {
         let on_machine = |program_name: &str| {
-            let mut command = master.environment(Command::new(program(program_name)));
+            let mut command = master.program(program_name);
             command.env("ROS_IP", address).arg(format!("__name:={name}_{program_name}"));
             command
         };
@@ -219,9 +214,8 @@ fn a_painted_mask_keeps_its_camera_dark_beside_the_weights() {
     let other = CameraPub { name: "other", image: "/other/image", ..CameraPub::default() };
     let args = [format!("_mask:=[{{camera: other, file: {mask}}}]"), format!("_blend:={blend}")];
     let args = args.each_ref().map(String::as_str);
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), other]), &args).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    let fixture = Setup::with_cameras(&[CLOUD], &[CameraPub::default(), other]).args(&args).start();
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff0000))");
     fixture.python("viewer, other = Viewer('/view/image'), Viewer('/other/image')");
     fixture
@@ -232,7 +226,6 @@ fn a_painted_mask_keeps_its_camera_dark_beside_the_weights() {
 
 #[test]
 fn weights_that_cannot_be_read_are_named() {
-    let output = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["--blend", "/nowhere/left.png"]);
-    let error = output.err().map(|error| error.to_string()).unwrap_or_default();
-    assert!(error.contains("/nowhere/left.png: cannot read it"), "{error}");
+    let fixture = Setup::of(&[CLOUD]).args(&["--blend", "/nowhere/left.png"]).launch();
+    fixture.wait_for_log("/nowhere/left.png: cannot read it").unwrap();
 }

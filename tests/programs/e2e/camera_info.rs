@@ -1,11 +1,10 @@
 //! The CameraInfo that a camera subscribes to, and the one that it publishes beside its image.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup, CLOUD};
 /// A node with one camera at `eye` in front of a red cloud, and a viewer of its image.
 fn fixture(camera: &CameraPub) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], std::slice::from_ref(camera)), &[]).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], std::slice::from_ref(camera)).start();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python("latch('/cloud', cloud(0xff0000))");
     fixture.python(format!("viewer = Viewer('{}')", camera.image));

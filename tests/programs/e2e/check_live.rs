@@ -1,17 +1,14 @@
 //! `camera_stream check --live`: its table and exit codes against a running ROS.
 
-use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, master_and_python, CameraPub, CLOUD};
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn check(master: &RosMaster, file: &Path, args: &[&str]) -> Output {
-    let mut command = master.environment(Command::new(program("camera_stream")));
-    command.args(["check", "--live"]).arg(file).args(args).output().unwrap()
+    master.program("camera_stream").args(["check", "--live"]).arg(file).args(args).output().unwrap()
 }
 
 fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
@@ -41,9 +38,7 @@ fn has_row(table: &str, words: &[&str]) -> bool {
 
 #[test]
 fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    let (master, python) = master_and_python("place_camera()");
     python
         .run("latch('/wrong', info()); latch('/lost', cloud(0xff0000, 'nowhere')); latch('/cloud', cloud(0xff0000))")
         .unwrap();
@@ -76,12 +71,11 @@ fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     let output = check(&master, &path, &["--listen", "2"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
     // In place of the node's launch line, whose name and private parameters it has, too, with the node running.
-    let mut node = master.environment(Command::new(program("camera_stream")));
+    let mut node = master.program("camera_stream");
     let line = ["-f", "map", "--splash-screen", "", "--renderer", "cpu", "__name:=eyes", "_projection:=exact"];
     let node = Running::start(node.arg("-d").arg(&path).args(line)).unwrap();
-    let is_drawing = || node.errors().iter().any(|line| line.contains("drawing "));
-    assert!(rcs_tests::ros::wait_until(PATIENCE, is_drawing), "{:?}", node.errors());
-    let mut command = master.environment(Command::new(program("camera_stream")));
+    node.wait_for_error(&["drawing "]);
+    let mut command = master.program("camera_stream");
     command.args(["check", "--live", "--listen", "2", "-d"]).arg(&path).args(line);
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
@@ -111,8 +105,9 @@ fn without_a_master_or_a_config_it_exits_with_2_and_a_signal_ends_the_listening(
     assert_eq!(check(&master, Path::new("/nowhere/scene.rviz"), &[]).status.code(), Some(2));
 
     master.run().unwrap();
-    let mut command = master.environment(Command::new(program("camera_stream")));
-    let mut running = Running::start(command.args(["check", "--live", "--listen", "600"]).arg(&path)).unwrap();
+    let mut running =
+        Running::start(master.program("camera_stream").args(["check", "--live", "--listen", "600"]).arg(&path))
+            .unwrap();
     let is_listening = || master.output("rosnode", &["list"]).is_ok_and(|nodes| nodes.contains("camera_stream_check"));
     assert!(rcs_tests::ros::wait_until(PATIENCE, is_listening), "{:?}", running.errors());
     running.signal("INT");
@@ -137,8 +132,13 @@ fn a_master_that_answers_with_a_fault_of_two_lines_is_one_line() {
     });
     let master = RosMaster::reserve().unwrap();
     let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
-    let mut command = master.environment(Command::new(program("camera_stream")));
-    let output = command.args(["check", "--live"]).arg(&path).env("ROS_MASTER_URI", &uri).output().unwrap();
+    let output = master
+        .program("camera_stream")
+        .args(["check", "--live"])
+        .arg(&path)
+        .env("ROS_MASTER_URI", &uri)
+        .output()
+        .unwrap();
     let error = text(&output.stderr);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
     assert!(error.contains("first second") && error.contains(&uri), "{error}");
@@ -146,9 +146,7 @@ fn a_master_that_answers_with_a_fault_of_two_lines_is_one_line() {
 
 #[test]
 fn a_publisher_that_is_dead_is_in_the_table() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    let (master, python) = master_and_python("place_camera()");
     // Nobody listens at this port.
     let register = "import rosgraph; rosgraph.Master('/dead').registerPublisher\
                     ('/cloud', 'sensor_msgs/PointCloud2', 'http://127.0.0.1:9/')";

@@ -1,15 +1,13 @@
 //! Remappings and private parameters on the command line, and rviz's arguments.
 
-use rcs_tests::programs::program;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-use std::process::Command;
+use rcs_tests::ros_fixture::{config, CameraPub, Setup, CLOUD};
 
 #[test]
 fn topics_and_the_nodes_name_and_namespace_are_remapped() {
     let camera = CameraPub { image: "view/image", namespace: "lamp", ..CameraPub::default() };
     let args = ["/cloud:=/other", "__name:=projector_eye", "__ns:=/robot", "/eye/camera_info:=/lens/camera_info"];
-    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &args).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], &[camera]).args(&args).start();
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python("latch('/lens/camera_info', info()); latch('/cloud', cloud(0x0000ff))");
     fixture.python("latch('/other', cloud(0xff0000)); viewer = Viewer('/robot/lamp/view/image')");
@@ -25,12 +23,8 @@ fn topics_and_the_nodes_name_and_namespace_are_remapped() {
 
 #[test]
 fn an_image_topic_is_remapped_and_the_trigger_answers_with_its_new_name() {
-    let fixture =
-        RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["/view/image:=/wall/picture"]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python(
-        "latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/wall/picture')",
-    );
+    let fixture = Setup::of(&[CLOUD]).args(&["/view/image:=/wall/picture"]).start();
+    fixture.python("place_camera(); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/wall/picture')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     let answer = "(True, 'New image will be published on: /wall/picture')";
     assert_eq!(fixture.python("trigger('/camera_trigger')"), answer);
@@ -43,25 +37,18 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
     std::fs::write(&file, config(&[], &[CameraPub::default()])).unwrap();
     let master = RosMaster::start().unwrap();
     let start = |name: &str, args: &[&str]| {
-        let mut command = master.environment(Command::new(program("camera_stream")));
-        Running::start(command.arg("-d").arg(&file).arg(format!("__name:={name}")).args(args)).unwrap()
+        Running::start(master.program("camera_stream").arg("-d").arg(&file).arg(format!("__name:={name}")).args(args))
+            .unwrap()
     };
     let cpu = start("first", &["_renderer:=cpu"]);
-    let says = |node: &Running, text: &str| {
-        assert!(
-            wait_until(PATIENCE, || node.errors().iter().any(|line| line.contains(text))),
-            "{text}: {:?}",
-            node.errors()
-        );
-    };
-    says(&cpu, "with cpu");
+    cpu.wait_for_error(&["with cpu"]);
     let mut unknown = start("second", &["_renderer:=voodoo"]);
     assert_eq!(unknown.wait(PATIENCE).unwrap().code(), Some(1));
-    says(&unknown, "voodoo");
+    unknown.wait_for_error(&["voodoo"]);
     assert_eq!(unknown.errors().len(), 1, "{:?}", unknown.errors());
     // The command line overrides the parameter.
     let both = start("third", &["_renderer:=voodoo", "--renderer", "cpu"]);
-    says(&both, "with cpu");
+    both.wait_for_error(&["with cpu"]);
 }
 
 #[test]
@@ -72,8 +59,7 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
     std::fs::write(&file, config(&[], &[CameraPub::default(), other])).unwrap();
     let master = RosMaster::start().unwrap();
     let start = |args: &[&str]| {
-        let mut command = master.environment(Command::new(program("camera_stream")));
-        Running::start(command.args(["--renderer", "cpu", "-d"]).arg(&file).args(args)).unwrap()
+        Running::start(master.program("camera_stream").args(["--renderer", "cpu", "-d"]).arg(&file).args(args)).unwrap()
     };
     let wrong = [
         "_lazy:=maybe",
@@ -102,15 +88,14 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
     // A list has one value for each of its elements.
     let lists = ["_orientation:=[{camera: CameraPub, orientation: 90}, Other=180]", "_mesh_folder:=[/a, /b]"];
     let node = start(&[lists[0], lists[1], "_lazy:=False", "__name:=lists"]);
-    let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
-    assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
+    node.wait_for_error(&["drawing CameraPub, Other"]);
 }
 
 #[test]
 fn a_robot_description_that_is_remapped_to_a_whole_name_is_read_there_alone() {
     let robot = "{Class: rviz/RobotModel, Name: robot, Enabled: true, Robot Description: robot_description}";
     let args = ["robot_description:=/r1/robot_description"];
-    let fixture = RosFixture::start(&config(&[robot], &[CameraPub::default()]), &args).unwrap();
+    let fixture = Setup::of(&[robot]).args(&args).start();
     let description = |color: &str| {
         format!(
             "'<robot name=\"r\"><link name=\"map\"><visual><origin xyz=\"0 0 2\"/><geometry><box size=\"9 9 0.1\"/></geometry><material \
@@ -146,7 +131,7 @@ fn without_a_gpu_auto_needs_no_more_memory_and_threads_than_cpu() {
     std::fs::write(&file, config(&[CLOUD], &[CameraPub::default()])).unwrap();
     let master = RosMaster::start().unwrap();
     let measure = |renderer: &str| {
-        let mut command = master.environment(Command::new(program("camera_stream")));
+        let mut command = master.program("camera_stream");
         let args = ["--renderer", renderer, &format!("__name:={renderer}")];
         let node = Running::start(command.arg("-d").arg(&file).args(args)).unwrap();
         let drawing = || node.errors().iter().find(|line| line.contains("drawing ")).cloned();
@@ -167,7 +152,7 @@ fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     let args = "--splash-screen= --help-file h --no-stereo --fullscreen --in-mc-wrapper --disable-anti-aliasing -l -v \
                 --opengl 3 __log:=/dev/null -f /world _tf_prefix:=r1 _stale_timeuot:=1";
     let args: Vec<&str> = args.split_whitespace().chain(["_manipulator:={kinematics_solver: kdl}"]).collect();
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
+    let fixture = Setup::of(&[CLOUD]).args(&args).start();
     fixture.python("latch('/tf_static', tf('world', 'eye'))");
     fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
     fixture.python("viewer = Viewer('/view/image')");
@@ -180,7 +165,7 @@ fn the_arguments_that_launch_files_give_rviz_are_accepted() {
 #[test]
 fn a_camera_that_is_called_like_an_option_has_its_parameters_elsewhere() {
     let camera = CameraPub { name: "mask", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &["_mask:=none"]).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], &[camera]).args(&["_mask:=none"]).start();
     fixture.wait_for_log("drawing mask").unwrap();
     let services = fixture.master.output("rosservice", &["list"]).unwrap();
     assert!(services.contains("/camera_stream/camera_mask/set_parameters"), "{services}");

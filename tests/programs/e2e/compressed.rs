@@ -1,7 +1,7 @@
 //! `IMAGE/compressed`: what image_transport's plugin `compressed` offers, without the plugin.
 
 use rcs_messages::sensor_msgs::CompressedImage;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs;
 
 /// Python that subscribes to compressed images, and changes how they are made.
@@ -20,9 +20,8 @@ def set_values(**values):
 ";
 
 fn fixture() -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    let fixture = Setup::of(&[CLOUD]).start();
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff8000))");
     fixture.python(SUBSCRIBE);
     fixture

@@ -2,11 +2,9 @@
 
 use std::time::Duration;
 
-use rcs_tests::python_node::{PythonNode, MONITOR};
-use rcs_tests::ros::{RosMaster, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
 use crate::web::open_page;
+use rcs_tests::ros::PATIENCE;
+use rcs_tests::ros_fixture::{RosFixture, Setup, CLOUD};
 
 /// A second display, which draws `/labels` to the left of the square of `/cloud`.
 const LABELS: &str = "{Class: rviz/PointCloud2, Name: labels, Enabled: true, Topic: /labels, Style: Flat Squares, \
@@ -50,7 +48,7 @@ viewer = Viewer('/view/image')
 /// A node with a square of 1 m at 2 m, and a depth camera that is silent yet.
 fn fixture(args: &[&str]) -> RosFixture {
     let args = [&["--surface", "/cam/depth/image_raw", "--confirm-margin", "1"], args].concat();
-    let fixture = RosFixture::start(&config(&[CLOUD, LABELS], &[CameraPub::default()]), &args).unwrap();
+    let fixture = Setup::of(&[CLOUD, LABELS]).args(&args).start();
     fixture.python(DEPTH_CAMERA);
     fixture.python("RED, GREEN, BLACK = (255, 0, 0), (0, 255, 0), (0, 0, 0)");
     fixture.python("def corner(): return viewer.pixel(20, 13)");
@@ -133,11 +131,7 @@ fn an_organised_cloud_is_a_surface_and_another_is_an_error() {
     let fixture = fixture(&["_surface:=[{camera: CameraPub, topic: /cam/points}]"]);
     // The command line's wins, so this node has no parameter.
     drop(fixture);
-    let fixture = RosFixture::start(
-        &config(&[CLOUD], &[CameraPub::default()]),
-        &["_surface:=[{camera: CameraPub, topic: /cam/points}]"],
-    )
-    .unwrap();
+    let fixture = Setup::of(&[CLOUD]).args(&["_surface:=[{camera: CameraPub, topic: /cam/points}]"]).start();
     fixture.python(DEPTH_CAMERA);
     fixture.python("rows = [60]");
     fixture.python("camera = PublishRepeatedly(20, lambda i: depth_cloud(rows[0]), '/cam/points')");
@@ -153,10 +147,7 @@ fn a_display_that_the_config_does_not_have_is_refused_with_the_one_that_was_mean
         (vec!["--surface", "/cam/points", "--confirm", "clod"], 2),
         (vec!["_surface:=/cam/points", "_confirm:=[labels, clod]"], 1),
     ] {
-        let master = RosMaster::start().unwrap();
-        let python = PythonNode::start(&master, &[]).unwrap();
-        let config = config(&[CLOUD, LABELS], &[CameraPub::default()]);
-        let mut fixture = RosFixture::with(master, python, &config, &args).unwrap();
+        let mut fixture = Setup::of(&[CLOUD, LABELS]).args(&args).launch();
         let status = fixture.node.wait(PATIENCE).and_then(|status| status.code());
         assert_eq!(status, Some(expected_status), "{args:?}: {}", fixture.log());
         let words = ["the config has no display 'clod'", "did you mean 'cloud'?", "displays: cloud, labels"];
@@ -167,8 +158,7 @@ fn a_display_that_the_config_does_not_have_is_refused_with_the_one_that_was_mean
 #[test]
 fn the_shares_are_on_diagnostics_and_the_page_and_a_scene_is_not_drawn_again_for_a_depth_image() {
     let fixture = fixture(&["--web", "0", "--confirm", "cloud"]);
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     fixture.python("camera = stream()");
     fixture.wait_for("viewer.middle() == RED");
     fixture.python("def share(name): return float(values('camera_stream: CameraPub').get(f'light {name} %', -1))");

@@ -6,12 +6,10 @@ use std::os::unix::process::CommandExt;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::RosFixture;
+use rcs_tests::ros::{wait_until, Running, PATIENCE};
+use rcs_tests::ros_fixture::{master_and_python, RosFixture};
 
-use crate::viewers::{fixture_with, Screen};
+use crate::viewers::{set_up, show_scene, Screen};
 
 /// The darkest level of a lit pixel here.
 const LIT: u8 = 10;
@@ -24,8 +22,8 @@ fn is_black(screen: &Screen) -> bool {
 fn start(screen: &Screen) -> RosFixture {
     let white = Command::new("xsetroot").args(["-solid", "white", "-display", &screen.display]).status().unwrap();
     assert!(white.success());
-    let environment = [("DISPLAY", screen.display.as_str()), ("WAYLAND_DISPLAY", ""), ("WAYLAND_SOCKET", "")];
-    let fixture = fixture_with(&["--window", "auto"], &environment);
+    let fixture = set_up().args(&["--window", "auto"]).on_screen(&screen.display).start();
+    show_scene(&fixture);
     assert!(wait_until(PATIENCE, || has_image(screen)), "{}", fixture.log());
     fixture
 }
@@ -92,10 +90,9 @@ fn a_node_that_ends_takes_its_black_window_away() {
 #[test]
 fn ctrl_c_ends_the_projectors_window_and_its_black_one() {
     let screen = Screen::start();
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=b'x'))").unwrap();
-    let mut command = master.environment(Command::new(program("projector_window")));
+    let (master, _python) =
+        master_and_python("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=b'x'))");
+    let mut command = master.program("projector_window");
     command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     let mut window = Running::start(command.arg("image:=/image").process_group(0)).unwrap();
     assert!(wait_until(PATIENCE, || screen.pixels()[0] == b'x'), "{:?}", window.errors());

@@ -1,8 +1,6 @@
 //! The depths beside the image: on a topic of their own, while somebody subscribes, with the CameraInfo's stamp.
 
-use rcs_tests::python_node::MONITOR;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup, CLOUD};
 const LISTEN: &str = "
 import numpy as np
 depths, infos = [], []
@@ -17,9 +15,8 @@ def depth(u, v, kind):
 
 /// A node before a square of 1 m at 2 m, with a listener to depths and CameraInfo.
 fn fixture(args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    let fixture = Setup::of(&[CLOUD]).args(args).start();
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff0000))");
     fixture.python(LISTEN);
     fixture
@@ -62,8 +59,7 @@ fn depths_alone_are_drawn_for_who_subscribes_to_nothing_else_and_may_be_millimet
 #[test]
 fn depths_are_drawn_only_while_somebody_subscribes() {
     let fixture = fixture(&[]);
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("PublishRepeatedly(20, lambda i: cloud(0xff0000, points=((0, 0, 2 + 0.001 * i),)), '/cloud')");
     let drawn = |what: &str| format!("int(values('camera_stream: CameraPub').get('{what} drawn', 0))");
@@ -86,10 +82,9 @@ fn depths_are_drawn_only_while_somebody_subscribes() {
 #[test]
 fn images_on_a_topic_of_that_name_are_not_mixed_with_depths() {
     let camera = CameraPub { image: "/view/depth", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &[]).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], &[camera]).start();
     fixture.wait_for_log("depths are not published: the pictures themselves are on /view/depth").unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff0000))");
     fixture.python(LISTEN);
     fixture.python("listen()");

@@ -1,13 +1,10 @@
 //! `/diagnostics` as a Python subscriber receives it, and the log beside it.
 
-use rcs_tests::python_node::{PythonNode, MONITOR};
-use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
+use rcs_tests::ros::{wait_until, PATIENCE};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 fn monitored(displays: &[&str], args: &[&str], topic: &str) -> RosFixture {
-    let fixture = RosFixture::start(&config(displays, &[CameraPub::default()]), args).unwrap();
-    fixture.python(format!("topic = '{topic}'"));
-    fixture.python(MONITOR);
+    let fixture = Setup::of(displays).args(args).start();
+    fixture.python(format!("monitor('{topic}')"));
     fixture
 }
 
@@ -47,9 +44,7 @@ fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     assert_eq!(fixture.python("message('camera_stream: paths / empty')"), "Topic: Error subscribing: Empty topic name");
     assert!(fixture.python("values('camera_stream: CameraPub')['Camera Info']").contains("/eye/camera_info"));
 
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture
-        .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
+    fixture.python("show()");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     fixture
         .wait_for("[level('camera_stream: ' + name) for name in ('Global Status', 'cloud', 'CameraPub')] == [0, 0, 0]");
@@ -104,13 +99,12 @@ fn a_display_that_is_hidden_or_out_of_view_is_reported() {
     let behind = "{Class: rviz/Grid, Name: behind, Enabled: true, Offset: {X: 0, Y: 0, Z: -5}, Reference Frame: eye}";
     let scene = config(&[grid, behind], &[CameraPub::default()]);
     let scene = scene.replace("Visibility: {Value: true}", "Visibility: {Value: true, grid: false}");
-    let fixture = RosFixture::start(&scene, &[]).unwrap();
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    let fixture = Setup::with_config(scene).start();
+    fixture.python("monitor()");
     let visibility = |display| format!("values('camera_stream: {display}').get('Visibility')");
     fixture.wait_for(format!("{} == 'hidden in camera CameraPub'", visibility("grid")));
     assert_eq!(fixture.python(visibility("behind")), "None", "without a CameraInfo no view is known");
-    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.wait_for(format!("{} == 'Warn: outside the view of camera CameraPub'", visibility("behind")));
     let levels = "[level('camera_stream: ' + name) for name in ('grid', 'behind')]";
     assert_eq!(fixture.python(levels), "[0, 1]", "{}", fixture.python("known"));
@@ -119,13 +113,8 @@ fn a_display_that_is_hidden_or_out_of_view_is_reported() {
 
 #[test]
 fn diagnostics_are_published_once_a_second_while_simulated_time_stands_still() {
-    let master = RosMaster::start().unwrap();
-    master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    let fixture = Setup::of(&[CLOUD]).simulated_time().start();
+    fixture.python("monitor()");
     fixture.wait_for("len(arrays) >= 3");
     assert_eq!(fixture.python("arrays[-1][1]"), "0.0");
     fixture.wait_for("'/clock' in values('camera_stream: Global Status').get('Time', '')");

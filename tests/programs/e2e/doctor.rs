@@ -1,9 +1,8 @@
 //! `camera_stream doctor`: each fault of the chain provoked, and a projection without any.
 
 use rcs_tests::programs::{program, repository};
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, master_and_python, CameraPub, RosFixture, Setup, CLOUD};
 use std::path::Path;
 use std::process::Command;
 
@@ -19,7 +18,7 @@ struct Run {
 impl Run {
     /// Runs the doctor on a display.
     fn new(master: &RosMaster, display: Option<&str>, args: &[&str]) -> Self {
-        let mut command = master.environment(Command::new(program("camera_stream")));
+        let mut command = master.program("camera_stream");
         // roslaunch looks for the package's programs in a workspace.
         let space = tempfile::tempdir().unwrap();
         package_in(space.path(), &mut command);
@@ -75,18 +74,9 @@ fn projection(screen: &Screen) -> RosFixture {
     let mut xrandr = Command::new("xrandr");
     let added = xrandr.args(["--setmonitor", MONITOR, "640/160x360/90+0+0", "none"]).env("DISPLAY", &screen.display);
     assert!(added.status().unwrap().success());
-    let (master, python) = {
-        let master = RosMaster::start().unwrap();
-        let python = PythonNode::start(&master, &[]).unwrap();
-        (master, python)
-    };
-    let config = config(&[CLOUD], &[CameraPub::default()]);
     let args = ["--window", MONITOR, "--stale-timeout", "1"];
-    let environment = [("DISPLAY", screen.display.as_str())];
-    let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000))");
-    fixture.python("latch('/eye/camera_info', info(width=640, height=360, f=300))");
+    let fixture = Setup::of(&[CLOUD]).args(&args).on_screen(&screen.display).start();
+    fixture.python("place_camera(width=640, height=360, f=300); latch('/cloud', cloud(0xff0000))");
     fixture.python("clock = PublishRepeatedly(20, lambda i: tf('map', 'base', stamp=rospy.Time.now()), '/tf')");
     let is_lit = || screen.pixels().iter().any(|level| *level != 0);
     assert!(wait_until(PATIENCE, is_lit), "{}", fixture.log());
@@ -178,8 +168,7 @@ fn faults_of_the_screen_and_the_camera_are_named() {
 
 #[test]
 fn faults_of_the_graph_are_named_with_what_to_do() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
+    let (master, python) = master_and_python("");
     let folder = tempfile::tempdir().unwrap();
     let display = |name: &str| format!("{{Class: rviz/PointCloud2, Name: {name}, Enabled: true, Topic: /{name}}}");
     let displays = [display("detections"), display("wrong")];
@@ -219,8 +208,7 @@ fn faults_of_the_graph_are_named_with_what_to_do() {
 
 #[test]
 fn a_wrong_clock_and_an_image_of_another_camera_are_named() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
+    let (master, python) = master_and_python("");
     let folder = tempfile::tempdir().unwrap();
     let file = write(folder.path(), "scene.rviz", &config(&[CLOUD], &[CameraPub::default()]));
     let ahead = "tf('map', 'eye', stamp=rospy.Time.now() + rospy.Duration(4))";

@@ -4,9 +4,9 @@ use std::process::Command;
 
 use rcs_tests::golden::GoldenCase;
 use rcs_tests::programs::program;
-use rcs_tests::python_node::{PythonNode, MONITOR};
-use rcs_tests::ros::{RosMaster, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::PATIENCE;
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 
 /// A wall of red before the whole view.
 const WALL: &str =
@@ -27,10 +27,9 @@ def only_right_of(column):
 ";
 
 fn fixture(args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
+    let fixture = Setup::of(&[CLOUD]).args(args).start();
     fixture.python("viewer = Viewer('/view/image')");
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.python(WALL);
     fixture.python(MASK);
     fixture
@@ -150,9 +149,7 @@ fn a_rule_for_a_camera_that_the_config_does_not_have_is_refused_with_the_cameras
             (vec![format!("_{name}:={value}")], 1),
         ] {
             let args: Vec<_> = args.iter().map(String::as_str).collect();
-            let master = RosMaster::start().unwrap();
-            let python = PythonNode::start(&master, &[]).unwrap();
-            let mut fixture = RosFixture::with(master, python, &two_cameras("cam"), &args).unwrap();
+            let mut fixture = Setup::with_config(two_cameras("cam")).args(&args).launch();
             let status = fixture.node.wait(PATIENCE).and_then(|status| status.code());
             assert_eq!(status, Some(expected_status), "{args:?}: {}", fixture.log());
             let names = ["cam, other", "camm"];
@@ -196,12 +193,10 @@ fn a_file_with_the_sign_in_its_path_is_no_camera() {
 #[test]
 fn after_a_reload_that_leaves_a_name_unmatched_every_camera_is_dark_until_the_names_fit_again() {
     let args = ["--mask-topic", "cam=/mask", "--no-mask-required", "--stale-note"];
-    let fixture = RosFixture::start(&two_cameras("cam"), &args).unwrap();
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    let fixture = Setup::with_config(two_cameras("cam")).args(&args).start();
+    fixture.python("monitor()");
     fixture.python("viewer, other = Viewer('/view/image'), Viewer('/other/image')");
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.python(WALL);
     let lit = "viewer.middle() == other.middle() == (255, 0, 0)";
     fixture.wait_for(lit);

@@ -1,14 +1,13 @@
 //! Messages faster than images can be drawn: the newest one is shown, and nothing is kept.
 
-use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
 use crate::load::{of_process, watched, FILM};
+use rcs_tests::ros::{wait_until, PATIENCE};
+use rcs_tests::ros_fixture::{Setup, CLOUD};
 
 #[test]
 #[ignore = "a load: ./test full"]
 fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
-    let fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, FILM]).start();
     watched(&fixture);
     fixture.python("latch('/eye/camera_info', info(width=1024, height=1024, f=1100.0))");
     // Half transparent squares that fill the image, all of one colour, which tells the message: its red's upper bits.
@@ -36,7 +35,7 @@ fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
 #[test]
 #[ignore = "a load: ./test full"]
 fn a_thousand_sizes_of_the_image_cost_nothing_afterwards() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).start();
     watched(&fixture);
     let (memory, threads) = (of_process(&fixture, "VmRSS"), of_process(&fixture, "Threads"));
     fixture.python(

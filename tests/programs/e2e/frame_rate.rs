@@ -1,25 +1,46 @@
 //! The property "Frame Rate" and the trigger service.
 
-use rcs_tests::python_node::{PythonNode, MONITOR};
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::PATIENCE;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup, CLOUD};
 use std::time::Duration;
 
+/// Name, image topic, display namespace and frame rate of the cameras of one node.
+const CAMERAS: [(&str, &str, &str, &str); 5] = [
+    ("CameraPub", "/view/image", "", "0"),
+    ("Rare", "/rare/image", "rare", "0.0001"),
+    ("Repeated", "/repeated/image", "repeated", "-1"),
+    ("Limited", "/limited/image", "limited", "8"),
+    ("Nowhere", "", "nowhere", "-1"),
+];
+/// Each from a red square.
+const SCENARIOS: [fn(&RosFixture); 6] = [
+    the_first_subscriber_gets_an_image_at_once,
+    at_0_there_is_one_image_for_each_trigger_and_none_without,
+    below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appears_at_once,
+    changes_below_0_make_images_at_most_at_the_global_rate_in_the_long_run,
+    above_0_images_come_at_that_rate,
+    a_camera_without_image_topic_cannot_be_triggered,
+];
+
+#[test]
+fn each_camera_has_its_frame_rate() {
+    let camera = |(name, image, namespace, rate)| CameraPub { name, image, namespace, rate, ..CameraPub::default() };
+    let fixture = start(&CAMERAS.map(camera));
+    for scenario in SCENARIOS {
+        fixture.python("latch('/cloud', cloud(0xff0000))");
+        scenario(&fixture);
+        fixture.python("viewer.close()");
+    }
+}
+
 /// A node with these cameras and publishers of their CameraInfo, their frame and a red cloud.
-fn fixture(cameras: &[CameraPub]) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], cameras), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
-    fixture.python("latch('/cloud', cloud(0xff0000))");
+fn start(cameras: &[CameraPub]) -> RosFixture {
+    let fixture = Setup::with_cameras(&[CLOUD], cameras).start();
+    fixture.python("place_camera(); latch('/cloud', cloud(0xff0000))");
     // The node has connected to all of them; latched messages arrive with the connection.
     fixture.wait_for("all(out.get_num_connections() > 0 for out in publishers.values())");
     fixture
-}
-
-/// Collects the node's diagnostics.
-fn monitor(fixture: &RosFixture) {
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
 }
 
 /// Asserts that the images that the viewer received were made at most so often, by their stamps. How many a slow
@@ -31,14 +52,12 @@ pub(crate) fn at_most(fixture: &RosFixture, viewer: &str, most_hz: f64) {
     assert!(rate.parse::<f64>().unwrap() < 1.2 * most_hz, "{rate} pictures a second");
 }
 
-#[test]
-fn below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appears_at_once() {
-    let fixture = fixture(&[CameraPub::default()]);
-    fixture.python("viewer = Viewer('/view/image')");
+fn below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appears_at_once(fixture: &RosFixture) {
+    fixture.python("viewer = Viewer('/repeated/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     fixture.python("viewer.forget()");
     fixture.wait_for("len(viewer.images) > 90");
-    at_most(&fixture, "viewer", 30.0);
+    at_most(fixture, "viewer", 30.0);
     assert_eq!(fixture.python("len({i[6] for i in viewer.images})"), "1", "the same picture");
     let stamps = "all(a[2] < b[2] for a, b in zip(viewer.images, viewer.images[1:]))";
     assert_eq!(fixture.python(stamps), "True", "with fresh stamps");
@@ -46,19 +65,16 @@ fn below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appear
     fixture.wait_for("viewer.middle() == (0, 0, 255)");
 }
 
-#[test]
-fn changes_below_0_make_images_at_most_at_the_global_rate_in_the_long_run() {
-    let fixture = fixture(&[CameraPub::default()]);
-    fixture.python("viewer = Viewer('/view/image')");
+fn changes_below_0_make_images_at_most_at_the_global_rate_in_the_long_run(fixture: &RosFixture) {
+    fixture.python("viewer = Viewer('/repeated/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     fixture.python("repeated = PublishRepeatedly(100, lambda i: cloud(i & 0xffffff), '/cloud'); viewer.forget()");
     fixture.wait_for("len(viewer.images) > 150");
-    at_most(&fixture, "viewer", 30.0);
+    at_most(fixture, "viewer", 30.0);
+    fixture.python("repeated.stop()");
 }
 
-#[test]
-fn at_0_there_is_one_image_for_each_trigger_and_none_without() {
-    let fixture = fixture(&[CameraPub { rate: "0", ..CameraPub::default() }]);
+fn at_0_there_is_one_image_for_each_trigger_and_none_without(fixture: &RosFixture) {
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("all(s.get_num_connections() for s in viewer.subscribers)");
     // No image may come without a trigger.
@@ -81,33 +97,28 @@ fn at_0_there_is_one_image_for_each_trigger_and_none_without() {
     assert_eq!(fixture.python("len(viewer.images), len(viewer.infos)"), "(4, 4)");
 }
 
-#[test]
-fn above_0_images_come_at_that_rate() {
-    let fixture = fixture(&[CameraPub { rate: "8", ..CameraPub::default() }]);
-    fixture.python("repeated = PublishRepeatedly(50, lambda i: cloud(i), '/cloud'); viewer = Viewer('/view/image')");
+fn above_0_images_come_at_that_rate(fixture: &RosFixture) {
+    fixture.python("repeated = PublishRepeatedly(50, lambda i: cloud(i), '/cloud'); viewer = Viewer('/limited/image')");
     fixture.wait_for("len(viewer.images) > 20");
-    at_most(&fixture, "viewer", 8.0);
-    assert_eq!(fixture.python("trigger('/camera_trigger')[0]"), "True");
+    at_most(fixture, "viewer", 8.0);
+    assert_eq!(fixture.python("trigger('/limited/camera_trigger')[0]"), "True");
+    fixture.python("repeated.stop()");
 }
 
-#[test]
-fn the_first_subscriber_gets_a_image_at_once() {
-    let fixture = fixture(&[CameraPub { rate: "0.0001", ..CameraPub::default() }]);
+fn the_first_subscriber_gets_an_image_at_once(fixture: &RosFixture) {
     // The node has received all that it needs before the first subscriber comes.
-    monitor(&fixture);
-    fixture.wait_for("level('camera_stream: CameraPub') == 0 and level('camera_stream: cloud') == 0");
-    fixture.python("viewer = Viewer('/view/image')");
+    fixture.python("monitor()");
+    fixture.wait_for("level('camera_stream: Rare') == 0 and level('camera_stream: cloud') == 0");
+    fixture.python("viewer = Viewer('/rare/image')");
     fixture.wait_for("len(viewer.images) >= 1 and viewer.middle() == (255, 0, 0)");
     // Nor does another one wait for the hours of this rate.
     let other = PythonNode::start(&fixture.master, &["__name:=other"]).unwrap();
-    other.run("viewer = Viewer('/view/image')").unwrap();
+    other.run("viewer = Viewer('/rare/image')").unwrap();
     assert!(other.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)"));
 }
 
-#[test]
-fn a_camera_without_image_topic_cannot_be_triggered() {
-    let fixture = fixture(&[CameraPub { image: "", ..CameraPub::default() }]);
-    assert_eq!(fixture.python("trigger('/camera_trigger')"), "(False, 'Image publisher not configured')");
+fn a_camera_without_image_topic_cannot_be_triggered(fixture: &RosFixture) {
+    assert_eq!(fixture.python("trigger('/nowhere/camera_trigger')"), "(False, 'Image publisher not configured')");
 }
 
 #[test]
@@ -118,7 +129,7 @@ fn triggers_are_in_the_display_namespaces_and_a_shared_one_is_a_warning() {
         camera("Right", "/right/image", "right"),
         camera("Other", "/other/image", "right"),
     ];
-    let fixture = fixture(&cameras);
+    let fixture = start(&cameras);
     assert_eq!(fixture.log_lines(&["WARN", "Right", "Other", "right"]), 1, "{}", fixture.log());
     fixture.python("viewer = Viewer('/left/image'); right = Viewer('/right/image')");
     fixture.wait_for("all(s.get_num_connections() for s in viewer.subscribers + right.subscribers)");

@@ -1,11 +1,9 @@
 //! Programs at a master that hangs: a signal ends them, and a second one at once.
 
-use rcs_tests::programs::program;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
-use std::process::Command;
 use std::time::Duration;
 
 use crate::viewers::{window, Screen};
@@ -33,10 +31,8 @@ impl Stage {
     /// Starts the programs, each with the name of its node.
     fn start(&self, master: &RosMaster) -> [(&'static str, Running); 4] {
         let folder: &Path = self.folder.path();
-        let start = |name: &str, args: &[&str]| {
-            let mut command = master.environment(Command::new(program(name)));
-            Running::start(command.current_dir(folder).args(args)).unwrap()
-        };
+        let start =
+            |name: &str, args: &[&str]| Running::start(master.program(name).current_dir(folder).args(args)).unwrap();
         [
             ("camera_stream", start("camera_stream", &["-d", "scene.rviz", "--renderer", "cpu"])),
             ("projector", start("projector", &["--file", "projector.yaml"])),

@@ -4,9 +4,8 @@
 //! longest time without a new image of it, from before the scene's message is sent until it has been shown for a
 //! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that images change.
 
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
-
 use crate::load::{CAMERA, CROWD, LONGEST_GAP_SECS, MANY};
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup};
 
 /// The display whose images must go on, so small and near that it hides nothing and nothing hides it.
 const NEAR: &str =
@@ -62,9 +61,7 @@ type Heavy = (&'static str, &'static str, &'static str);
 /// A node with the near display and others, which draws at 640×480, and whose images change.
 fn fixture(displays: &[&str]) -> RosFixture {
     let all: Vec<&str> = [NEAR].iter().chain(displays).copied().collect();
-    let fixture =
-        RosFixture::start(&config(&all, &[CameraPub { background: "0; 0; 200", ..CameraPub::default() }]), &[])
-            .unwrap();
+    let fixture = Setup::with_cameras(&all, &[CameraPub { background: "0; 0; 200", ..CameraPub::default() }]).start();
     fixture.python(MANY);
     fixture.python(CROWD);
     fixture.python(HEAVY);

@@ -1,10 +1,7 @@
 //! The latency figures on `/diagnostics`, compared with what a subscriber measures.
 
-use rcs_tests::python_node::{PythonNode, MONITOR};
-use rcs_tests::ros::RosMaster;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
-/// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the image first changed after a
+use rcs_tests::ros_fixture::{RosFixture, Setup, CLOUD};
+/// Python helpers beside `monitor`: a camera's figures as (median, p95), and when the image first changed after a
 /// cloud.
 const FIGURES: &str = "
 CAMERA, DISPLAY = 'camera_stream: CameraPub', 'camera_stream: cloud'
@@ -37,8 +34,7 @@ const ADDS_UP: &str = "abs(sum(figure(stage)[0] for stage in STAGES) - figure(TO
 
 /// A node whose camera sees an empty scene and has measured nothing yet.
 fn watched(fixture: RosFixture, info: &str) -> RosFixture {
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     fixture.python(FIGURES);
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python(format!("latch('/eye/camera_info', {info})"));
@@ -50,7 +46,7 @@ fn watched(fixture: RosFixture, info: &str) -> RosFixture {
 }
 
 fn fixture(info: &str) -> RosFixture {
-    watched(RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap(), info)
+    watched(Setup::of(&[CLOUD]).start(), info)
 }
 
 /// The value of a Python expression that is a number.
@@ -85,7 +81,7 @@ fn the_stages_of_a_image_add_up_to_no_more_than_the_latency_a_subscriber_sees() 
 /// A GPU draws one cloud while the next is uploaded, but waits for none.
 #[test]
 fn clouds_are_seen_on_a_gpu_before_the_next_one_is_sent_and_after_many_the_last_one() {
-    let node = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["--renderer", "gpu"]).unwrap();
+    let node = Setup::of(&[CLOUD]).args(&["--renderer", "gpu"]).start();
     let fixture = watched(node, "info()");
     for color in ["0xff0000", "0x00ff00", "0x0000ff"] {
         fixture.python(format!("color = {color}; send('/cloud', cloud(color))"));
@@ -153,17 +149,10 @@ fn figures_are_those_of_the_last_hundred_images_and_the_age_follows_the_stamps()
 
 #[test]
 fn with_simulated_time_the_age_is_in_that_time_and_unknown_before_the_first_clock() {
-    let master = RosMaster::start().unwrap();
-    master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    let fixture = Setup::of(&[CLOUD]).simulated_time().start();
+    fixture.python("monitor()");
     fixture.python(FIGURES);
-    fixture.python(
-        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); viewer = Viewer('/view/image')",
-    );
+    fixture.python("place_camera(); viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.images");
     fixture.python("send('/cloud', cloud(0xff0000, stamp=rospy.Time(70)))");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() >= 1");

@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
+use rcs_tests::ros_fixture::{RosFixture, Setup, CLOUD};
 /// As [`CLOUD`], on another topic, and what accumulates on a third.
 const LATCHED: &str = "{Class: rviz/PointCloud2, Name: latched, Enabled: true, Topic: /latched, Style: Points}";
 const ACCUMULATED: &str =
@@ -20,11 +19,9 @@ far = ((0, 0, -50),)
 ";
 
 fn fixture(args: &[&str]) -> RosFixture {
-    let fixture =
-        RosFixture::start(&config(&[CLOUD, LATCHED, ACCUMULATED, PATH], &[CameraPub::default()]), args).unwrap();
+    let fixture = Setup::of(&[CLOUD, LATCHED, ACCUMULATED, PATH]).args(args).start();
     fixture.python(CONNECTIONS);
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.python("stream = PublishRepeatedly(30, lambda i: cloud(color), '/cloud')");
     fixture.wait_for("connections('/cloud') == [1]");
     fixture

@@ -1,28 +1,39 @@
 //! Start and shutdown: waiting for a master, clean shutdown, and other nodes that stall or restart.
 
-use rcs_tests::programs::program;
-use rcs_tests::python_node::{PythonNode, MONITOR};
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-/// A node with an image of a red cloud.
-fn fixture() -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
-    fixture.python("latch('/cloud', cloud(0xff0000))");
-    fixture.python("viewer = Viewer('/view/image')");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    fixture
+/// Scenarios of a node that shows a red cloud; after one that ends the node it is started again.
+const SCENARIOS: [fn(&mut RosFixture); 7] = [
+    every_thread_has_a_name,
+    a_publisher_that_was_killed_and_restarted_is_received_again,
+    a_stalled_subscriber_does_not_stop_anothers_images,
+    |fixture| a_signal_ends_the_node_with_0_and_nothing_of_it_stays_registered(fixture, "INT"),
+    |fixture| a_signal_ends_the_node_with_0_and_nothing_of_it_stays_registered(fixture, "TERM"),
+    rosnode_kill_ends_the_node_with_0,
+    the_node_registers_again_with_a_restarted_master,
+];
+
+#[test]
+fn a_node_lives_among_others_and_ends() {
+    let mut fixture = Setup::of(&[CLOUD]).showing_red();
+    for scenario in SCENARIOS {
+        if fixture.node.is_silent() {
+            fixture.respawn().unwrap();
+        }
+        fixture.python("place_camera(); latch('/cloud', cloud(0xff0000)); viewer.forget()");
+        fixture.wait_for("viewer.middle() == (255, 0, 0)");
+        scenario(&mut fixture);
+    }
 }
 
 /// A node whose master is not running yet.
 fn node(master: &RosMaster, config: &Path) -> Running {
-    let mut command = master.environment(Command::new(program("camera_stream")));
-    Running::start(command.arg("-d").arg(config).args(["--renderer", "cpu"])).unwrap()
+    Running::start(master.program("camera_stream").arg("-d").arg(config).args(["--renderer", "cpu"])).unwrap()
 }
 
 #[test]
@@ -39,7 +50,7 @@ fn without_a_master_the_node_logs_once_and_starts_when_the_master_does() {
     assert!(node.errors()[0].contains(&master.uri()), "{:?}", node.errors());
     master.run().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python.run("place_camera()").unwrap();
     python.run("latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')").unwrap();
     assert!(python.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)"), "{:?}", node.errors());
     assert_eq!(node.errors().iter().filter(|line| line.contains(&master.uri())).count(), 1, "{:?}", node.errors());
@@ -58,33 +69,25 @@ fn waiting_for_a_master_ends_with_0_on_sigint_and_sigterm() {
     }
 }
 
-#[test]
-fn sigint_and_sigterm_end_the_node_with_0_and_nothing_of_it_stays_registered() {
-    for signal in ["INT", "TERM"] {
-        let mut fixture = fixture();
-        assert!(fixture.master.output("rosnode", &["list"]).unwrap().contains("/camera_stream"));
-        assert!(fixture.master.output("rostopic", &["list"]).unwrap().contains("/view/image"));
-        assert_eq!(fixture.node.end(signal).unwrap().code(), Some(0), "{}", fixture.log());
-        let nodes = fixture.master.output("rosnode", &["list"]).unwrap();
-        assert!(nodes.contains("/python_node") && !nodes.contains("/camera_stream"), "{nodes}");
-        let published = fixture.master.output("rostopic", &["list", "-p"]).unwrap();
-        assert!(published.contains("/cloud") && !published.contains("/view"), "{published}");
-        let services = fixture.master.output("rosservice", &["list"]).unwrap();
-        assert!(!services.contains("camera"), "{services}");
-    }
+fn a_signal_ends_the_node_with_0_and_nothing_of_it_stays_registered(fixture: &mut RosFixture, signal: &str) {
+    assert!(fixture.master.output("rosnode", &["list"]).unwrap().contains("/camera_stream"));
+    assert!(fixture.master.output("rostopic", &["list"]).unwrap().contains("/view/image"));
+    assert_eq!(fixture.node.end(signal).unwrap().code(), Some(0), "{}", fixture.log());
+    let nodes = fixture.master.output("rosnode", &["list"]).unwrap();
+    assert!(nodes.contains("/python_node") && !nodes.contains("/camera_stream"), "{nodes}");
+    let published = fixture.master.output("rostopic", &["list", "-p"]).unwrap();
+    assert!(published.contains("/cloud") && !published.contains("/view"), "{published}");
+    let services = fixture.master.output("rosservice", &["list"]).unwrap();
+    assert!(!services.contains("camera"), "{services}");
 }
 
-#[test]
-fn rosnode_kill_ends_the_node_with_0() {
-    let mut fixture = fixture();
+fn rosnode_kill_ends_the_node_with_0(fixture: &mut RosFixture) {
     fixture.master.output("rosnode", &["kill", "/camera_stream"]).unwrap();
     let status = fixture.node.wait(PATIENCE).unwrap();
     assert_eq!(status.code(), Some(0), "{}", fixture.log());
 }
 
-#[test]
-fn a_publisher_that_was_killed_and_restarted_is_received_again() {
-    let fixture = fixture();
+fn a_publisher_that_was_killed_and_restarted_is_received_again(fixture: &mut RosFixture) {
     let start = |color: &str| {
         let other = PythonNode::start(&fixture.master, &["__name:=clouds"]).unwrap();
         other.run(format!("latch('/cloud', cloud({color}))")).unwrap();
@@ -100,17 +103,14 @@ fn a_publisher_that_was_killed_and_restarted_is_received_again() {
     fixture.wait_for("viewer.middle() == (255, 255, 0)");
 }
 
-#[test]
-fn a_stalled_subscriber_does_not_stop_anothers_images() {
-    let fixture = fixture();
+fn a_stalled_subscriber_does_not_stop_anothers_images(fixture: &mut RosFixture) {
     // Big images, so that few fit into a buffer.
     fixture.python("latch('/eye/camera_info', info(width=1280, height=800))");
     let stalled = PythonNode::start(&fixture.master, &["__name:=stalled"]).unwrap();
     // It does not subscribe to the CameraInfo, whose small messages would hardly ever fill a buffer.
     stalled.run("received = []; images = rospy.Subscriber('/view/image', Image, received.append)").unwrap();
     assert!(stalled.wait_for(PATIENCE, "len(received) > 3"));
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     let subscribers = |count: u32| format!("values('camera_stream: CameraPub').get('subscribers') == '{count}'");
     fixture.wait_for(subscribers(2));
     let signal = |name: &str| Command::new("kill").args([name, &stalled.id().to_string()]).status().unwrap();
@@ -129,10 +129,10 @@ fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_image_at_
     // One of them does not repeat its image while this test runs.
     let rare =
         CameraPub { name: "Rare", image: "/rare/image", namespace: "rare", rate: "0.0001", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), rare]), &[]).unwrap();
-    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); topic = '/diagnostics'");
+    let fixture = Setup::with_cameras(&[CLOUD], &[CameraPub::default(), rare]).start();
+    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
     fixture.python("moving = lambda i: tf('map', 'eye', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now())");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     let of = |camera: &str, value: &str| format!("int(values('camera_stream: {camera}').get('{value}', -1))");
     let are_gone = format!("{} == 0 and {} == 0", of("CameraPub", "subscribers"), of("Rare", "subscribers"));
     // With a moving camera every image is another one, while somebody watches.
@@ -155,9 +155,7 @@ fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_image_at_
     }
 }
 
-#[test]
-fn the_node_registers_again_with_a_restarted_master() {
-    let mut fixture = fixture();
+fn the_node_registers_again_with_a_restarted_master(fixture: &mut RosFixture) {
     fixture.master.restart().unwrap();
     let listed = || fixture.master.output("rosservice", &["list"]).unwrap().contains("/camera_trigger");
     assert!(wait_until(PATIENCE, listed), "{}", fixture.log());
@@ -166,9 +164,7 @@ fn the_node_registers_again_with_a_restarted_master() {
     assert!(newcomer.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)"), "{}", fixture.log());
 }
 
-#[test]
-fn every_thread_has_a_name() {
-    let fixture = fixture();
+fn every_thread_has_a_name(fixture: &mut RosFixture) {
     let tasks = std::fs::read_dir(format!("/proc/{}/task", fixture.node.id())).unwrap();
     // One that ends meanwhile has no name any more.
     let mut names: Vec<String> =

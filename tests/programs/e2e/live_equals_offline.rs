@@ -42,8 +42,8 @@ fn a_played_bag_gives_the_image_that_render_draws_of_it() {
         let case = GoldenCase::new(name, folder.path()).unwrap();
         let (width, height, expected) = offline(&case, folder.path(), encoding);
 
-        let mut node = master.environment(Command::new(program("camera_stream")));
-        let node = Running::start(node.args(["--renderer", "cpu", "-d"]).arg(&case.config)).unwrap();
+        let node = Running::start(master.program("camera_stream").args(["--renderer", "cpu", "-d"]).arg(&case.config))
+            .unwrap();
         let log = || node.errors().join("\n");
         assert!(wait_until(PATIENCE, || log().contains("drawing")), "{name}: {}", log());
         // The bag marks latched topics as such; with --keep-alive their publishers remain at its end.

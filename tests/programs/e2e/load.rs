@@ -1,8 +1,7 @@
 //! Heavy scenes and floods of messages: calls, signals and images go on, and memory is bounded.
 
-use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -16,9 +15,8 @@ const FRAMES: &str = "{Class: rviz/TF, Name: frames, Enabled: true, Frame Timeou
 
 /// Collects the node's diagnostics, and has a viewer that has seen the cloud.
 pub(crate) fn watched(fixture: &RosFixture) {
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
-    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())");
+    fixture.python("monitor()");
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
@@ -61,7 +59,7 @@ pub(crate) fn drawn(fixture: &RosFixture) -> u64 {
 
 #[test]
 fn calls_signals_and_images_go_on_while_a_image_takes_long() {
-    let mut fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
+    let mut fixture = Setup::of(&[CLOUD, FILM]).start();
     watched(&fixture);
     fixture
         .python("from dynamic_reconfigure.client import Client; c = Client('/camera_stream/CameraPub', timeout=300)");
@@ -87,7 +85,7 @@ fn calls_signals_and_images_go_on_while_a_image_takes_long() {
 
 #[test]
 fn a_slow_image_is_reported_with_the_display_that_costs_most() {
-    let fixture = RosFixture::start(&config(&[CLOUD, FILM], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, FILM]).start();
     watched(&fixture);
     fixture.python("latch('/eye/camera_info', info(width=2048, height=2048, f=2200.0))");
     let slow = || fixture.log_lines(&["WARN", "camera CameraPub: a picture took", "s for display film"]);
@@ -109,7 +107,7 @@ fn changes_that_a_camera_does_not_show_make_no_image_and_others_no_more_than_the
     let both = config(&[CLOUD, FRAMES], &[camera("CameraPub", "/view/image", ""), camera("All", "/all/image", "all")]);
     // The first camera does not show the frames.
     let text = both.replacen("Visibility: {Value: true}", "Visibility: {Value: true, frames: false}", 1);
-    let fixture = RosFixture::start(&text, &[]).unwrap();
+    let fixture = Setup::with_config(text).start();
     watched(&fixture);
     fixture.python("all_shown = Viewer('/all/image')");
     fixture.python("moving = lambda i: tf('map', 'hand', xyz=(0, i * 1e-3, 2), stamp=rospy.Time.now())");
@@ -129,7 +127,7 @@ fn changes_that_a_camera_does_not_show_make_no_image_and_others_no_more_than_the
 
 #[test]
 fn made_up_frames_are_bounded_and_the_robots_go_on() {
-    let fixture = RosFixture::start(&config(&[CLOUD, FRAMES], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, FRAMES]).start();
     watched(&fixture);
     fixture.python("moving = lambda i: tf('map', 'hand', xyz=(0, i * 1e-3, 2), stamp=rospy.Time.now())");
     fixture.python("repeated = PublishRepeatedly(30, moving, '/tf')");
@@ -160,7 +158,7 @@ fn made_up_frames_are_bounded_and_the_robots_go_on() {
 #[test]
 fn each_cause_is_logged_once_a_second_with_a_count() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
-    let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, markers]).start();
     watched(&fixture);
     let before = fixture.node.errors().len();
     fixture.python("from visualization_msgs.msg import Marker, MarkerArray");
@@ -194,7 +192,7 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
 
 /// Shows an image of this size and then a small one. The node may keep `kept_mb` megabytes.
 fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_mb: u64) {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), arguments).unwrap();
+    let fixture = Setup::of(&[CLOUD]).args(arguments).start();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
     fixture.python(format!("latch('/eye/camera_info', info(width={width}, height={height}, f=9000.0))"));
@@ -224,7 +222,7 @@ fn a_large_image_of_the_gpu_gives_its_memory_back() {
 #[test]
 #[ignore = "a figure of memory: ./test full"]
 fn large_images_and_depths_leave_no_memory_behind() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).start();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
     // Of 15 and 20 MB.
@@ -254,7 +252,7 @@ fn large_images_and_depths_leave_no_memory_behind() {
 #[test]
 #[ignore = "a figure of memory: ./test full"]
 fn a_huge_message_leaves_no_memory_behind_once_it_is_unused() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).start();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
     // One point and 64 MB that no field is in.
@@ -280,7 +278,7 @@ fn a_huge_message_leaves_no_memory_behind_once_it_is_unused() {
 #[ignore = "a figure of memory: ./test full"]
 fn a_hundred_thousand_markers_give_their_memory_back() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
-    let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, markers]).start();
     watched(&fixture);
     fixture.python(MANY);
     let before = of_process(&fixture, "VmRSS");
@@ -323,7 +321,7 @@ pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
 fn images_of_another_display_go_on_while_a_large_array_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     for kind in ["SPHERE", "ARROW", "TEXT_VIEW_FACING"] {
-        let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+        let fixture = Setup::of(&[CLOUD, markers]).start();
         watched(&fixture);
         fixture.python(MANY);
         fixture.python(CROWD);
@@ -380,7 +378,7 @@ fn forty_displays_that_all_change_are_drawn() {
         })
         .collect();
     let displays: Vec<&str> = [CLOUD].into_iter().chain(displays.iter().map(String::as_str)).collect();
-    let fixture = RosFixture::start(&config(&displays, &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&displays).start();
     watched(&fixture);
     fixture.python(MANY);
     fixture.python(CAMERA);
@@ -398,7 +396,7 @@ fn forty_displays_that_all_change_are_drawn() {
 #[ignore = "a load: ./test full"]
 fn a_thousand_markers_that_change_a_hundred_times_a_second_are_drawn() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
-    let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD, markers]).start();
     watched(&fixture);
     fixture.python(MANY);
     fixture.python(CAMERA);

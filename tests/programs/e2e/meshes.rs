@@ -1,8 +1,7 @@
 //! Meshes of markers: loaded beside the images, and only files that may be read.
 
-use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup, CLOUD};
 use std::fs::{self, File};
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -34,12 +33,10 @@ cloud_of = lambda i: cloud(0x400000 + i * 7919 % 0xbfffff, points=[(0.9, 0.01 * 
 fn fixture(args: &[&str]) -> RosFixture {
     // The light does not reach the square's side that the camera sees: it is black.
     let camera = CameraPub { background: "0; 0; 200", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD, MARKERS], &[camera]), args).unwrap();
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    let fixture = Setup::with_cameras(&[CLOUD, MARKERS], &[camera]).args(args).start();
+    fixture.python("monitor()");
     fixture.python(PUBLISH);
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("place_camera()");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("good = PublishRepeatedly(30, cloud_of, '/cloud')");
     fixture.wait_for("len(viewer.images) > 10");

@@ -1,10 +1,8 @@
 //! `~stale_timeout`: when a process of the chain dies, the image turns black by itself, and comes back at once.
 
-use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::Running;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-use std::process::Command;
+use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup, CLOUD};
 use std::time::Duration;
 
 /// A second cloud, beside the first one.
@@ -19,7 +17,7 @@ const BLACK: &str = "viewer.middle() == (0, 0, 0) and 0 < sum(viewer.last.data) 
 /// A node that turns black after half a second and says why, and a viewer. Nobody publishes anything yet.
 fn fixture(args: &[&str]) -> RosFixture {
     let args = [&["--stale-timeout", "0.5", "--stale-note"], args].concat();
-    let fixture = RosFixture::start(&config(&[CLOUD, OTHER_CLOUD], &[CameraPub::default()]), &args).unwrap();
+    let fixture = Setup::of(&[CLOUD, OTHER_CLOUD]).args(&args).start();
     fixture.python("viewer = Viewer('/view/image')");
     fixture
 }
@@ -55,18 +53,14 @@ fn dies(rest: [&str; 2], dying: &str, because: &str) {
 }
 
 #[test]
-fn the_image_turns_black_when_the_publisher_of_the_cloud_is_killed() {
-    dies([FRAMES, INFO], CLOUDS, "the picture is black: cloud: no data on /cloud of the last 0.5 s");
-}
-
-#[test]
-fn the_image_turns_black_when_the_publisher_of_the_cameras_frame_is_killed() {
-    dies([CLOUDS, INFO], FRAMES, "the picture is black: eye: no transform of the last 0.5 s");
-}
-
-#[test]
-fn the_image_turns_black_when_the_publisher_of_the_camera_info_is_killed() {
-    dies([CLOUDS, FRAMES], INFO, "the picture is black: CameraInfo: no data on /eye/camera_info of the last 0.5 s");
+fn the_image_turns_black_when_the_publisher_of_cloud_frame_or_camera_info_is_killed() {
+    for (rest, dying, because) in [
+        ([FRAMES, INFO], CLOUDS, "cloud: no data on /cloud"),
+        ([CLOUDS, INFO], FRAMES, "eye: no transform"),
+        ([CLOUDS, FRAMES], INFO, "CameraInfo: no data on /eye/camera_info"),
+    ] {
+        dies(rest, dying, &format!("the picture is black: {because} of the last 0.5 s"));
+    }
 }
 
 #[test]
@@ -86,7 +80,7 @@ fn one_display_that_is_too_old_leaves_the_others_in_the_image() {
 #[test]
 fn limits_are_parameters_too_and_single_topics_are_exempt() {
     let args = ["_stale_timeout:=0.5", "_stale_timeouts:=[{topic: /other, limit: never}]"];
-    let fixture = RosFixture::start(&config(&[CLOUD, OTHER_CLOUD], &[CameraPub::default()]), &args).unwrap();
+    let fixture = Setup::of(&[CLOUD, OTHER_CLOUD]).args(&args).start();
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python(INFO);
@@ -100,7 +94,7 @@ fn limits_are_parameters_too_and_single_topics_are_exempt() {
 #[test]
 fn a_camera_that_is_only_triggered_turns_black_too_and_a_image_without_a_note_is_all_black() {
     let camera = CameraPub { rate: "0", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &["--stale-timeout", "0.5"]).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], &[camera]).args(&["--stale-timeout", "0.5"]).start();
     fixture.python("viewer = Viewer('/view/image')");
     fixture.python("latch('/tf_static', tf('map', 'eye'))");
     fixture.python(INFO);
@@ -126,9 +120,7 @@ fn the_image_turns_black_when_projector_or_publish_cloud_is_killed() {
     let header = "FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 1\nHEIGHT 1\nDATA ascii\n";
     let cloud = file("cloud.pcd", &format!("{header}0 0 2 16711680\n"));
     let fixture = fixture(&[]);
-    let start = |args: &[&str]| {
-        Running::start(fixture.master.environment(Command::new(program(args[0]))).args(&args[1..])).unwrap()
-    };
+    let start = |args: &[&str]| Running::start(fixture.master.program(args[0]).args(&args[1..])).unwrap();
     let projector: &[&str] = &["projector", &projector];
     let cloud: &[&str] = &["publish_cloud", &cloud, "--rate", "0", "--topic", "/cloud"];
     let mut running = [start(projector), start(cloud)];
@@ -147,7 +139,7 @@ fn the_image_turns_black_when_projector_or_publish_cloud_is_killed() {
 
 #[test]
 fn without_a_limit_old_data_stay_for_ever_as_in_rviz() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).start();
     fixture.python("viewer = Viewer('/view/image')");
     let node = other_node(&fixture, &[CLOUDS, FRAMES, INFO].join("\n"));
     fixture.wait_for(RED);

@@ -1,9 +1,7 @@
 //! The node's log as roscpp's: on `/rosout`, with its time, in the file of `__log:=`, with levels that can be changed.
 
-use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE, PROMPT};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, master_and_python, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs::{self, File};
 use std::io::Write;
 use std::os::fd::OwnedFd;
@@ -15,7 +13,7 @@ use std::time::Duration;
 const RELOADED: &str = "1 displays kept, 0 added, 0 removed";
 
 fn fixture(args: &[&str]) -> RosFixture {
-    RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap()
+    Setup::of(&[CLOUD]).args(args).start()
 }
 
 #[test]
@@ -94,7 +92,7 @@ fn where_standard_output_is_a_file_information_goes_there() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, output) = (folder.path().join("scene.rviz"), folder.path().join("stdout.log"));
     fs::write(&scene, config(&[CLOUD], &[CameraPub::default()])).unwrap();
-    let mut command = master.environment(Command::new(program("camera_stream")));
+    let mut command = master.program("camera_stream");
     command.arg("-d").arg(&scene).args(["--renderer", "cpu"]);
     command.env("ROSCONSOLE_FORMAT", "${node}|${severity}|${message}");
     let mut node =
@@ -110,8 +108,7 @@ fn where_standard_output_is_a_file_information_goes_there() {
 /// A terminal that was stopped with Ctrl-S, or a pipe whose reader hangs.
 #[test]
 fn a_log_that_nobody_reads_stops_neither_images_nor_calls_nor_the_end() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
+    let (master, python) = master_and_python("");
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.rviz");
     fs::write(&scene, config(&[CLOUD], &[CameraPub::default()])).unwrap();
@@ -119,10 +116,10 @@ fn a_log_that_nobody_reads_stops_neither_images_nor_calls_nor_the_end() {
     full.set_nonblocking(true).unwrap();
     while (&full).write(&[b'\n'; 4096]).is_ok() {}
     full.set_nonblocking(false).unwrap();
-    let mut command = master.environment(Command::new(program("camera_stream")));
+    let mut command = master.program("camera_stream");
     command.arg("-d").arg(&scene).args(["--renderer", "cpu"]).stdin(Stdio::null()).stdout(Stdio::null());
     let mut node = command.stderr(OwnedFd::from(full)).spawn().unwrap();
-    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python.run("place_camera()").unwrap();
     python.run("latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')").unwrap();
     let is_drawn = python.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)");
     let answer = is_drawn.then(|| python.run("trigger('/camera_stream/reload_config')").unwrap());
@@ -154,8 +151,7 @@ fn a_camera_info_that_does_not_come_is_one_warning() {
 fn small_nodes_log_on_rosout_too() {
     let master = RosMaster::start().unwrap();
     let file = rcs_tests::programs::repository().join("config/projector.yaml");
-    let mut command = master.environment(Command::new(program("projector")));
-    let _node = Running::start(command.arg(file)).unwrap();
+    let _node = Running::start(master.program("projector").arg(file)).unwrap();
     let services = || master.output("rosservice", &["list"]).unwrap();
     assert!(wait_until(PATIENCE, || services().contains("/projector/set_logger_level")), "{}", services());
     assert!(master.output("rosnode", &["info", "/projector"]).unwrap().contains("/rosout [rosgraph_msgs/Log]"));
@@ -163,18 +159,14 @@ fn small_nodes_log_on_rosout_too() {
 
 /// `program` fails after it has connected with the master.
 fn the_last_line_is_everywhere(program_name: &str, args: &[&str], reason: &str) {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python
-        .run(
-            "from rosgraph_msgs.msg import Log\n\
+    let (master, python) = master_and_python(
+        "from rosgraph_msgs.msg import Log\n\
              lines = []\n\
              rosout = rospy.Subscriber('/rosout', Log, lambda m: lines.append(m) if m.name == '/fails' else None)\n",
-        )
-        .unwrap();
+    );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("fails.log");
-    let mut command = master.environment(Command::new(program(program_name)));
+    let mut command = master.program(program_name);
     command.args(args).arg("__name:=fails").arg(format!("__log:={}", file.display()));
     let mut node = Running::start(&mut command).unwrap();
     assert_eq!(node.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{:?}", node.errors());

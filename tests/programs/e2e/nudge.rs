@@ -7,9 +7,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use rcs_files::projector::ProjectorFile;
-use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 
 const FILE: &str = "\
 # The lab's projector; the pose is from Monday.
@@ -67,7 +66,7 @@ impl Fixture {
         fs::write(&file, text).unwrap();
         let python = PythonNode::start(&master, &[]).unwrap();
         python.run(PYTHON).unwrap();
-        let projector = Running::start(master.environment(Command::new(program("projector"))).arg(&file)).unwrap();
+        let projector = Running::start(master.program("projector").arg(&file)).unwrap();
         let fixture = Self { master, python, projector, file, _folder: folder };
         fixture.python("c = Client('/projector', timeout=300)");
         fixture
@@ -97,11 +96,6 @@ impl Fixture {
     /// Waits until the client has heard that nothing is nudged.
     fn wait_for_no_nudge(&self) {
         self.wait_for("not any(c.get_configuration(300)[n] for n in ('x', 'y', 'z', 'roll', 'pitch', 'yaw'))");
-    }
-
-    fn logs(&self, words: &[&str]) -> bool {
-        let has_line = || self.projector.errors().iter().any(|line| words.iter().all(|word| line.contains(word)));
-        wait_until(PATIENCE, has_line)
     }
 
     /// One step by `ros_probe`: what it prints.
@@ -170,7 +164,11 @@ fn a_file_that_cannot_be_written_and_one_without_the_frame_say_so() {
     fs::set_permissions(&fixture.file, Permissions::from_mode(0o444)).unwrap();
     fixture.python("c.update_configuration({'x': 0.001})");
     fixture.wait_for("offset((0.001, 0, 0)) < 1e-12");
-    assert!(fixture.logs(&["WARN", "the file is read-only", "make the file writable before /projector/save"]));
+    fixture.projector.wait_for_error(&[
+        "WARN",
+        "the file is read-only",
+        "make the file writable before /projector/save",
+    ]);
     let answer = fixture.python("trigger('/projector/save')");
     assert!(answer.starts_with("(False, ") && answer.contains("cannot write: the file is read-only"), "{answer}");
     assert_eq!(fixture.python("c.get_configuration(300)['x']"), "0.001", "the nudge is kept");
@@ -183,7 +181,7 @@ fn a_file_that_cannot_be_written_and_one_without_the_frame_say_so() {
     let answer = "[c.update_configuration({'x': 0.1, 'yaw': 0.2})[n] for n in ('x', 'yaw')]";
     assert_eq!(fixture.python(answer), "[0.0, 0.0]");
     let reason = "frames: no entry has the child 'elsewhere', the CameraInfo's frame; add one";
-    assert!(fixture.logs(&["WARN", "nudging the projector failed", reason]));
+    fixture.projector.wait_for_error(&["WARN", "nudging the projector failed", reason]);
     for service in ["save", "revert"] {
         let answer = fixture.python(&format!("trigger('/projector/{service}')"));
         assert!(answer.starts_with("(False, ") && answer.contains("no entry has the child"), "{answer}");

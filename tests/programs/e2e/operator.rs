@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
-use rcs_tests::python_node::{PythonNode, MONITOR};
-use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
 use crate::load::{CROWD, MANY};
 use crate::viewers::{saved, Screen};
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{wait_until, PATIENCE};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 
 /// A wall of one colour before the whole view.
 const WALL: &str = "
@@ -23,8 +22,7 @@ def blackout(on):
 def pause(on):
     return switch('/camera_stream/pause', on)
 def set_up_view(width=64, height=48, f=50.0):
-    latch('/tf_static', tf('map', 'eye'))
-    latch('/eye/camera_info', info(width=width, height=height, f=f))
+    place_camera(width=width, height=height, f=f)
 def set_up(*size):
     set_up_view(*size)
     latch('/cloud', wall(0xff0000))
@@ -80,7 +78,7 @@ fn an_operator_is_obeyed_in_a_window() {
 }
 
 fn fixture(args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD, MARKERS], &[CameraPub::default()]), args).unwrap();
+    let fixture = Setup::of(&[CLOUD, MARKERS]).args(args).start();
     fixture.python(WALL);
     fixture.python("viewer = Viewer('/view/image'); set_up()");
     fixture
@@ -88,12 +86,8 @@ fn fixture(args: &[&str]) -> RosFixture {
 
 /// A node with a window on a screen.
 fn with_window(screen: &Screen, args: &[&str]) -> RosFixture {
-    let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let config = config(&[CLOUD, MARKERS], &[CameraPub::default()]);
-    let args = [&["--window", "auto"], args].concat();
-    let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
+    let setup = Setup::of(&[CLOUD, MARKERS]).args(&["--window", "auto"]).args(args);
+    let fixture = setup.on_screen(&screen.display).start();
     fixture.python(WALL);
     fixture.python("viewer = Viewer('/view/image'); set_up(640, 360, 300.0)");
     fixture
@@ -126,8 +120,7 @@ fn a_blackout_is_black_until_it_is_released_and_then_the_image_is_the_current_on
 }
 
 fn diagnostics_say_who_has_set_what(fixture: &RosFixture) {
-    fixture.python("topic = '/diagnostics'");
-    fixture.python(MONITOR);
+    fixture.python("monitor()");
     let caller = fixture.python("rospy.get_name()");
     fixture.python("blackout(True); pause(True); trigger('/camera_stream/test_picture')");
     fixture.wait_for(format!("values('camera_stream: CameraPub').get('Dark', '').endswith('blackout by {caller}')"));
@@ -163,7 +156,7 @@ fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn(fixture: &RosFixtu
 #[test]
 fn a_cameras_switch_blacks_out_that_camera_and_the_service_releases_it() {
     let left = CameraPub { name: "Left", image: "/left/image", namespace: "left", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), left]), &[]).unwrap();
+    let fixture = Setup::with_cameras(&[CLOUD], &[CameraPub::default(), left]).start();
     fixture.python(WALL);
     fixture.python("viewer, left = Viewer('/view/image'), Viewer('/left/image'); set_up()");
     fixture.python(CLIENT);
@@ -279,7 +272,7 @@ fn masks_without_stamps_that_waited_while_the_node_was_stopped_light_nothing() {
 
 #[test]
 fn a_pause_keeps_the_image_until_its_data_are_stale() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["--stale-timeout", "1"]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).args(&["--stale-timeout", "1"]).start();
     fixture.python(WALL);
     // What a latching publisher sent would not age.
     fixture.python("viewer = Viewer('/view/image'); set_up_view()");

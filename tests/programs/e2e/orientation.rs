@@ -4,7 +4,7 @@ use std::process::Command;
 
 use rcs_tests::golden::GoldenCase;
 use rcs_tests::programs::program;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{Setup, CLOUD};
 
 /// Where the CameraInfo that the viewer received last says that a point of the frame `eye` is, by its P and its frame.
 const PROJECTED: &str = "
@@ -44,7 +44,7 @@ fn a_consumer_of_the_published_camera_info_finds_what_the_published_image_shows(
     ] {
         let args = [&*format!("_orientation:={orientation}"), "--projection", "exact"];
         let cloud = CLOUD.replace("Size (m): 1", "Size (m): 0.12");
-        let fixture = RosFixture::start(&config(&[&cloud], &[CameraPub::default()]), &args).unwrap();
+        let fixture = Setup::of(&[&cloud]).args(&args).start();
         fixture.python("latch('/tf_static', tf('map', 'eye', xyz=(0, 0, 1)))");
         fixture.python(format!("latch('/eye/camera_info', info(P={p}, binning_x=4))"));
         fixture.python("latch('/cloud', cloud(0xffffff, points=((0.42, -0.66, 3),)))");

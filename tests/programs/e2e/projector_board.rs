@@ -9,7 +9,7 @@ use rcs_scan_simulator::{Conditions, Rig, Room, Scan, View};
 use rcs_scene::{Encoding, Image};
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::ros::{RosMaster, Running};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -174,39 +174,36 @@ fn a_board_is_written_to_print() {
     assert_eq!(run(folder.path(), &["board", "-o", "board.pdf", "--board", "circles:4x5:1cm"]).0, Some(2));
 }
 
-/// Waits for a line on a program's standard error with all of these texts.
-fn wait_for(running: &Running, texts: &[&str]) {
-    let is_said = || running.errors().iter().any(|line| texts.iter().all(|text| line.contains(text)));
-    assert!(wait_until(PATIENCE, is_said), "{texts:?}: {:?}", running.errors());
-}
-
 #[test]
 fn a_live_scan_says_how_to_hold_the_board_and_takes_a_pose_each_time_it_rests() {
     let (master, folder) = (RosMaster::start().unwrap(), tempfile::tempdir().unwrap());
-    let mut command = master.environment(Command::new(program("simulate_scan")));
-    let robot =
-        Running::start(command.args(["--seed", "3", "robot", "--small", "--scene", "board"]).arg(folder.path()))
-            .unwrap();
+    let robot = Running::start(
+        master
+            .program("simulate_scan")
+            .args(["--seed", "3", "robot", "--small", "--scene", "board"])
+            .arg(folder.path()),
+    )
+    .unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();
     python.run("rospy.wait_for_service('/simulated_robot/next_view', 300)").unwrap();
-    let mut command = master.environment(Command::new(program("projector_calibrate")));
+    let mut command = master.program("projector_calibrate");
     command.current_dir(folder.path()).args(["scan", "--board", "chessboard:8x6:45mm", "--size", "640x400"]);
     command.args(["--show-on", "/projector/patterns", "--step", "4", "--frames", "1", "-o", "boards"]);
     let mut scan = Running::start(&mut command).unwrap();
-    wait_for(&scan, &["pose 1: hold the board so that camera and projector see all of it"]);
-    wait_for(&scan, &["pose01: ", " corners"]);
-    wait_for(&scan, &["pose 2: tilt the board to the left: its left side away from the camera"]);
+    scan.wait_for_error(&["pose 1: hold the board so that camera and projector see all of it"]);
+    scan.wait_for_error(&["pose01: ", " corners"]);
+    scan.wait_for_error(&["pose 2: tilt the board to the left: its left side away from the camera"]);
     assert!(python.run("trigger('/simulated_robot/next_view')").unwrap().contains("True"), "{:?}", robot.errors());
-    wait_for(&scan, &["pose02: ", " corners"]);
-    wait_for(&scan, &["pose 3: tilt the board to the right"]);
+    scan.wait_for_error(&["pose02: ", " corners"]);
+    scan.wait_for_error(&["pose 3: tilt the board to the right"]);
     python.run("trigger('/simulated_robot/next_view')").unwrap();
-    wait_for(&scan, &["pose03: ", " corners"]);
-    wait_for(&scan, &["verdict: "]);
-    wait_for(&scan, &["pose 4: tilt the board back"]);
+    scan.wait_for_error(&["pose03: ", " corners"]);
+    scan.wait_for_error(&["verdict: "]);
+    scan.wait_for_error(&["pose 4: tilt the board back"]);
     // Three poses are enough to end.
     let status = scan.end("INT").unwrap();
     assert_eq!(status.code(), Some(0), "{:?}", scan.errors());
-    wait_for(&scan, &["written: 3 poses in boards"]);
+    scan.wait_for_error(&["written: 3 poses in boards"]);
 
     let solve = ["solve", "boards", "--board", "chessboard:8x6:45mm", "--size", "640x400", "--in-camera-frame"];
     let (code, errors) = run(folder.path(), &[&solve[..], &["-o", "projector.yaml"]].concat());

@@ -7,17 +7,16 @@ use std::process::Command;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use rcs_files::projector::{write_pose, ProjectorFile};
 use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
+use rcs_tests::ros::{RosMaster, Running};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup};
+
+use crate::projector_verify::{calibrate, robot};
 
 const COMMENT: &str = "# measured on Monday\n";
 
 /// A folder with the robot's truth.yaml and a file from before a bump, and the robot.
-fn robot(master: &RosMaster, folder: &Path) -> (Running, PathBuf) {
-    let mut command = master.environment(Command::new(program("simulate_scan")));
-    let robot = Running::start(command.args(["--seed", "1", "robot", "--small"]).arg(folder)).unwrap();
-    assert!(wait_until(PATIENCE, || folder.join("tape.yaml").exists()), "{:?}", robot.errors());
+fn bumped_robot(master: &RosMaster, folder: &Path) -> (Running, PathBuf) {
+    let robot = robot(master, folder);
     let path = folder.join("projector.yaml");
     fs::write(&path, fs::read_to_string(folder.join("truth.yaml")).unwrap() + COMMENT).unwrap();
     let bump = Isometry3::from_parts(
@@ -46,18 +45,15 @@ fn assert_mended(path: &Path) {
 
 /// Refines by spots on a topic: the exit code and standard error.
 fn refine(master: &RosMaster, file: &Path, topic: &str, more: &[&str]) -> (Option<i32>, Vec<String>) {
-    let mut command = master.environment(Command::new(program("projector_calibrate")));
-    command.current_dir(file.parent().unwrap());
-    command.args(["refine", "--spots", "--projector", "projector.yaml", "--show-on", topic]).args(more);
-    let mut running = Running::start(&mut command).unwrap();
-    let code = running.wait(3 * PATIENCE).and_then(|status| status.code());
-    (code, running.errors())
+    let spots = ["refine", "--spots", "--projector", "projector.yaml", "--show-on", topic];
+    let (code, _, errors) = calibrate(master, file.parent().unwrap(), &[&spots, more].concat());
+    (code, errors)
 }
 
 #[test]
 fn a_bump_is_mended_in_the_file_by_spots() {
     let (master, folder) = (RosMaster::start().unwrap(), tempfile::tempdir().unwrap());
-    let (_robot, file) = robot(&master, folder.path());
+    let (_robot, file) = bumped_robot(&master, folder.path());
     let bumped = fs::read_to_string(&file).unwrap();
     let (code, errors) = refine(&master, &file, "/projector/patterns", &["-o", "new.yaml"]);
     assert_eq!(code, Some(0), "{errors:?}");
@@ -146,12 +142,11 @@ fn a_file_that_is_refined_keeps_comments_topic_names_and_frames_between() {
 /// `camera_stream` with the robot's projector as its screen, and the node `projector`.
 fn streaming(folder: &Path) -> (RosFixture, Running, Running, PathBuf) {
     let master = RosMaster::start().unwrap();
-    let (robot, file) = robot(&master, folder);
-    let projector = Running::start(master.environment(Command::new(program("projector"))).arg(&file)).unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
+    let (robot, file) = bumped_robot(&master, folder);
+    let projector = Running::start(master.program("projector").arg(&file)).unwrap();
     let camera = CameraPub { image: "/projector/patterns", info: "/proj_view/camera_info", ..CameraPub::default() };
     let config = config(&[], &[camera]).replace("rgb8", "mono8").replace("map", "head_camera_rgb_optical_frame");
-    let fixture = RosFixture::with(master, python, &config, &["__name:=camera_stream"]).unwrap();
+    let fixture = Setup::with_config(config).args(&["__name:=camera_stream"]).beside(master).unwrap();
     fixture.wait_for_log("drawing ").unwrap();
     fixture.python("from std_srvs.srv import SetBool");
     fixture.python("viewer = Viewer('/projector/patterns')");
@@ -193,8 +188,9 @@ fn a_watch_tells_the_drift_and_measures_by_itself_only_while_there_is_nothing_to
          listener = rospy.Subscriber('/diagnostics', DiagnosticArray, keep)",
     );
     let before = fs::read_to_string(&file).unwrap();
-    let mut command = fixture.master.environment(Command::new(program("projector_calibrate")));
-    let watch = Running::start(command.arg("watch").arg(&file).args(["--every", "1"])).unwrap();
+    let watch =
+        Running::start(fixture.master.program("projector_calibrate").arg("watch").arg(&file).args(["--every", "1"]))
+            .unwrap();
     // By itself, and it is off by the bump.
     fixture.wait_for("drifts and drifts[-1][0] == 1 and float(drifts[-1][2].get('drift_px', 0)) > 5");
     // It has changed nothing.
@@ -207,9 +203,5 @@ fn a_watch_tells_the_drift_and_measures_by_itself_only_while_there_is_nothing_to
     fixture.wait_for("drifts[-1][0] == 0 and float(drifts[-1][2]['drift_px']) < 1");
     // A blackout is no lack of something to show.
     fixture.python("rospy.ServiceProxy('/camera_stream/blackout', SetBool)(True)");
-    assert!(
-        wait_until(PATIENCE, || watch.errors().iter().any(|line| line.contains("blackout"))),
-        "{:?}",
-        watch.errors()
-    );
+    watch.wait_for_error(&["blackout"]);
 }

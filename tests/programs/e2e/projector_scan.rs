@@ -12,8 +12,8 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{Image, Time};
 use rcs_test_support::{BagWriter, McapWriter};
 use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::ros_fixture::master_and_python;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -67,16 +67,14 @@ threading.Thread(target=see, daemon=True).start()
 
 /// The scan with more arguments.
 fn scan(master: &RosMaster, folder: &Path, arguments: &[&str]) -> Running {
-    let mut command = master.environment(Command::new(program("projector_calibrate")));
+    let mut command = master.program("projector_calibrate");
     command.args(["scan", "--size", "128x80", "--show-on", "/projector/patterns", "-o"]);
     Running::start(command.arg(folder).args(arguments)).unwrap()
 }
 
 #[test]
 fn a_scan_on_topics_is_written_and_can_be_decoded() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(ROBOT).unwrap();
+    let (master, python) = master_and_python(ROBOT);
     let folder = tempfile::tempdir().unwrap();
     let preview = folder.path().join("preview.png");
     python.run(WATCH_PREVIEW).unwrap();
@@ -115,9 +113,7 @@ threading.Thread(target=move, daemon=True).start()
 
 #[test]
 fn solve_knows_the_robot_of_the_scan_and_refuses_to_guess_its_parent() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(format!("{ROBOT}{FRAMES}")).unwrap();
+    let (master, _python) = master_and_python(format!("{ROBOT}{FRAMES}"));
     let folder = tempfile::tempdir().unwrap();
     let mut scan = scan(&master, &folder.path().join("scan"), &["--frames", "1"]);
     assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", scan.errors());
@@ -169,9 +165,7 @@ preview = rospy.Subscriber('/projector_calibrate/preview', Image, watch)
 
 #[test]
 fn compressed_topics_are_scanned() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(format!("{ROBOT}\npacked = True")).unwrap();
+    let (master, _python) = master_and_python(format!("{ROBOT}\npacked = True"));
     let folder = tempfile::tempdir().unwrap();
     let image = ["--image", "/head_camera/rgb/image_raw/compressed"];
     let depth = ["--depth", "/head_camera/depth_registered/image_raw/compressedDepth"];
@@ -193,9 +187,7 @@ fn scan_bag(folder: &Path, bag: &str, arguments: &[&str]) -> (Option<i32>, Strin
 
 #[test]
 fn a_scan_that_rosbag_recorded_is_scanned_again() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(ROBOT).unwrap();
+    let (master, python) = master_and_python(ROBOT);
     let folder = tempfile::tempdir().unwrap();
     let mut record = master.command("rosbag");
     record.current_dir(&folder).args(["record", "--bz2", "-O", "recorded.bag", "/projector/patterns"]);
@@ -315,9 +307,7 @@ fn a_show_that_was_recorded_is_scanned_without_a_master() {
 
 #[test]
 fn a_mirrored_projector_is_refused_and_nothing_is_written() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(format!("{ROBOT}\nmirrored = True")).unwrap();
+    let (master, _python) = master_and_python(format!("{ROBOT}\nmirrored = True"));
     let folder = tempfile::tempdir().unwrap();
     let mut scan = scan(&master, &folder.path().join("scan"), &[]);
     assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(1), "{:?}", scan.errors());
@@ -327,9 +317,7 @@ fn a_mirrored_projector_is_refused_and_nothing_is_written() {
 
 #[test]
 fn a_silent_topic_is_named() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(format!("{ROBOT}\nlatch('/points', cloud(0xff0000))")).unwrap();
+    let (master, _python) = master_and_python(format!("{ROBOT}\nlatch('/points', cloud(0xff0000))"));
     let folder = tempfile::tempdir().unwrap();
     for (topic, reason) in [
         ("/nobody/depth", "nothing was received on /nobody/depth within 10 s: nobody publishes it"),
@@ -380,9 +368,7 @@ changing = rospy.Subscriber('/projector_calibrate/preview', Image, change)
 
 #[test]
 fn a_scan_that_ends_early_is_kept_beside_the_complete_one() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(ROBOT).unwrap();
+    let (master, python) = master_and_python(ROBOT);
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("scan");
     let mut complete = scan(&master, &output, &["--frames", "1"]);

@@ -2,29 +2,31 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion};
 use rcs_files::projector::ProjectorFile;
-use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 
 use crate::viewers::Screen;
 
 /// A folder with the robot's truth.yaml and tape.yaml, and the robot.
-fn robot(master: &RosMaster, folder: &Path) -> Running {
-    let mut command = master.environment(Command::new(program("simulate_scan")));
-    let robot = Running::start(command.args(["--seed", "1", "robot", "--small"]).arg(folder)).unwrap();
+pub(crate) fn robot(master: &RosMaster, folder: &Path) -> Running {
+    let robot =
+        Running::start(master.program("simulate_scan").args(["--seed", "1", "robot", "--small"]).arg(folder)).unwrap();
     assert!(wait_until(PATIENCE, || folder.join("tape.yaml").exists()), "{:?}", robot.errors());
     robot
 }
 
 /// Runs the program and gives its exit code, lines and errors.
-fn calibrate(master: &RosMaster, folder: &Path, arguments: &[&str]) -> (Option<i32>, Vec<String>, Vec<String>) {
-    let mut command = master.environment(Command::new(program("projector_calibrate")));
-    let mut running = Running::start(command.current_dir(folder).args(arguments)).unwrap();
+pub(crate) fn calibrate(
+    master: &RosMaster,
+    folder: &Path,
+    arguments: &[&str],
+) -> (Option<i32>, Vec<String>, Vec<String>) {
+    let mut running =
+        Running::start(master.program("projector_calibrate").current_dir(folder).args(arguments)).unwrap();
     let code = running.wait(3 * PATIENCE).and_then(|status| status.code());
     (code, running.lines(), running.errors())
 }
@@ -147,13 +149,12 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
     ProjectorFile::calibrated(&lens, "torso", &(torso_from_camera() * old))
         .write(&folder.path().join("old.yaml"))
         .unwrap();
-    let mut command = master.environment(Command::new(program("projector_calibrate")));
+    let mut command = master.program("projector_calibrate");
     command.current_dir(folder.path()).env("DISPLAY", &screen.display);
     let arguments = ["refine", "--clicked", "--projector", "old.yaml", "-o", "new.yaml", "--parent", "torso"];
     command.args(arguments).args(["--camera-frame", "head_camera_rgb_optical_frame"]);
     let mut refining = Running::start(&mut command).unwrap();
-    let asks = |text: String| wait_until(PATIENCE, || refining.errors().iter().any(|line| line.contains(&text)));
-    assert!(asks("click the next point".to_owned()), "{:?}", refining.errors());
+    refining.wait_for_error(&["click the next point"]);
 
     // Things in the corners of the image and elsewhere, clicked in the torso's frame.
     let places = [[60, 40], [580, 50], [70, 320], [570, 310], [320, 60], [200, 200], [450, 250], [330, 300]];
@@ -164,15 +165,15 @@ fn a_pose_is_refined_by_clicks_in_rviz() {
         let place = format!("x={}, y={}, z={}", in_torso.x, in_torso.y, in_torso.z);
         let header = "header=Header(frame_id='torso')";
         python.run(format!("send('/clicked_point', PointStamped({header}, point=Point({place})))")).unwrap();
-        assert!(asks(format!("point {}:", number + 1)), "{:?}", refining.errors());
+        refining.wait_for_error(&[&format!("point {}:", number + 1)]);
         // The crosshair is where the old pose expects the thing, and has to go to where the new one does.
         assert!(wait_until(PATIENCE, || crosshair(&screen) == Some([u, v])), "{number}: {:?}", crosshair(&screen));
         let lit_by = lens.project(&bumped.inverse_transform_point(&thing)).unwrap();
         steer(&screen, [lit_by.x.round() as i32, lit_by.y.round() as i32]);
         screen.press("Return");
-        assert!(asks(format!("; {} ", number + 1)), "{:?}", refining.errors());
+        refining.wait_for_error(&[&format!("; {} ", number + 1)]);
     }
-    assert!(asks("8 points are done".to_owned()), "{:?}", refining.errors());
+    refining.wait_for_error(&["8 points are done"]);
     screen.press("f");
     assert_eq!(refining.wait(PATIENCE).unwrap().code(), Some(0), "{:?}", refining.errors());
     let new = ProjectorFile::read(&folder.path().join("new.yaml")).unwrap();

@@ -1,17 +1,15 @@
 //! `rosbag record`: what this package latches is latched in the bag, and is so again when the bag is played.
 
-use rcs_tests::programs::{program, repository};
+use rcs_tests::programs::repository;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
-use std::process::Command;
 
 #[test]
 fn a_recorded_latched_topic_stays_latched() {
     let master = RosMaster::start().unwrap();
     let config = repository().join("config");
-    let start = |name: &str, args: &[&str]| {
-        Running::start(master.environment(Command::new(program(name))).args(args).current_dir(&config)).unwrap()
-    };
+    let start =
+        |name: &str, args: &[&str]| Running::start(master.program(name).args(args).current_dir(&config)).unwrap();
     let _projector = start("projector", &["projector.yaml"]);
     let _cloud = start("publish_cloud", &["demo/clusters.pcd", "--topic", "/clusters", "--rate", "0"]);
     let python = PythonNode::start(&master, &[]).unwrap();

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::process::Command;
 use std::time::Duration;
 
-use rcs_tests::programs::{program, repository};
+use rcs_tests::programs::repository;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
@@ -63,7 +62,7 @@ fn check(node: &str, lines: &[&[&str]], names: &[(&str, &str)], before: &str) {
     let mut running: Vec<Running> = Vec::new();
     for (index, arguments) in lines.iter().enumerate() {
         drop(running.pop());
-        let mut command = master.environment(Command::new(program(node)));
+        let mut command = master.program(node);
         running.push(Running::start(command.args(*arguments)).unwrap());
         let is_last = index + 1 == lines.len();
         let (mut last, mut unchanged) = (BTreeSet::new(), 0);
@@ -121,8 +120,7 @@ fn camera_stream_advertises_what_its_reference_lists() {
         ("~CAMERA", "/camera_stream/CameraPub"),
     ];
     // The frame of turned images is published with the first of them.
-    let before =
-        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); viewer = Viewer('/view/image')
+    let before = "place_camera(); viewer = Viewer('/view/image')
 latch('/surface/image', Image())";
     check("camera_stream", &[&arguments], &names, before);
 }

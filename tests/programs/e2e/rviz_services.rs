@@ -1,6 +1,6 @@
 //! rviz's services for configs, called as scripts call rviz's.
 
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs;
 
 /// `rviz/SendFilePath`, of which Debian has no Python module, and calls that print what rviz would have answered.
@@ -26,9 +26,8 @@ fn of_background(background: &'static str) -> String {
 }
 
 fn fixture(args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(&of_background("0; 0; 0"), args).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
+    let fixture = Setup::with_config(of_background("0; 0; 0")).args(args).start();
+    fixture.python("place_camera(); latch('/cloud', cloud(0xff0000))");
     fixture.python(CALLS);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and corner() == (0, 0, 0)");

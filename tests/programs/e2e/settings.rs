@@ -3,7 +3,7 @@
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs::{self, File};
 use std::process::Command;
 use std::time::Duration;
@@ -45,9 +45,8 @@ fn blue() -> CameraPub {
 
 /// A node whose image has a red square in its middle.
 fn fixture(config: &str, args: &[&str]) -> RosFixture {
-    let fixture = RosFixture::start(config, args).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
+    let fixture = Setup::with_config(config.to_owned()).args(args).start();
+    fixture.python("place_camera(); latch('/cloud', cloud(0xff0000))");
     fixture.python(CLIENT);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");

@@ -1,11 +1,10 @@
 //! `camera_stream setup` beside a running robot: what it finds is taken without a terminal.
 
-use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
+use rcs_tests::ros_fixture::master_and_python;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
 use crate::viewers::Screen;
 
@@ -24,16 +23,14 @@ points = PublishRepeatedly(10, lambda i: cloud(0xffffff), '/camera/depth/points'
 ";
 
 fn setup(master: &RosMaster, display: Option<&str>, folder: &Path, options: &[&str]) -> Output {
-    let mut command = master.environment(Command::new(program("camera_stream")));
+    let mut command = master.program("camera_stream");
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").envs(display.map(|display| ("DISPLAY", display)));
     command.arg("setup").arg(folder).args(options).stdin(Stdio::null()).output().unwrap()
 }
 
 #[test]
 fn topics_rates_frames_and_the_monitor_are_found() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(ROBOT).unwrap();
+    let (master, _python) = master_and_python(ROBOT);
     let listed = || master.output("rostopic", &["list"]).unwrap().contains("/camera/depth/points");
     assert!(wait_until(PATIENCE, listed));
     let (screen, folder) = (Screen::start(), tempfile::tempdir().unwrap());

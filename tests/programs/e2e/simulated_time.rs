@@ -1,11 +1,7 @@
 //! `/use_sim_time`: the node's time is that of a played bag, also when the bag is played again.
 
-use std::process::Command;
-
-use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros::{wait_until, Running, PATIENCE};
+use rcs_tests::ros_fixture::{RosFixture, Setup, CLOUD};
 
 /// Writes a bag of times around 5000 s: a frame and a camera at once, a red cloud after 1.5 s, a blue one after 2.5 s.
 const WRITE_BAG: &str = "
@@ -22,11 +18,7 @@ with rosbag.Bag(path, 'w') as bag:
 
 #[test]
 fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_round() {
-    let master = RosMaster::start().unwrap();
-    master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
+    let fixture = Setup::of(&[CLOUD]).simulated_time().start();
     let folder = tempfile::tempdir().unwrap();
     let bag = folder.path().join("simulated.bag");
     fixture.python(format!("path = '{}'", bag.display()));
@@ -58,10 +50,7 @@ fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_roun
 #[test]
 fn a_camera_that_moves_is_drawn_where_it_will_be() {
     let start = |args: &[&str]| {
-        let master = RosMaster::start().unwrap();
-        master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-        let python = PythonNode::start(&master, &[]).unwrap();
-        let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
+        let fixture = Setup::of(&[CLOUD]).simulated_time().args(args).launch();
         fixture.python("from rosgraph_msgs.msg import Clock");
         fixture.python("at = lambda secs: rospy.Time(5000) + rospy.Duration(secs)");
         fixture.python("latch('/clock', Clock(at(0.1)))");
@@ -84,16 +73,4 @@ fn a_camera_that_moves_is_drawn_where_it_will_be() {
     // The command line wins, and the limit holds.
     middle_is(&start(&["_predict:=0.06", "--predict", "0.5", "--predict-limit", "0.08"]), 32 + 5);
     middle_is(&start(&[]), 32 + 25);
-}
-
-#[test]
-fn a_prediction_that_cannot_be_read_is_an_error_that_names_the_parameter() {
-    let master = RosMaster::start().unwrap();
-    let file = tempfile::Builder::new().suffix(".rviz").tempfile().unwrap();
-    std::fs::write(file.path(), config(&[], &[CameraPub::default()])).unwrap();
-    let mut command = master.environment(Command::new(program("camera_stream")));
-    let output = command.arg("-d").arg(file.path()).arg("_predict:=soon").output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(errors.contains("invalid value 'soon' for ~predict: not seconds from 0 to 1, auto or none"), "{errors}");
 }

@@ -1,14 +1,13 @@
 //! Frames: invalid transforms are refused, a leading slash is ignored, a camera waits for its frame.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{RosFixture, Setup, CLOUD};
 use std::time::Duration;
 
 /// A node whose camera sees an empty scene.
 fn fixture() -> RosFixture {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    let fixture = Setup::of(&[CLOUD]).start();
+    fixture.python("place_camera()");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (0, 0, 0)");
     fixture
@@ -52,7 +51,7 @@ fn a_leading_slash_of_a_frame_name_is_ignored() {
 
 #[test]
 fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    let fixture = Setup::of(&[CLOUD]).start();
     fixture.python("latch('/cloud', cloud(0xff0000))");
     fixture.python("latch('/eye/camera_info', info(frame='lens'))");
     fixture.python("viewer = Viewer('/view/image')");

@@ -3,7 +3,7 @@
 use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{master_and_python, CameraPub, RosFixture, Setup, CLOUD};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -13,23 +13,16 @@ const WIDTH_PX: usize = 640;
 const HEIGHT_PX: usize = 360;
 
 /// A node with an image of that size: a scene with something of every colour.
-pub(crate) fn fixture() -> RosFixture {
-    fixture_with(&[], &[])
+pub(crate) fn set_up<'a>() -> Setup<'a> {
+    let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Color: 20; 200; 90, Plane: XY}";
+    Setup::with_cameras(&[CLOUD, grid], &[CameraPub { background: "10; 20; 200", ..CameraPub::default() }])
 }
 
-/// A node with these arguments and environment variables, too.
-pub(crate) fn fixture_with(args: &[&str], environment: &[(&str, &str)]) -> RosFixture {
-    let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Color: 20; 200; 90, Plane: XY}";
-    let camera = CameraPub { background: "10; 20; 200", ..CameraPub::default() };
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    let config = config(&[CLOUD, grid], &[camera]);
-    let fixture = RosFixture::with_environment(master, python, &config, args, environment).unwrap();
-    fixture.wait_for_log("drawing ").unwrap();
+/// Publishes the scene and its camera.
+pub(crate) fn show_scene(fixture: &RosFixture) {
     fixture.python("latch('/tf_static', tf('map', 'eye', q=(0.2, 0.1, 0, 0.95 ** 0.5)))");
     fixture.python(format!("latch('/eye/camera_info', info(width={WIDTH_PX}, height={HEIGHT_PX}, f=300))"));
     fixture.python("latch('/cloud', cloud(0xff8000, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
-    fixture
 }
 
 /// What subscribes to the image of one node, the last of which ends the node.
@@ -52,7 +45,8 @@ const SCENARIOS_OF_A_WINDOW: [fn(&RosMaster, &PythonNode, &Screen); 3] = [
 
 #[test]
 fn the_image_of_a_node_is_seen_recorded_and_shown() {
-    let (screen, fixture) = (Screen::start(), fixture());
+    let (screen, fixture) = (Screen::start(), set_up().start());
+    show_scene(&fixture);
     SCENARIOS.iter().for_each(|scenario| scenario(&fixture, &screen));
 }
 
@@ -191,7 +185,7 @@ impl Screen {
 
 /// Starts the window on a screen.
 pub(crate) fn window(master: &RosMaster, screen: &Screen, args: &[&str]) -> Running {
-    let mut command = master.environment(Command::new(program("projector_window")));
+    let mut command = master.program("projector_window");
     command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     Running::start(command.args(args)).unwrap()
 }
@@ -227,8 +221,7 @@ fn the_projectors_window_shows_the_image_pixel_for_pixel_over_the_whole_screen(f
 fn the_projectors_window_waits_for_its_monitor(master: &RosMaster, python: &PythonNode, screen: &Screen) {
     python.run("latch('/pixel', Image(width=1, height=1, encoding='mono8', step=1, data=bytes([255])))").unwrap();
     let mut shown = window(master, screen, &["image:=/pixel", "--monitor", "HDMI-9"]);
-    let is_told = || shown.errors().iter().any(|line| line.contains("no monitor 'HDMI-9'; monitors: 0: screen"));
-    assert!(wait_until(PATIENCE, is_told), "{:?}", shown.errors());
+    shown.wait_for_error(&["no monitor 'HDMI-9'; monitors: 0: screen"]);
     let mut xrandr = Command::new("xrandr");
     xrandr.args(["--setmonitor", "HDMI-9", "640/160x360/90+0+0", "none"]).env("DISPLAY", &screen.display);
     assert!(xrandr.status().unwrap().success());
@@ -255,9 +248,8 @@ fn a_window_that_fails_unregisters_its_node(fixture: &RosFixture, screen: &Scree
 #[test]
 fn windows_on_an_x_server_that_hangs_end_and_unregister() {
     let screen = Screen::start();
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=b'x'))").unwrap();
+    let (master, _python) =
+        master_and_python("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=b'x'))");
     let mut shown = window(&master, &screen, &["image:=/image"]);
     let placed = window(&master, &screen, &["--place", "none such"]);
     let mut command = Command::new(program("projector_calibrate"));
@@ -285,8 +277,7 @@ fn the_projectors_window_becomes_black_when_the_node_is_killed(fixture: &RosFixt
     assert!(wait_until(PATIENCE, has_light), "{:?}", window.errors());
     fixture.node.signal("KILL");
     assert!(wait_until(PATIENCE, || screen.pixels().iter().all(|value| *value == 0)), "{:?}", window.errors());
-    let is_logged = || window.errors().iter().any(|line| line.contains("the window is black"));
-    assert!(wait_until(PATIENCE, is_logged), "{:?}", window.errors());
+    window.wait_for_error(&["the window is black"]);
 }
 
 fn black_images_and_none_beat_a_pause_of_the_projectors_window(
@@ -344,9 +335,7 @@ fn the_projectors_window_reads_compressed_images(master: &RosMaster, python: &Py
     let is_near = |pixels: &[u8]| pixels.iter().zip(&flipped).all(|(shown, sent)| shown.abs_diff(*sent) <= 4);
     assert!(wait_until(PATIENCE, || is_near(&screen.pixels())), "{:?}", window.errors());
     python.run("latch('/photos/compressed', CompressedImage(format='jpeg', data=b'no picture'))").unwrap();
-    let is_told =
-        || window.errors().iter().any(|line| line.contains("/photos/compressed: an image of an unknown format"));
-    assert!(wait_until(PATIENCE, is_told), "{:?}", window.errors());
+    window.wait_for_error(&["/photos/compressed: an image of an unknown format"]);
 }
 
 fn image_views_window_is_kept_full_screen_over_the_monitor(fixture: &RosFixture, screen: &Screen) {

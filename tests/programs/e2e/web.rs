@@ -1,9 +1,6 @@
 //! The operator's page of a live node: images, state, parameters, and who may use it.
 
-use std::process::Command;
-
-use rcs_tests::programs::program;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, Setup, CLOUD};
 
 /// Python that is a page: a WebSocket of raw bytes, and POSTs.
 const PAGE: &str = r#"
@@ -66,9 +63,8 @@ const ADDRESS: &str = "the operator's page: ";
 /// A node with a red square before the camera and a page that nobody has opened yet: `URL` is its address.
 fn fixture(args: &[&str]) -> RosFixture {
     let args = [args, &["--web", "0"]].concat();
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info())");
+    let fixture = Setup::of(&[CLOUD]).args(&args).start();
+    fixture.python("place_camera()");
     fixture.python("latch('/cloud', cloud(0xff0000))");
     prepare_page(&fixture);
     fixture
@@ -239,7 +235,7 @@ fn the_token_is_on_standard_error_alone_and_a_taken_port_ends_the_node() {
         "[line for line in [l.msg for l in lines] + [l['text'] for l in page.lines] if page.token in line]";
     assert_eq!(fixture.python(with_token), "[]");
     let port = fixture.python("int(page.address.split(':')[1])");
-    let mut second = fixture.master.environment(Command::new(program("camera_stream")));
+    let mut second = fixture.master.program("camera_stream");
     second.arg("-d").arg(fixture.config_file()).args(["--renderer", "cpu", "--web", &port, "__name:=second"]);
     let output = second.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();

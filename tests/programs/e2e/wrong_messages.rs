@@ -2,16 +2,12 @@
 
 use rcs_tests::programs::repository;
 use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use rcs_tests::ros_fixture::{Setup, CLOUD};
 use std::time::Instant;
 
 #[test]
 fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture.python("latch('/eye/camera_info', info()); viewer = Viewer('/view/image')");
-    fixture.python("latch('/cloud', cloud(0xff0000))");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    let fixture = Setup::of(&[CLOUD]).showing_red();
     fixture.python("short = cloud(0x00ff00); short.data = short.data[:-1]");
     fixture.python("repeated = PublishRepeatedly(20, lambda i: short, '/cloud')");
     let warnings = || fixture.log_lines(&["display cloud", "Dropping message"]);
@@ -28,11 +24,7 @@ fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
 fn damaged_jpegs_are_logged_and_neither_end_the_node_nor_stop_the_image() {
     const DEPTH: &str = "{Class: rviz/DepthCloud, Name: depth, Enabled: true, Depth Map Topic: /d/image, \
                          Color Image Topic: /c/image, Color Transport Hint: compressed}";
-    let fixture = RosFixture::start(&config(&[CLOUD, DEPTH], &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture
-        .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    let fixture = Setup::of(&[CLOUD, DEPTH]).showing_red();
     let input = repository().join("fuzz/regressions/compressed_image/jpeg_whose_decoder_panics");
     // The input's first byte chooses the format.
     fixture.python(format!("jpeg = open('{}', 'rb').read()[1:]", input.display()));
@@ -60,10 +52,6 @@ fn an_unknown_display_class_is_logged_and_the_other_displays_are_drawn() {
         "{Class: rviz/Group, Name: group, Enabled: true, Displays: [{Class: rviz/Map, Name: floor, Enabled: true}]}",
         CLOUD,
     ];
-    let fixture = RosFixture::start(&config(&displays, &[CameraPub::default()]), &[]).unwrap();
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
-    fixture
-        .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
-    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    let fixture = Setup::of(&displays).showing_red();
     assert_eq!(fixture.log_lines(&["WARN", "scene.rviz", "line 4", "fancy_plugins/Hologram"]), 1, "{}", fixture.log());
 }

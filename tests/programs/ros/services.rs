@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use crate::probe;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE, PROMPT};
+use rcs_tests::ros_fixture::master_and_python;
 
 /// A rospy server of three services: one answers, one fails, one hangs.
 const SERVER: &str = "
@@ -24,9 +24,7 @@ fn wait_for_service(master: &RosMaster) {
 
 #[test]
 fn a_service_is_called_and_its_faults_are_told_in_words() {
-    let master = RosMaster::start().unwrap();
-    let python = PythonNode::start(&master, &[]).unwrap();
-    python.run(SERVER).unwrap();
+    let (master, _python) = master_and_python(SERVER);
     let call = |service: &str, timeout: &str| {
         let mut probe = probe(&master, &["call", service, timeout]);
         probe.wait(PATIENCE).unwrap();

@@ -1,10 +1,8 @@
 //! The paper's samples as nodes: `nav_path_markers`, `turret_aim`, `line_of_sight`.
 
-use std::process::Command;
-
-use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+use rcs_tests::ros_fixture::master_and_python;
 
 mod line_of_sight;
 mod nav_path_markers;
@@ -33,11 +31,8 @@ struct Sample {
 impl Sample {
     /// Starts a node; `before` is Python that runs first.
     fn start(name: &str, before: &str, args: &[&str]) -> Self {
-        let master = RosMaster::start().unwrap();
-        let python = PythonNode::start(&master, &[]).unwrap();
-        python.run(before).unwrap();
-        let mut command = master.environment(Command::new(program(name)));
-        let node = Running::start(command.args(args)).unwrap();
+        let (master, python) = master_and_python(before);
+        let node = Running::start(master.program(name).args(args)).unwrap();
         Self { python, node, master }
     }
 

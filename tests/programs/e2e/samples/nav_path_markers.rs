@@ -1,10 +1,7 @@
 //! `nav_path_markers`: plans become arrows, the next plan replaces them in one message, none are left at the end.
 
-use std::process::Command;
-
-use rcs_tests::programs::program;
 use rcs_tests::ros::Running;
-use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
+use rcs_tests::ros_fixture::Setup;
 
 use super::Sample;
 
@@ -109,8 +106,8 @@ noting = rospy.Subscriber('/view/image', Image, note, queue_size=100)
 #[test]
 fn no_image_shows_two_plans_or_none() {
     let markers = "{Class: rviz/MarkerArray, Name: arrows, Enabled: true, Marker Topic: /arrows, Queue Size: 100}";
-    let fixture = RosFixture::start(&config(&[markers], &[CameraPub::default()]), &[]).unwrap();
-    let mut node = fixture.master.environment(Command::new(program("nav_path_markers")));
+    let fixture = Setup::of(&[markers]).start();
+    let mut node = fixture.master.program("nav_path_markers");
     let arguments = ["--path-topic", "/plan", "--markers-topic", "/arrows", "--length", "0.4", "--spacing", "0.4"];
     let _node = Running::start(node.args(arguments).args(["--width", "0.3", "--goal-radius", "0"])).unwrap();
     // From above: rviz's light does.
