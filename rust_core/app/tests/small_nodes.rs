@@ -140,16 +140,6 @@ fn signals_end_a_node_that_waits_for_a_master_with_0() {
 }
 
 #[test]
-fn a_missing_master_is_logged_once() {
-    let (_folder, projector) = file("projector.yaml", PROJECTOR_FILE);
-    let mut node = Waiting::start(program(PROJECTOR).arg(&projector));
-    node.wait_for_log(MASTER);
-    node.wait_for_retries();
-    assert_eq!(node.end("-TERM").code(), Some(0), "{}", node.log);
-    assert_eq!(node.log.matches(MASTER).count(), 1, "{}", node.log);
-}
-
-#[test]
 fn windows_that_wait_for_a_display_server_that_hangs_end() {
     let folder = tempfile::tempdir().unwrap();
     let socket = folder.path().join("wayland-0");
@@ -294,28 +284,6 @@ impl Waiting {
             }
         }
         panic!("{text} is not in the log: {}", self.log);
-    }
-
-    /// Waits until the node has looked for the master a few times more. A thread of its own does that and sleeps in
-    /// between, and Linux counts how often a thread slept.
-    fn wait_for_retries(&self) {
-        let process = self.child.id().to_string();
-        let sleeps = || -> u64 {
-            let threads = std::fs::read_dir(format!("/proc/{process}/task")).unwrap().map(|thread| thread.unwrap());
-            let others = threads.filter(|thread| *thread.file_name() != *process);
-            let status = others.map(|thread| std::fs::read_to_string(thread.path().join("status")).unwrap());
-            let count = |status: String| {
-                let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"));
-                line.unwrap().trim().parse::<u64>().unwrap()
-            };
-            status.map(count).sum()
-        };
-        let (before, deadline) = (sleeps(), Instant::now() + PATIENCE);
-        // A try may sleep once itself, so these are three tries at least.
-        while sleeps() < before + 6 {
-            assert!(Instant::now() < deadline, "the node does not look for the master again: {}", self.log);
-            std::thread::sleep(Duration::from_millis(20));
-        }
     }
 
     /// Waits until the program has a thread of this name.

@@ -37,7 +37,6 @@ mod heavy;
 mod latency;
 mod lazy_streams;
 mod lifecycle;
-mod listening;
 mod live_equals_offline;
 mod load;
 mod meshes;

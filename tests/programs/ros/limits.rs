@@ -79,25 +79,38 @@ fn listening_addresses(program: &Running) -> BTreeSet<String> {
     let descriptors = fs::read_dir(format!("{folder}/fd")).unwrap();
     let links = descriptors.filter_map(|entry| fs::read_link(entry.ok()?.path()).ok());
     let sockets: BTreeSet<String> = links.map(|link| link.to_string_lossy().into_owned()).collect();
-    let table = fs::read_to_string(format!("{folder}/net/tcp")).unwrap();
-    let listening = table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let tables = ["tcp", "tcp6"].map(|kind| fs::read_to_string(format!("{folder}/net/{kind}")).unwrap_or_default());
+    let lines = tables.iter().flat_map(|table| table.lines().skip(1));
+    let listening = lines.map(|line| line.split_whitespace().collect::<Vec<_>>());
     // Number, local address, remote address, state (0A: listening), six more, inode.
     let own = listening.filter(|fields| fields[3] == "0A" && sockets.contains(&format!("socket:[{}]", fields[9])));
     own.map(|fields| fields[1].split(':').next().unwrap_or_default().to_owned()).collect()
 }
 
 #[test]
-fn the_node_listens_where_ros_ip_says_and_warns_where_it_cannot() {
+fn a_node_listens_where_variables_or_its_arguments_say_and_warns_where_it_cannot() {
     let master = RosMaster::start().unwrap();
-    // The last one is an address of a network for examples.
-    for (ip, addresses, warnings) in
-        [("127.0.0.1", &["0100007F"][..], 0), ("", &["00000000"], 0), ("192.0.2.1", &["00000000"], 1)]
-    {
+    let (local, own, any) = ("0100007F", "0200007F", "00000000");
+    for (variables, argument, address, warnings) in [
+        (&[("ROS_IP", "127.0.0.1")][..], "", local, 0),
+        (&[("ROS_IP", "")], "", any, 0),
+        // An address of a network for examples.
+        (&[("ROS_IP", "192.0.2.1")], "", any, 1),
+        (&[("ROS_IP", "127.0.0.2")], "", own, 0),
+        (&[("ROS_HOSTNAME", "127.0.0.2")], "", own, 0),
+        (&[("ROS_HOSTNAME", "localhost")], "", local, 0),
+        // A name counts for more than an address, and an argument for more than either.
+        (&[("ROS_HOSTNAME", "127.0.0.2"), ("ROS_IP", "127.0.0.3")], "", own, 0),
+        (&[("ROS_HOSTNAME", "localhost")], "__hostname:=127.0.0.2", own, 0),
+        (&[("ROS_IP", "127.0.0.3")], "__ip:=127.0.0.2", own, 0),
+    ] {
         let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_ros_probe")));
-        let probe = Running::start(command.args(["listen"]).env("ROS_IP", ip)).unwrap();
+        command.env_remove("ROS_IP").envs(variables.iter().copied()).arg("listen");
+        let probe = Running::start(command.args(Some(argument).filter(|argument| !argument.is_empty()))).unwrap();
+        // Then its topics are announced at the address.
         assert!(probe.line_with("ready").is_some(), "{:?}", probe.errors());
-        let expected = addresses.iter().map(|address| (*address).to_owned()).collect();
-        assert_eq!(listening_addresses(&probe), expected, "ROS_IP={ip}");
+        let found = listening_addresses(&probe);
+        assert_eq!(found, BTreeSet::from([address.to_owned()]), "{variables:?} {argument}: {:?}", probe.errors());
         let is_warning = |line: &&String| line.starts_with("WARN") && line.contains("listening at all");
         assert_eq!(probe.errors().iter().filter(is_warning).count(), warnings, "{:?}", probe.errors());
     }

@@ -1,8 +1,7 @@
 //! Start, shutdown, names, subscriptions and services of a node.
 
 use crate::probe;
-use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use std::time::Duration;
+use rcs_tests::ros::{RosMaster, Running};
 
 const POINT: &str = "geometry_msgs/PointStamped";
 
@@ -10,27 +9,6 @@ const POINT: &str = "geometry_msgs/PointStamped";
 fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
     let message = format!("{{header: {{frame_id: {frame}}}}}");
     Running::start(master.command("rostopic").args(["pub", "-r", "20", topic, POINT, &message])).unwrap()
-}
-
-#[test]
-fn a_missing_master_is_waited_for_and_logged_once() {
-    let mut master = RosMaster::reserve().unwrap();
-    let probe = probe(&master, &["listen"]);
-    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
-    // No second line may follow while there is no master.
-    std::thread::sleep(Duration::from_secs(1));
-    assert_eq!(probe.errors().len(), 1, "{:?}", probe.errors());
-    assert!(probe.errors()[0].contains(&master.uri()), "{:?}", probe.errors());
-    master.run().unwrap();
-    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /probe simulated false"));
-}
-
-#[test]
-fn waiting_for_a_master_ends_with_sigterm() {
-    let master = RosMaster::reserve().unwrap();
-    let mut probe = probe(&master, &["listen"]);
-    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
-    probe.end("TERM").unwrap();
 }
 
 #[test]
@@ -79,30 +57,6 @@ fn transforms_carry_their_publishers_name_and_the_service_answers() {
 }
 
 #[test]
-fn a_terminated_node_is_unregistered() {
-    let master = RosMaster::start().unwrap();
-    assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
-    let mut probe = probe(&master, &["listen", "/a", POINT, "1"]);
-    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /probe simulated true"));
-    assert!(master.output("rosnode", &["list"]).unwrap().contains("/probe"));
-    assert!(probe.end("TERM").unwrap().success());
-    let nodes = master.output("rosnode", &["list"]).unwrap();
-    assert!(nodes.contains("/rosout") && !nodes.contains("/probe"), "{nodes}");
-    assert!(!master.output("rosservice", &["list"]).unwrap().contains("probe_trigger"));
-}
-
-#[test]
-fn a_node_that_ends_with_an_error_is_unregistered() {
-    let master = RosMaster::start().unwrap();
-    // It fails after it has subscribed to transforms and offered its service.
-    let mut probe = probe(&master, &["listen", "/a", "no_such/Type", "1"]);
-    assert!(!probe.wait(PATIENCE).unwrap().success());
-    assert!(probe.errors().iter().any(|line| line.contains("unknown type")), "{:?}", probe.errors());
-    let nodes = master.output("rosnode", &["list"]).unwrap();
-    assert!(nodes.contains("/rosout") && !nodes.contains("/probe"), "{nodes}");
-}
-
-#[test]
 fn simulated_time_is_followed_and_a_jump_back_is_reported() {
     let master = RosMaster::start().unwrap();
     assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
@@ -126,23 +80,6 @@ fn messages_of_another_type_are_ignored() {
     let _path = Running::start(master.command("rostopic").args(["pub", "-r", "5", "/a", "nav_msgs/Path", path]));
     assert!(probe.line_with("frame right").is_some());
     assert_eq!(probe.count("frame wrong"), 0);
-}
-
-#[test]
-fn everything_is_registered_again_with_a_restarted_master() {
-    let mut master = RosMaster::start().unwrap();
-    let probe = probe(&master, &["listen", "/a", POINT, "1"]);
-    assert!(probe.line_with("ready").is_some());
-    // The watchdog must have learned what is registered: of two rounds that end from now on, the second
-    // began after now.
-    for _ in 0..2 {
-        assert!(probe.prints_again("publications known"));
-    }
-    master.restart().unwrap();
-    let is_known = || master.output("rosservice", &["list"]).unwrap().contains("/probe_trigger");
-    assert!(wait_until(PATIENCE, is_known), "{:?}", probe.errors());
-    let _points = publish_points(&master, "/a", "after");
-    assert!(probe.line_with("frame after").is_some(), "{:?}", probe.errors());
 }
 
 #[test]
