@@ -1,5 +1,6 @@
 //! Bags that ROS recorded, and ours read by ROS.
 
+use crate::PEER;
 use rcs_bag::Bag;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{geometry_msgs::PointStamped, AnyMessage, MessageKind, Time};
@@ -8,19 +9,11 @@ use rcs_tests::ros::RosMaster;
 
 #[test]
 fn bags_of_every_compression_are_read() {
-    let script = "import sys, rosbag, rospy\n\
-                  from geometry_msgs.msg import PointStamped\n\
-                  with rosbag.Bag(sys.argv[1], 'w', compression=sys.argv[2], chunk_threshold=2000) as bag:\n\
-                  \x20   for i in range(100):\n\
-                  \x20       message = PointStamped()\n\
-                  \x20       message.header.frame_id = 'map'\n\
-                  \x20       message.point.x = i\n\
-                  \x20       bag.write('/point', message, rospy.Time(1000 + (i * 37) % 100))\n";
     let master = RosMaster::reserve().unwrap();
     let dir = tempfile::tempdir().unwrap();
     for compression in ["none", "bz2", "lz4"] {
         let path = dir.path().join(format!("{compression}.bag"));
-        master.output("python3", &["-c", script, path.to_str().unwrap(), compression]).unwrap();
+        master.output("python3", &[PEER, "write_bag", path.to_str().unwrap(), compression]).unwrap();
         let bag = Bag::open(&path).unwrap();
         let messages: Vec<_> = bag.messages(|_| true).collect::<Result<_, _>>().unwrap();
         let secs: Vec<_> = messages.iter().map(|message| message.time.sec).collect();
@@ -47,10 +40,7 @@ fn rosbag_reads_a_bag_that_we_wrote() {
         writer.write("/point", false, Time { sec: 50 + sec, nsec: 0 }, &message).unwrap();
     }
     writer.finish().unwrap();
-    let script = "import sys, rosbag\n\
-                  for topic, message, time in rosbag.Bag(sys.argv[1]).read_messages():\n\
-                  \x20   print(topic, message._type, message.header.frame_id, message.point.y, time.secs)\n";
-    let printed = master.output("python3", &["-c", script, path.to_str().unwrap()]).unwrap();
+    let printed = master.output("python3", &[PEER, "read_bag", path.to_str().unwrap()]).unwrap();
     let lines: Vec<_> = printed.lines().collect();
     assert_eq!(lines.len(), 3, "{printed}");
     assert_eq!(lines[2], "/point geometry_msgs/PointStamped map 2.0 52");
