@@ -25,69 +25,59 @@ fn index(roots: &[&Path]) -> PackageIndex {
     PackageIndex::new(roots.iter().map(|root| root.to_path_buf()))
 }
 
-#[test]
-fn a_package_is_found_by_the_name_in_its_manifest() {
-    let dir = tree(&[("src/deep/folder/package.xml", "robot_description")]);
-    let index = index(&[dir.path()]);
-    assert_eq!(index.package("robot_description"), Some(dir.path().join("src/deep/folder")));
-    assert_eq!(index.package("folder"), None);
-}
+/// Files in a search folder, and the folders in it that packages of these names have.
+type Case = (&'static [(&'static str, &'static str)], &'static [(&'static str, Option<&'static str>)]);
+
+const SEARCHES: [Case; 7] = [
+    // By the name in the manifest.
+    (
+        &[("src/deep/folder/package.xml", "robot_description")],
+        &[("robot_description", Some("src/deep/folder")), ("folder", None)],
+    ),
+    // A folder of the right name may have another package's manifest.
+    (
+        &[("arm/package.xml", "arm_old"), ("src/new_arm/package.xml", "arm")],
+        &[("arm", Some("src/new_arm")), ("arm_old", Some("arm"))],
+    ),
+    // A rosbuild package is named after its folder.
+    (
+        &[("stack/legacy/manifest.xml", "ignored"), ("both/manifest.xml", ""), ("both/package.xml", "wet")],
+        &[("legacy", Some("stack/legacy")), ("both", Some("both")), ("wet", None)],
+    ),
+    // Packages are not searched for packages.
+    (
+        &[("a/outer/package.xml", "outer"), ("a/outer/inner/package.xml", "inner")],
+        &[("outer", Some("a/outer")), ("inner", None)],
+    ),
+    // A search folder that is a package is that package only.
+    (&[("package.xml", "me"), ("other/package.xml", "other")], &[("me", Some("")), ("other", None)]),
+    // Ignored and hidden folders are skipped.
+    (
+        &[
+            ("a/CATKIN_IGNORE", ""),
+            ("a/in_a/package.xml", "in_a"),
+            ("ignored/CATKIN_IGNORE", ""),
+            ("ignored/package.xml", "ignored"),
+            ("b/rospack_nosubdirs", ""),
+            ("b/in_b/package.xml", "in_b"),
+            (".hidden/package.xml", "hidden"),
+            ("c/.git/package.xml", "in_git"),
+        ],
+        &[("in_a", None), ("ignored", None), ("in_b", None), ("hidden", None), (".hidden", None), ("in_git", None)],
+    ),
+    // So is a search folder that wants no search below it.
+    (&[("rospack_nosubdirs", ""), ("direct/package.xml", "direct")], &[("direct", None)]),
+];
 
 #[test]
-fn a_folder_of_the_right_name_with_another_packages_manifest_is_not_taken() {
-    let dir = tree(&[("arm/package.xml", "arm_old"), ("src/new_arm/package.xml", "arm")]);
-    let index = index(&[dir.path()]);
-    assert_eq!(index.package("arm"), Some(dir.path().join("src/new_arm")));
-    assert_eq!(index.package("arm_old"), Some(dir.path().join("arm")));
-}
-
-#[test]
-fn a_rosbuild_package_is_named_after_its_folder() {
-    let dir = tree(&[("stack/legacy/manifest.xml", "ignored"), ("both/manifest.xml", ""), ("both/package.xml", "wet")]);
-    let index = index(&[dir.path()]);
-    assert_eq!(index.package("legacy"), Some(dir.path().join("stack/legacy")));
-    assert_eq!(index.package("both"), Some(dir.path().join("both")));
-    assert_eq!(index.package("wet"), None);
-}
-
-#[test]
-fn packages_are_not_searched_for_packages() {
-    let dir = tree(&[("a/outer/package.xml", "outer"), ("a/outer/inner/package.xml", "inner")]);
-    let index = index(&[dir.path()]);
-    assert!(index.package("outer").is_some());
-    assert_eq!(index.package("inner"), None);
-}
-
-#[test]
-fn a_search_folder_that_is_a_package_is_that_package_only() {
-    let dir = tree(&[("package.xml", "me"), ("other/package.xml", "other")]);
-    let index = index(&[dir.path()]);
-    assert_eq!(index.package("me"), Some(dir.path().to_owned()));
-    assert_eq!(index.package("other"), None);
-}
-
-#[test]
-fn ignored_and_hidden_folders_are_skipped() {
-    let dir = tree(&[
-        ("a/CATKIN_IGNORE", ""),
-        ("a/in_a/package.xml", "in_a"),
-        ("ignored/CATKIN_IGNORE", ""),
-        ("ignored/package.xml", "ignored"),
-        ("b/rospack_nosubdirs", ""),
-        ("b/in_b/package.xml", "in_b"),
-        (".hidden/package.xml", "hidden"),
-        ("c/.git/package.xml", "in_git"),
-    ]);
-    let index = index(&[dir.path()]);
-    for name in ["in_a", "ignored", "in_b", "hidden", ".hidden", "in_git"] {
-        assert_eq!(index.package(name), None, "{name}");
+fn packages_are_found_in_a_search_folder_as_by_rospack() {
+    for (files, packages) in SEARCHES {
+        let dir = tree(files);
+        let index = index(&[dir.path()]);
+        for (name, folder) in packages {
+            assert_eq!(index.package(name), folder.map(|folder| dir.path().join(folder)), "{name} of {files:?}");
+        }
     }
-}
-
-#[test]
-fn a_search_folder_without_subfolders_is_not_searched() {
-    let dir = tree(&[("rospack_nosubdirs", ""), ("direct/package.xml", "direct")]);
-    assert_eq!(index(&[dir.path()]).package("direct"), None);
 }
 
 #[test]
