@@ -6,20 +6,16 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use rcs_camera::{CameraModel, Projection};
-use rcs_camera_stream::scene::{self, SceneState};
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::AnyMessage;
 use rcs_render::{
     create, DepthRequest, Depths, Finished, KeepOut, Orientation, PostProcess, RendererChoice, Sphere, View,
 };
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
     Blending, Camera, DepthImage, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
     Image, LineTopology, Lines, Material, Mesh, PointBuffer, PointColors, PointStyle, Points, Rgba, Scene, Text,
     Vertex, VerticalAlignment,
 };
-use rcs_tests::scenes::solids::drawable;
-use rcs_transforms::Time;
+use rcs_tests::scenes::{rendering::camera_of, solids::drawable};
 
 const EXACT: CameraModel = CameraModel { projection: Projection::Exact, undistort: false };
 const UNDISTORTED: CameraModel = CameraModel { projection: Projection::Exact, undistort: true };
@@ -49,20 +45,6 @@ fn mirrored([is_left_right, is_up_down]: [bool; 2]) -> CameraInfo {
         (info.P[6], info.K[5]) = (info.P[6] + 239.0, info.K[5] + 239.0);
     }
     info
-}
-
-fn camera(info: &CameraInfo, model: CameraModel) -> Camera {
-    const CONFIG: &str = "
-Visualization Manager:
-  Global Options: {Fixed Frame: map}
-  Displays:
-  - {Class: rviz_camera_stream/CameraPub, Name: projector, Enabled: true, Image Topic: /image,
-     Camera Info Topic: /camera_info}
-";
-    let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
-    let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
-    stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
-    scene::camera(&stage, &stage.cameras()[0], model).unwrap()
 }
 
 /// A box whose faces are seen from outside only.
@@ -160,7 +142,7 @@ fn as_image(depth: &DepthImage) -> Image {
 fn a_mirrored_projection_is_bit_for_bit_the_flipped_image() {
     for model in [EXACT, UNDISTORTED] {
         for encoding in [Encoding::Rgb8, Encoding::Mono16] {
-            let expected = drawn(&camera(&straight(), model), encoding);
+            let expected = drawn(&camera_of(&straight(), model).unwrap(), encoding);
             for (image, depth) in &expected {
                 let lit = image.data.iter().filter(|level| **level > 100).count();
                 assert!(lit > image.data.len() / 20, "{lit} bytes are lit");
@@ -168,7 +150,7 @@ fn a_mirrored_projection_is_bit_for_bit_the_flipped_image() {
                 assert_ne!(flipped(image, [true, false]), *image);
             }
             for mirror in MIRRORS {
-                let found = drawn(&camera(&mirrored(mirror), model), encoding);
+                let found = drawn(&camera_of(&mirrored(mirror), model).unwrap(), encoding);
                 for ((found, found_depth), (image, depth)) in found.iter().zip(&expected) {
                     let what = format!("{mirror:?} {encoding:?} {model:?}");
                     assert!(*found == flipped(image, mirror), "{what}");
@@ -183,7 +165,7 @@ fn a_mirrored_projection_is_bit_for_bit_the_flipped_image() {
 fn the_silhouette_of_a_mirrored_image_stays_dark_where_the_mirror_shows_it() {
     let spheres = [Sphere { center: Point3::new(0.2, -0.15, 1.3), radius_m: 0.12 }];
     let dark = |info: &CameraInfo, model| {
-        let keep_out = KeepOut::new(&camera(info, model), &spheres);
+        let keep_out = KeepOut::new(&camera_of(info, model).unwrap(), &spheres);
         let mut image = Image::default();
         image.reset(320, 240, Encoding::Mono8);
         image.data.fill(255);
@@ -209,7 +191,7 @@ fn rvizs_projection_of_a_mirrored_camera_info_is_rvizs_image() {
     // rviz mirrors the principal point about the image's middle, edges included.
     (as_rviz.P[2], as_rviz.P[3]) = (320.0 - left_right.P[2], -left_right.P[3]);
     left_right.P[7] = as_rviz.P[7];
-    let [found, expected] = [left_right, as_rviz].map(|info| drawn(&camera(&info, rviz), Encoding::Rgb8));
+    let [found, expected] = [left_right, as_rviz].map(|info| drawn(&camera_of(&info, rviz).unwrap(), Encoding::Rgb8));
     for ((found, _), (expected, _)) in found.iter().zip(&expected) {
         assert!(found == expected);
     }

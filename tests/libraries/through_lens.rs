@@ -7,18 +7,14 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector2, Vector3};
 use rcs_camera::{CameraModel, Projection};
-use rcs_camera_stream::scene::{self, SceneState};
 use rcs_files::projector::lens_of;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::AnyMessage;
 use rcs_render::{create, CpuRenderer, Renderer, RendererChoice, View};
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
     Blending, Camera, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment, Image, LineTopology, Lines,
     Material, Mesh, Rgba, Scene, Text, Vertex, VerticalAlignment,
 };
-use rcs_tests::scenes::solids::drawable;
-use rcs_transforms::Time;
+use rcs_tests::scenes::{rendering::camera_of, solids::drawable};
 
 /// By how much light may be off, in pixels.
 const LIMIT_PX: f64 = 0.1;
@@ -73,20 +69,6 @@ fn lands_on(info: &CameraInfo, point: &Point3<f64>) -> Point2<f64> {
 fn lit_by(info: &CameraInfo, [u, v]: [f64; 2], distance_m: f64) -> Point3<f64> {
     let ray = Matrix3::from_row_slice(&info.R) * lens_of(info).unwrap().ray(Point2::new(u, v)).unwrap();
     Point3::from(ray * (distance_m / ray.z))
-}
-
-fn camera(info: &CameraInfo, model: CameraModel) -> Camera {
-    const CONFIG: &str = "
-Visualization Manager:
-  Global Options: {Fixed Frame: map}
-  Displays:
-  - {Class: rviz_camera_stream/CameraPub, Name: projector, Enabled: true, Image Topic: /image,
-     Camera Info Topic: /camera_info}
-";
-    let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
-    let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
-    stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
-    scene::camera(&stage, &stage.cameras()[0], model).unwrap()
 }
 
 /// White things on black.
@@ -189,7 +171,7 @@ fn points_land_where_k_d_and_p_send_them() {
             let mut off = vec![Vector2::zeros(); points.len()];
             for radius_px in RADII_PX {
                 let discs = points.iter().map(|point| disc(&info, *point, radius_px)).collect();
-                let light = Light::of(discs, &camera(&info, UNDISTORTED), renderer.as_mut());
+                let light = Light::of(discs, &camera_of(&info, UNDISTORTED).unwrap(), renderer.as_mut());
                 assert_eq!((light.image.width_px, light.image.height_px), (640, 400));
                 for (off, point) in off.iter_mut().zip(&points) {
                     let expected = middle_lands_on(&info, *point, radius_px);
@@ -247,7 +229,7 @@ fn edges_of_triangles_and_lines_bend_as_the_lens_unbends_them() {
             vec![drawable(Geometry::Mesh { mesh, material: both_sides() }), drawable(Geometry::Lines(Arc::new(lines)))];
         let name = &info.distortion_model;
         for renderer in &mut renderers {
-            let light = Light::of(drawables.clone(), &camera(&info, UNDISTORTED), renderer.as_mut());
+            let light = Light::of(drawables.clone(), &camera_of(&info, UNDISTORTED).unwrap(), renderer.as_mut());
             for part in [[0.08, 0.3], [0.4, 0.6], [0.7, 0.92]] {
                 let curve = |from, to| along(from, to, part).map(|point| lands_on(&info, &point)).collect::<Vec<_>>();
                 for i in 0..3 {
@@ -279,7 +261,7 @@ fn text_lands_where_it_should() {
         for renderer in &mut renderers {
             let exact = CameraModel::from(Projection::Exact);
             let [before, after] = [(&straight, exact), (&info, UNDISTORTED)].map(|(info, model)| {
-                let light = Light::of(vec![label.clone()], &camera(info, model), renderer.as_mut());
+                let light = Light::of(vec![label.clone()], &camera_of(info, model).unwrap(), renderer.as_mut());
                 light.center(lands_on(info, &at), 25.0)
             });
             let [fx, cx, fy, cy] = [info.K[0], info.K[2], info.K[4], info.K[5]];
@@ -297,7 +279,12 @@ fn without_distortion_the_image_is_the_same() {
         let discs = || vec![disc(&info, lit_by(&projector("plumb_bob", &[]), [100.0, 100.0], 1.0), 20.0)];
         for projection in [Projection::Rviz, Projection::Exact] {
             let [with, without] = [true, false].map(|undistort| {
-                Light::of(discs(), &camera(&info, CameraModel { projection, undistort }), &mut CpuRenderer::new()).image
+                Light::of(
+                    discs(),
+                    &camera_of(&info, CameraModel { projection, undistort }).unwrap(),
+                    &mut CpuRenderer::new(),
+                )
+                .image
             });
             assert_eq!(with, without);
             assert!(with.data.iter().any(|level| *level > 0));
@@ -315,7 +302,7 @@ fn beyond_the_lens_models_valid_radius_nothing_is_drawn_twice() {
     // Where the fold's inner side lands: 1.1 is sent to 1.1 (1 − 0.6 · 1.21) = 0.301, as is 0.344.
     let disc = |radius: f64| disc(&info, Point3::new(radius, 0.0, 1.0), 6.0);
     for renderer in &mut renderers {
-        let camera = camera(&info, UNDISTORTED);
+        let camera = camera_of(&info, UNDISTORTED).unwrap();
         let folded = Light::of(vec![disc(1.1)], &camera, renderer.as_mut());
         assert!(folded.image.data.iter().all(|level| *level == 0), "{}", renderer.describe());
         let seen = Light::of(vec![disc(0.344)], &camera, renderer.as_mut());
@@ -339,7 +326,7 @@ fn exact_hits_the_pixels_that_p_names() {
             let mut info = info.clone();
             // One focal length: elsewhere rviz draws another image.
             info.P[5] = info.P[0];
-            let light = Light::of(discs.clone(), &camera(&info, projection.into()), renderer.as_mut());
+            let light = Light::of(discs.clone(), &camera_of(&info, projection.into()).unwrap(), renderer.as_mut());
             let off = points.iter().map(|point| {
                 let [fx, cx, fy, cy] = [info.P[0], info.P[2], info.P[5], info.P[6]];
                 let expected = Point2::new(fx * point.x / point.z + cx, fy * point.y / point.z + cy);
@@ -367,7 +354,8 @@ fn exact_follows_skews_and_takes_p_up_to_scale() {
     for scale in [1.0, 2.0, 0.01] {
         let scaled = CameraInfo { P: info.P.map(|value| scale * value), ..info.clone() };
         for renderer in &mut renderers {
-            let light = Light::of(discs.clone(), &camera(&scaled, Projection::Exact.into()), renderer.as_mut());
+            let light =
+                Light::of(discs.clone(), &camera_of(&scaled, Projection::Exact.into()).unwrap(), renderer.as_mut());
             let off = points.iter().map(|point| light.center(by_p(point), 20.0) - by_p(point));
             let off = off.sum::<Vector2<f64>>() / points.len() as f64;
             assert!(off.norm() < LIMIT_PX, "{scale}, {}: {off}", renderer.describe());

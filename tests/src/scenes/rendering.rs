@@ -2,9 +2,16 @@
 //!
 //! `RCS_RENDERER` chooses the renderer: `cpu` (the default), `gpu` or `auto`.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Vector3};
+use rcs_camera::CameraModel;
+use rcs_camera_stream::scene::{self, SceneState};
+use rcs_messages::{sensor_msgs::CameraInfo, AnyMessage};
 use rcs_render::{create, Renderer, RendererChoice, View};
+use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{Camera, CameraError, DisplayMask, Drawable, Encoding, Image, Intrinsics, Scene};
+use rcs_transforms::Time;
 
 /// Color of the background; no color of the scenes has this level in all channels.
 const BACKGROUND: [u8; 3] = [LEVEL; 3];
@@ -41,6 +48,21 @@ pub fn camera(size_px: [u32; 2], focal_px: f64) -> Result<Camera, CameraError> {
     let (cx, cy) = (f64::from(width_px) / 2.0, f64::from(height_px) / 2.0);
     let p = [focal_px, 0.0, cx, 0.0, 0.0, focal_px, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
     Ok(Camera::new(Intrinsics::from_p(width_px, height_px, &p)?, &Isometry3::identity(), 0.01))
+}
+
+/// The camera of a CameraInfo in `map`, as a config with one CameraPub display has it; `None` where there is none.
+pub fn camera_of(info: &CameraInfo, model: CameraModel) -> Option<Camera> {
+    const CONFIG: &str = "
+Visualization Manager:
+  Global Options: {Fixed Frame: map}
+  Displays:
+  - {Class: rviz_camera_stream/CameraPub, Name: projector, Enabled: true, Image Topic: /image,
+     Camera Info Topic: /camera_info}
+";
+    let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").ok()?;
+    let mut state = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
+    state.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
+    scene::camera(&state, &state.cameras()[0], model).ok()
 }
 
 /// The end-to-end benchmark's projector: 1280×800 pixels and a long focal length, so that a depth camera's view fills
