@@ -31,11 +31,6 @@ fn make_repositories(work: &Path, folders: [&str; 2]) {
 
 #[test]
 fn a_repository_is_signed_and_the_same_packages_give_the_same() {
-    let missing = bash("command -v apt-ftparchive gpg gpgv >/dev/null");
-    if !missing.status.success() {
-        println!("skipped: apt-ftparchive or gpg is not installed");
-        return;
-    }
     let work = tempfile::tempdir().unwrap();
     make_repositories(work.path(), ["first", "second"]);
     let differences = bash(&format!("cd {}; diff -rq first second", work.path().display()));
