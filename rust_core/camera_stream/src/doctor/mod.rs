@@ -1,7 +1,7 @@
-//! `camera_stream doctor`: goes down the chain from the distribution to the light, and says what is wrong and what to do.
+//! `camera_stream doctor`: goes down the chain from ROS to the light, and says what is wrong and what to do.
 //!
 //! ```text
-//!  distribution ─► graph: master, clocks ─► camera: CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
+//!  distribution ─► master, clocks ─► CameraInfo, transform ─► displays ─► limits ─► screen ─► image ─► exposure
 //! ```
 //!
 //! It listens as `check --live` does and to the images as well, then each file makes one group of
