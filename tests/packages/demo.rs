@@ -33,6 +33,7 @@ fn master_of(printed: &str) -> String {
 
 /// Runs the demo to its end. Returns the image that it saved and what it printed.
 fn show(folder: &Path, arguments: &str) -> (PathBuf, String) {
+    let _processors = processors();
     let file = folder.join("shown.png");
     let printed = succeed(&format!("./demo --seconds 1 --renderer cpu --output {} {arguments}", file.display()));
     assert_eq!(printed.lines().last(), file.to_str(), "{printed}");
@@ -84,7 +85,6 @@ fn the_papers_turret_lights_the_object_to_grasp() {
 
 #[test]
 fn a_hand_in_the_light_is_lit_only_without_a_surface() {
-    let _processors = processors();
     let folder = tempfile::tempdir().unwrap();
     let (shown, printed) = show(folder.path(), "--confirm");
     let (width, height, pixels) = pixels(&shown);

@@ -21,8 +21,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rcs_tests::programs::{program, repository};
 
-/// Held by a test that compiles a workspace, and by the one whose depth camera may not be late for half a second: the
-/// picture would be dark, as it should.
+/// Held by a test that compiles a workspace or packs packages, and by a demo, whose depth camera may not be late for
+/// half a second: the picture would be dark, as it should.
 static PROCESSORS: Mutex<()> = Mutex::new(());
 
 /// Waits for the other tests that need the processors; one that failed hinders nobody.

@@ -10,14 +10,17 @@ use rcs_tests::programs::repository;
 use crate::{bash, printed_by};
 
 /// Scripts that take no options of their own, and why.
-const WITHOUT_OPTIONS: [(&str, &str); 8] = [
+const WITHOUT_OPTIONS: [(&str, &str); 11] = [
     ("ros_pkg/nodes/image_view_anywhere", "passes them on to image_view"),
     ("ros_pkg/nodes/rviz_if_installed", "passes them on to rviz"),
     ("scripts/master_port.py", "takes no arguments"),
+    ("tests/packages/container", "tests/packages/run calls it"),
     ("tests/packages/first_day", "tests/packages/run calls it"),
     ("tests/packages/imitate_ros", "tests/packages/run calls it"),
     ("tests/packages/in_root", "tests/packages/run calls it"),
+    ("tests/packages/laptop", "tests/packages/run calls it"),
     ("tests/packages/plugin_in_root", "tests/packages/run calls it"),
+    ("tests/packages/repository", "tests/packages/run calls it"),
     ("tests/packages/save_picture", "tests/packages/run calls it"),
 ];
 

@@ -9,7 +9,7 @@ use rcs_tests::programs::{program, repository};
 
 use crate::catkin::PROGRAMS;
 use crate::launch::from_source;
-use crate::{bash, printed_by, succeed};
+use crate::{bash, printed_by, processors, succeed};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -41,6 +41,7 @@ fn stand_in(version: &str) -> tempfile::TempDir {
 }
 
 fn make(built: &Path, output: &Path, only: &str) {
+    let _processors = processors();
     succeed(&format!(
         "SOURCE_DATE_EPOCH=1763900000 scripts/packages/make_packages --built {} --architecture amd64 --output {} {only}",
         built.display(),

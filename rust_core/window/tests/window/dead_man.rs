@@ -67,10 +67,8 @@ impl Guarded {
 
     /// Asserts that the monitor is black, and stays so until the switch has reacted.
     fn stays_black(&self, window: &Shown) {
-        if self.weston.is_some() {
-            // The compositor paints when the next frame is due.
-            wait_for("black", || self.is_black().then_some(()));
-        }
+        // The display server has yet to see that the program's connection has ended, and a compositor to paint.
+        wait_for("black", || self.is_black().then_some(()));
         let mut is_told = None;
         while is_told.is_none_or(|at: Instant| at.elapsed() < Duration::from_millis(1500)) {
             let pixels = self.screen().pixels_at(self.place, self.size);
