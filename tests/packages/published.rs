@@ -1,5 +1,5 @@
-//! What is published, and by whom: the apt repository that `scripts/packages/make_repository` makes, from packages with
-//! nothing in them, and the workflows. `tests/packages/repository` installs from a repository in a root of Debian.
+//! The apt repository that `scripts/packages/make_repository` makes, of packages with nothing in them, and the
+//! workflows that publish it. `tests/packages/repository` installs from a repository in a root of Debian.
 
 use std::fs;
 use std::path::Path;
@@ -65,7 +65,7 @@ fn workflows_name_actions_by_commit_and_jobs_have_few_permissions() {
             let is_commit = commit.len() == 40 && commit.bytes().all(|letter| letter.is_ascii_hexdigit());
             assert!(is_commit && !version.is_empty(), "{name}: {action}");
         }
-        // What is allowed to all jobs.
+        // All jobs have these.
         let (_, permissions) = text.split_once("\npermissions:").unwrap();
         let permissions = permissions.split("\n\n").next().unwrap().trim();
         assert!(["{}", "contents: read"].contains(&permissions), "{name}: {permissions}");
