@@ -29,8 +29,8 @@ add_custom_target(rviz_camera_stream_programs ALL
     "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_app --bins
   COMMAND "${CMAKE_COMMAND}" -E make_directory "${devel_programs}"
   ${copies}
-  COMMAND "${built}/write_help" "${help}"
-  COMMAND "${built}/write_help" "${CATKIN_DEVEL_PREFIX}/share"
+  COMMAND "${built}/all_programs" --write-help "${help}"
+  COMMAND "${built}/all_programs" --write-help "${CATKIN_DEVEL_PREFIX}/share"
   WORKING_DIRECTORY "${workspace_root}"
   COMMENT "cargo builds the nodes (the first time this takes minutes)"
   VERBATIM)

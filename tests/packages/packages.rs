@@ -36,7 +36,7 @@ fn stand_in(version: &str) -> tempfile::TempDir {
     }
     fs::write(programs.join("librcs_capi.tar.xz"), "").unwrap();
     fs::write(share.join("prebuilt"), format!("{version}\n")).unwrap();
-    succeed(&format!("{} {}/share", program("write_help").display(), folder.path().display()));
+    succeed(&format!("{} --write-help {}/share", program("all_programs").display(), folder.path().display()));
     folder
 }
 

@@ -3,7 +3,7 @@
 //! Programs that each hold the same libraries are three times as large as one that holds all. Which one is
 //! meant is the name by which it is started (`argv[0]`), as with busybox.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -11,7 +11,7 @@ use clap::Command;
 use rcs_node_support::ros_names::RosName;
 use rcs_samples::{line_of_sight, nav_path_markers, publish_cloud, simulate_scan, turret_aim};
 
-use crate::{projector, projector_blend, projector_window};
+use crate::{help_files, projector, projector_blend, projector_window};
 
 /// A program.
 pub struct Program {
@@ -72,21 +72,25 @@ pub static PROGRAMS: [Program; 10] = [
 /// The exit status where no program has the name.
 const UNKNOWN: u8 = 2;
 
-/// Runs the program by whose name the process was started.
+/// Runs the program by whose name the process was started; by another name, it only writes man pages and completions.
 pub fn main() -> ExitCode {
-    let path = std::env::args_os().next().unwrap_or_default();
-    match called(&path) {
-        Some(program) => (program.main)(),
-        None => {
-            let names: Vec<&str> = PROGRAMS.iter().map(|program| program.name).collect();
-            eprintln!(
-                "{}: this file holds all programs; start it through a link with the name of one: {}",
-                Path::new(&path).display(),
-                names.join(", ")
-            );
-            ExitCode::from(UNKNOWN)
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let path = arguments.first().map_or(OsStr::new(""), OsString::as_os_str);
+    if let Some(program) = called(path) {
+        return (program.main)();
+    }
+    if let [_, option, share] = arguments.as_slice() {
+        if option == "--write-help" {
+            return help_files::main(Path::new(share));
         }
     }
+    let names: Vec<&str> = PROGRAMS.iter().map(|program| program.name).collect();
+    eprintln!(
+        "{}: this file holds all programs; start it through a link with the name of one: {}",
+        Path::new(path).display(),
+        names.join(", ")
+    );
+    ExitCode::from(UNKNOWN)
 }
 
 /// The program that `path`, the first of a process's arguments, names.
@@ -114,7 +118,7 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/bin");
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         let mut names: Vec<String> = files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
-        names.retain(|name| !["all_programs", "write_help"].contains(&name.as_str()));
+        names.retain(|name| name != "all_programs");
         names.sort();
         assert!(names.iter().eq(PROGRAMS.iter().map(|program| program.name)), "{names:?}");
     }

@@ -1,6 +1,6 @@
 //! Man pages and completions of all programs, from their command lines, in the folders where shells and `man` look.
 //!
-//! A build runs `write_help FOLDER` after the programs, with FOLDER what is installed as `share`.
+//! A build runs `all_programs --write-help FOLDER`, with FOLDER what is installed as `share`.
 
 use std::fs::{self, File};
 use std::io;
@@ -13,17 +13,12 @@ use clap_mangen::Man;
 
 use crate::all_programs::PROGRAMS;
 
-/// Runs the program with the process's arguments.
-pub fn main() -> ExitCode {
-    let arguments: Vec<_> = std::env::args_os().skip(1).collect();
-    let [folder] = arguments.as_slice() else {
-        eprintln!("write_help: give one folder, which is installed as /usr/share");
-        return ExitCode::from(2);
-    };
-    match write(Path::new(folder)) {
+/// Writes the files of all programs below `share`, or one line about what went wrong.
+pub fn main(share: &Path) -> ExitCode {
+    match write(share) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("write_help: {}: {error}", Path::new(folder).display());
+            eprintln!("all_programs: {}: {error}", share.display());
             ExitCode::FAILURE
         }
     }
