@@ -4,7 +4,7 @@
 //! longest time without a new image of it, from before the scene's message is sent until it has been shown for a
 //! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that images change.
 
-use crate::load::{CAMERA, CROWD, LONGEST_GAP_SECS, MANY};
+use crate::load::{CAMERA, LOAD, LONGEST_GAP_SECS};
 use rcs_tests::ros_fixture::{CameraPub, RosFixture, Setup};
 
 /// The display whose images must go on, so small and near that it hides nothing and nothing hides it.
@@ -14,47 +14,6 @@ const NEAR: &str =
 
 const MARKERS: &str = "{Class: rviz/Marker, Name: markers, Enabled: true, Marker Topic: /markers, Queue Size: 100}";
 
-/// Messages of very many points, which NumPy makes.
-const HEAVY: &str = "import numpy\n\
-     rng = numpy.random.default_rng(7)\n\
-     def heavy_cloud(places):\n    \
-         message = cloud(0, points=[])\n    \
-         message.width, message.row_step = len(places), 16 * len(places)\n    \
-         points = numpy.empty((len(places), 4), '<f4')\n    \
-         points[:, :3] = places\n    \
-         points.view('<u4')[:, 3] = numpy.arange(len(places)) * 0x3f5f7 & 0x00ffff\n    \
-         message.data = points.tobytes()\n    \
-         return written(message)\n\
-     def spread(f, z):\n    \
-         rows, columns = numpy.mgrid[0:480, 0:640].reshape(2, -1)\n    \
-         return numpy.stack([(columns - 319.5) / f * z, (rows - 239.5) / f * z, numpy.full(640 * 480, z)], 1)\n\
-     def in_one_place():\n    \
-         return numpy.tile([0.003, -0.002, 0.06], (640 * 480, 1))\n\
-     def between(count, f, near, far):\n    \
-         z = rng.uniform(near, far, count)\n    \
-         z += numpy.where(abs(z) < .03, numpy.copysign(.03, z), 0)\n    \
-         return numpy.stack([rng.uniform(-320, 320, count) / f * z, rng.uniform(-240, 240, count) / f * z, z], 1)\n\
-     def around(count):\n    \
-         places = rng.uniform(-2, 2, (count, 3))\n    \
-         places[:, 2] = numpy.abs(places[:, 2]) + 0.1\n    \
-         places[count // 2:, 2] *= -1\n    \
-         return places\n\
-     def filling(count):\n    \
-         corners = numpy.array([[-2, -2, 1], [0, 4, 1], [2, -2, 1]])\n    \
-         return (rng.uniform(1, 3, (count, 1, 1)) * corners).reshape(-1, 3)\n\
-     def of_points(kind, places, size=0.01, alpha=1):\n    \
-         marker = Marker(header=Header(frame_id='map'), ns='heavy', type=kind, pose=Pose(orientation=Quaternion(0, 0, 0, 1)), \
-             scale=Vector3(size, size, size), color=ColorRGBA(0, 1, .5, alpha), points=[Point(1, 2, 3)])\n    \
-         data, one = serialized(marker), struct.pack('<I3d', 1, 1, 2, 3)\n    \
-         assert data.count(one) == 1\n    \
-         return written(marker, data.replace(one, struct.pack('<I', len(places)) + places.astype('<f8').tobytes()))\n\
-     none = cloud(0, points=[])\n\
-     no_marker = Marker(action=Marker.DELETEALL)\n\
-     def shown():\n    \
-         if viewer.last is None:\n        return False\n    \
-         pixels = numpy.frombuffer(viewer.last.data, 'u1').reshape(-1, 3).astype(int)\n    \
-         return (numpy.abs(pixels[:, 1:] - [0, 200]).max(axis=1) > 20).sum() > 1000";
-
 /// A scene: what it is, where it is sent, and the Python that makes its message.
 type Heavy = (&'static str, &'static str, &'static str);
 
@@ -62,9 +21,7 @@ type Heavy = (&'static str, &'static str, &'static str);
 fn fixture(displays: &[&str]) -> RosFixture {
     let all: Vec<&str> = [NEAR].iter().chain(displays).copied().collect();
     let fixture = Setup::with_cameras(&all, &[CameraPub { background: "0; 0; 200", ..CameraPub::default() }]).start();
-    fixture.python(MANY);
-    fixture.python(CROWD);
-    fixture.python(HEAVY);
+    fixture.python(LOAD);
     fixture.python("latch('/tf_static', tf('map', 'eye')); viewer = Viewer('/view/image')");
     fixture.python(CAMERA.replace("500.0", "1900.0"));
     fixture.python(

@@ -21,29 +21,15 @@ pub(crate) fn watched(fixture: &RosFixture) {
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
 
+/// Python that makes messages of many things.
+pub(crate) const LOAD: &str = include_str!("load.py");
+
 /// A value of the node's process in `/proc`, such as `VmRSS` in kB.
 pub(crate) fn of_process(fixture: &RosFixture, name: &str) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", fixture.node.id())).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':')).unwrap();
     line.split_whitespace().next().unwrap().parse().unwrap()
 }
-
-/// Python functions that make messages of many things before the camera.
-pub(crate) const MANY: &str = "from std_msgs.msg import ColorRGBA, Header\n\
-     from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion, Vector3\n\
-     from nav_msgs.msg import Path\n\
-     from visualization_msgs.msg import Marker, MarkerArray\n\
-     def pose(i, shift):\n    \
-         return Pose(Point(i % 40 * 0.05 - 1 + shift, i // 40 * 0.05 - 0.6, 2), Quaternion(0, 0, 0, 1))\n\
-     def cubes(count, shift):\n    \
-         return MarkerArray([Marker(header=Header(frame_id='map'), ns='many', id=i, type=Marker.CUBE, \
-             pose=pose(i, shift), scale=Vector3(.02, .02, .02), color=ColorRGBA(0, 1, 0, 1)) for i in range(count)])\n\
-     def path(count, shift):\n    \
-         return Path(Header(frame_id='map'), [PoseStamped(pose=pose(i, shift)) for i in range(count)])\n\
-     def poses(count, shift):\n    \
-         return PoseArray(Header(frame_id='map'), [pose(i, shift) for i in range(count)])\n\
-     def points(count, shift):\n    \
-         return cloud(0x0000ff, points=[(i % 100 * .02 - 1 + shift, i // 100 * .02 - 1, 2.5) for i in range(count)])";
 
 /// Sends messages of two places in turn, which are written only once.
 pub(crate) fn in_turn(rate_hz: u32, topic: &str, make: &str, count: usize) -> String {
@@ -280,7 +266,7 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = Setup::of(&[CLOUD, markers]).start();
     watched(&fixture);
-    fixture.python(MANY);
+    fixture.python(LOAD);
     let before = of_process(&fixture, "VmRSS");
     fixture.python("send('/markers', cubes(100000, 0))");
     fixture.wait_for("max(viewer.last.data[1::3]) > 50");
@@ -299,23 +285,6 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
 /// machine needs.
 pub(crate) const LONGEST_GAP_SECS: f64 = 60.0;
 
-/// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new image of the cloud
-/// came.
-pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
-         def marker(i):\n        \
-             at = Point(i % 317 * 0.01 - 1.58, i // 317 * 0.0076 - 1.2, 2.5 + i % 7 * 0.2)\n        \
-             at.z *= 1 if seen in (None, i) else -1\n        \
-             size = Vector3(.1, .01, .01) if kind == Marker.ARROW else Vector3(.05, .05, .05)\n        \
-             text = 'item %d' % i if kind == Marker.TEXT_VIEW_FACING else ''\n        \
-             return Marker(header=Header(frame_id='map'), ns='many', id=i, type=kind, scale=size, text=text, \
-                 pose=Pose(at, Quaternion(0, 0.6, 0, 0.8)), color=ColorRGBA(0, 1, .5, 1))\n    \
-         return written(MarkerArray([marker(i) for i in range(count)]))\n\
-     def longest_gap():\n    \
-         first = {}\n    \
-         for image in viewer.images:\n        first.setdefault(image[6], image[0])\n    \
-         times = sorted(first.values()) + [viewer.images[-1][0]]\n    \
-         return max(b - a for a, b in zip(times, times[1:]))";
-
 #[test]
 #[ignore = "a load: ./test full"]
 fn images_of_another_display_go_on_while_a_large_array_is_placed() {
@@ -323,8 +292,7 @@ fn images_of_another_display_go_on_while_a_large_array_is_placed() {
     for kind in ["SPHERE", "ARROW", "TEXT_VIEW_FACING"] {
         let fixture = Setup::of(&[CLOUD, markers]).start();
         watched(&fixture);
-        fixture.python(MANY);
-        fixture.python(CROWD);
+        fixture.python(LOAD);
         fixture.python(CAMERA);
         fixture.python(format!("array = crowd(100000, Marker.{kind})"));
         fixture.python("clouds = PublishRepeatedly(30, lambda i: cloud(0x010000 * (i % 250 + 1)), '/cloud')");
@@ -380,7 +348,7 @@ fn forty_displays_that_all_change_are_drawn() {
     let displays: Vec<&str> = [CLOUD].into_iter().chain(displays.iter().map(String::as_str)).collect();
     let fixture = Setup::of(&displays).start();
     watched(&fixture);
-    fixture.python(MANY);
+    fixture.python(LOAD);
     fixture.python(CAMERA);
     for i in 0..40 {
         let (_, make, count) = classes[i % 4];
@@ -398,7 +366,7 @@ fn a_thousand_markers_that_change_a_hundred_times_a_second_are_drawn() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = Setup::of(&[CLOUD, markers]).start();
     watched(&fixture);
-    fixture.python(MANY);
+    fixture.python(LOAD);
     fixture.python(CAMERA);
     let before = of_process(&fixture, "VmRSS");
     fixture.python(in_turn(100, "/markers", "cubes", 1000));

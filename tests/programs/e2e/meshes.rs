@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::Command;
 
-use crate::load::{of_process, CAMERA, CROWD, LONGEST_GAP_SECS, MANY};
+use crate::load::{of_process, CAMERA, LOAD, LONGEST_GAP_SECS};
 
 const MARKERS: &str = "{Class: rviz/Marker, Name: markers, Enabled: true, Marker Topic: /markers, Queue Size: 100}";
 /// Triangles of a large mesh. Loading it takes some tenths of a second.
@@ -113,8 +113,7 @@ fn images_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
     let file = folder.path().join("hall.stl");
     write_waves(&file, (HUGE_TRIANGLES as f64 / 2.0).sqrt().ceil() as usize);
     let fixture = fixture(&[&format!("_mesh_folder:=[{}]", folder.path().display())]);
-    fixture.python(MANY);
-    fixture.python(CROWD);
+    fixture.python(LOAD);
     fixture.python(CAMERA);
     fixture.wait_for("viewer.last.width == 640");
     // The longest time without a new image, from what is done until its end is seen and for some images more.

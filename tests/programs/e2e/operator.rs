@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::load::{CROWD, MANY};
+use crate::load::LOAD;
 use crate::viewers::{saved, Screen};
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, PATIENCE};
@@ -131,9 +131,8 @@ fn diagnostics_say_who_has_set_what(fixture: &RosFixture) {
 }
 
 fn a_blackout_does_not_wait_for_the_scene_that_is_being_drawn(fixture: &RosFixture, screen: &Screen) {
-    fixture.python(MANY);
+    fixture.python(LOAD);
     // Markers behind the wall, which are placed again and again.
-    fixture.python(CROWD);
     fixture.python("array = crowd(100000, Marker.ARROW)");
     fixture.python("sending = PublishRepeatedly(5, lambda i: array, '/markers')");
     for _ in 0..5 {
