@@ -25,23 +25,12 @@ find_package(OpenGL QUIET)
 if(NOT OPENGL_FOUND)
   list(APPEND plugin_missing OpenGL)
 endif()
-# The Qt that rviz was built with.
-set(plugin_qt)
+# The Qt that rviz was built with, 5 or 6.
 if(rviz_FOUND)
-  if(rviz_QT_VERSION VERSION_LESS "5")
-    find_package(Qt4 ${rviz_QT_VERSION} QUIET COMPONENTS QtCore QtGui)
-    if(Qt4_FOUND OR QT4_FOUND)
-      set(plugin_qt Qt4::QtCore Qt4::QtGui)
-    else()
-      list(APPEND plugin_missing "Qt ${rviz_QT_VERSION}")
-    endif()
-  else()
-    find_package(Qt5 ${rviz_QT_VERSION} QUIET COMPONENTS Core Widgets)
-    if(Qt5_FOUND)
-      set(plugin_qt Qt5::Widgets)
-    else()
-      list(APPEND plugin_missing "Qt ${rviz_QT_VERSION}")
-    endif()
+  string(REGEX MATCH "^[0-9]+" plugin_qt "${rviz_QT_VERSION}")
+  find_package(Qt${plugin_qt} ${rviz_QT_VERSION} QUIET COMPONENTS Core Widgets)
+  if(NOT Qt${plugin_qt}_FOUND)
+    list(APPEND plugin_missing "Qt ${rviz_QT_VERSION}")
   endif()
 endif()
 if(prebuilt AND NOT EXISTS "${prebuilt}/lib/rviz_camera_stream/librcs_capi.tar.xz")
@@ -51,7 +40,7 @@ if(plugin_missing)
   string(REPLACE ";" ", " plugin_missing "${plugin_missing}")
   if(RVIZ_CAMERA_STREAM_PLUGIN STREQUAL "ON")
     message(FATAL_ERROR "The rviz plugin needs ${plugin_missing}. Get them with: apt install librviz-dev \
-libimage-transport-dev qtbase5-dev (Debian) or apt install ros-$ROS_DISTRO-rviz qtbase5-dev (Ubuntu)")
+libimage-transport-dev (Debian) or apt install ros-$ROS_DISTRO-rviz (Ubuntu), and the Qt of rviz: qtbase5-dev or qt6-base-dev")
   endif()
   message(STATUS "rviz_camera_stream: the rviz plugin is not built, as these were not found: ${plugin_missing}")
   return()
@@ -109,7 +98,7 @@ target_include_directories(rviz_camera_stream SYSTEM PRIVATE ${rviz_INCLUDE_DIRS
   ${pluginlib_INCLUDE_DIRS} ${roscpp_INCLUDE_DIRS} ${OPENGL_INCLUDE_DIR})
 # What Rust's standard library needs comes last; none of its names leave the plugin.
 target_link_libraries(rviz_camera_stream PRIVATE "${plugin_core}" ${rviz_LIBRARIES} ${image_transport_LIBRARIES}
-  ${pluginlib_LIBRARIES} ${roscpp_LIBRARIES} ${plugin_qt} ${OPENGL_LIBRARIES} Threads::Threads ${CMAKE_DL_LIBS} m
+  ${pluginlib_LIBRARIES} ${roscpp_LIBRARIES} Qt${plugin_qt}::Widgets ${OPENGL_LIBRARIES} Threads::Threads ${CMAKE_DL_LIBS} m
   "-Wl,--exclude-libs,librcs_capi.a" "-Wl,--gc-sections")
 
 # A component of its own, so that it can be installed alone; package.xml, by which rviz finds it, belongs to both.
