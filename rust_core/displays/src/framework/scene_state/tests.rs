@@ -126,6 +126,20 @@ fn axes_are_hidden_by_their_tick_box() {
 }
 
 #[test]
+fn a_display_is_told_when_the_publisher_of_its_topic_is_gone() {
+    let markers = "  - {Class: rviz/InteractiveMarkers, Name: im, Enabled: true, Update Topic: /im/update}\n";
+    let mut set = without_messages(&config(markers));
+    let is_offline = |set: &SceneState| {
+        let report = set.reports().next().unwrap();
+        report.statuses.get("General").is_some_and(|status| status.text == "Server is offline. Resetting.")
+    };
+    set.publisher_left("/others/update");
+    assert!(!is_offline(&set));
+    set.publisher_left("/im/update");
+    assert!(is_offline(&set));
+}
+
+#[test]
 fn points_that_are_left_out_are_counted_in_the_status() {
     let flat = "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
     let mut set = state(flat);
