@@ -81,7 +81,8 @@ pub fn main() -> ExitCode {
     }
     if let [_, option, share] = arguments.as_slice() {
         if option == "--write-help" {
-            return help_files::main(Path::new(share));
+            let programs = PROGRAMS.iter().map(|program| (program.name, (program.command)()));
+            return help_files::main(Path::new(share), programs);
         }
     }
     let names: Vec<&str> = PROGRAMS.iter().map(|program| program.name).collect();

@@ -11,11 +11,9 @@ use clap::Command;
 use clap_complete::{generate, Shell};
 use clap_mangen::Man;
 
-use crate::all_programs::PROGRAMS;
-
-/// Writes the files of all programs below `share`, or one line about what went wrong.
-pub fn main(share: &Path) -> ExitCode {
-    match write(share) {
+/// Writes the files of programs, by their names, below `share`, or one line about what went wrong.
+pub fn main(share: &Path, programs: impl Iterator<Item = (&'static str, Command)>) -> ExitCode {
+    match write(share, programs) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("all_programs: {}: {error}", share.display());
@@ -24,8 +22,7 @@ pub fn main(share: &Path) -> ExitCode {
     }
 }
 
-/// Writes the files of all programs below `share`.
-fn write(share: &Path) -> io::Result<()> {
+fn write(share: &Path, programs: impl Iterator<Item = (&'static str, Command)>) -> io::Result<()> {
     let folder = |name: &str| {
         let folder = share.join(name);
         fs::create_dir_all(&folder).map(|()| folder)
@@ -37,10 +34,9 @@ fn write(share: &Path) -> io::Result<()> {
     // bash's is ros_pkg/env-hooks: rosbash has the file of rosrun's name already.
     fs::write(zsh.join("_rviz_camera_stream_rosrun"), include_str!("rosrun/rosrun.zsh"))?;
     fs::write(fish.join("rosrun.fish"), include_str!("rosrun/rosrun.fish"))?;
-    for program in &PROGRAMS {
-        let name = program.name;
+    for (name, command) in programs {
         // That of the command line names the package, for --version.
-        let mut command = (program.command)().display_name(name).disable_help_subcommand(true);
+        let mut command = command.display_name(name).disable_help_subcommand(true);
         let files = [
             (Shell::Bash, bash.join(name)),
             (Shell::Zsh, zsh.join(format!("_{name}"))),
