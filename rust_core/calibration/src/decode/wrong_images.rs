@@ -1,6 +1,6 @@
 //! Detection of wrong images: a lagging camera, or an image taken twice, puts another pattern's image in a pattern's
-//! place. It and its inverse are then dark, or lit, in the same places ([`ImageCheck::unpaired`]), or fine stripes are
-//! lit and dark where those of another bit are ([`ImageCheck::alike`]). What remains is for [`super::order`].
+//! place. It and its inverse then do not add up to white and black ([`ImageCheck::unpaired`]), or fine stripes are lit
+//! and dark where those of another bit are ([`ImageCheck::alike`]). What remains is for [`super::order`].
 
 use super::channels::{Channels, StripeChannel};
 use super::light_images::LightImages;
@@ -9,12 +9,12 @@ use crate::patterns::Stripes;
 
 /// Maximum number of sampled pixels.
 const SAMPLED: usize = 150_000;
-/// Shares of the projector's light below and above which a pixel is certainly dark or lit.
-const DARK: f32 = 0.2;
-const LIT: f32 = 0.85;
+/// Maximum distance of stripes plus their inverse from white plus black, as a share of the projector's light. However
+/// little a camera resolves of fine stripes, they add up.
+const UNPAIRED: f32 = 0.4;
 /// Maximum noise of sampled pixels, as a share of the projector's light.
 const MOST_NOISE: f32 = 0.05;
-/// Maximum share of pixels that are equal in stripes and in their inverse.
+/// Maximum share of pixels whose stripes and inverse do not add up.
 const MANY_UNPAIRED: f64 = 0.15;
 /// Maximum mean difference of equal images, as a share of the projector's light.
 const SAME: f32 = 0.04;
@@ -111,16 +111,16 @@ impl ImageCheck<'_> {
     /// Finds stripes that do not match their inverse.
     fn unpaired(&self) -> Option<WrongImage> {
         let sample = self.sample();
-        let is_same = |channel: &StripeChannel, pixel: usize| {
-            let shares = pair(channel).map(|image| self.share(image, pixel));
+        let is_unpaired = |channel: &StripeChannel, pixel: usize| {
+            let sum: f32 = pair(channel).iter().map(|image| self.share(*image, pixel)).sum();
             let is_clipped = [channel.lit, channel.inverse, self.light.channels.white]
                 .iter()
                 .any(|image| self.light.images.levels[*image][pixel] >= CLIPPED_FROM);
-            shares.iter().all(|share| *share < DARK) || (!is_clipped && shares.iter().all(|share| *share > LIT))
+            sum < 1.0 - UNPAIRED || (!is_clipped && sum > 1.0 + UNPAIRED)
         };
         let worst = self.light.channels.axes.iter().flat_map(|axis| &axis.all).map(|channel| {
-            let same = sample.iter().filter(|pixel| is_same(channel, **pixel)).count();
-            (same as f64 / sample.len().max(1) as f64, channel)
+            let unpaired = sample.iter().filter(|pixel| is_unpaired(channel, **pixel)).count();
+            (unpaired as f64 / sample.len().max(1) as f64, channel)
         });
         let (share, channel) = worst.max_by(|one, other| one.0.total_cmp(&other.0))?;
         (share > MANY_UNPAIRED).then(|| {

@@ -38,7 +38,8 @@ fn bump() -> Isometry3<f64> {
 fn a_bump_is_mended_in_ten_seconds() {
     let (mut slowest, mut worst_px, mut refused, mut rooms) = (Duration::ZERO, 0.0_f64, 0, 0);
     for seed in seeds(1, 4, 100) {
-        let (result, shown, error_px) = refine(Faults { seed, ..Faults::default() }, bump());
+        // At 160×120, some rooms have hardly more places than are needed.
+        let (result, shown, error_px) = refine(Faults { seed, camera_px: [320, 240], ..Faults::default() }, bump());
         rooms += 1;
         match result {
             Ok(refinement) => {
@@ -47,7 +48,6 @@ fn a_bump_is_mended_in_ten_seconds() {
                 assert!(error_px < 1.0, "seed {seed}: {error_px}");
                 (slowest, worst_px) = (slowest.max(refinement.elapsed), worst_px.max(error_px));
             }
-            // Such a small image has few places for spots.
             Err(ScanFailure::Refinement(RefinementProblem::FewSeen { .. })) => refused += 1,
             Err(failure) => panic!("seed {seed}: {failure}"),
         }

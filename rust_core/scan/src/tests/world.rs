@@ -53,6 +53,8 @@ pub(crate) struct Faults {
     pub(crate) seed: u64,
     /// Light, lenses and sensor; motion and drift are those of the fields above.
     pub(crate) conditions: Conditions,
+    /// Width and height of the camera's images, pixels.
+    pub(crate) camera_px: [u32; 2],
     /// The camera sends images of this size.
     pub(crate) frame_px: Option<[u32; 2]>,
     /// Frames from one depth image to the next; `None` without depth.
@@ -71,6 +73,7 @@ impl Default for Faults {
             assumed_px: PROJECTOR_PX,
             seed: 4,
             conditions: Conditions { sharpest_px: 0.4, ambient: 0.08, camera_blur_px: 0.3, ..Conditions::ideal() },
+            camera_px: [160, 120],
             frame_px: None,
             depth_every: Some(4),
         }
@@ -98,7 +101,8 @@ pub(crate) struct World {
 impl World {
     pub(crate) fn new(faults: Faults) -> Rc<RefCell<Self>> {
         let mut rig = Rig::random(faults.seed);
-        rig.camera = Lens::pinhole([160, 120], [136.0, 136.0], [79.5, 59.5]);
+        let [width, height] = faults.camera_px.map(f64::from);
+        rig.camera = Lens::pinhole(faults.camera_px, [0.85 * width; 2], [width / 2.0 - 0.5, height / 2.0 - 0.5]);
         rig.projector = Lens::pinhole(PROJECTOR_PX, [340.0, 340.0], [159.5, 120.0]);
         let view = View::new(&Room::cluttered(faults.seed), &rig);
         let known = patterns(faults.assumed_px, 1).into_iter();
@@ -137,7 +141,8 @@ impl World {
 
     /// The projector pixel that lights a camera pixel.
     pub(crate) fn truth(&self, pixel: usize) -> Option<[f64; 2]> {
-        self.view.truth(pixel as u32 % 160, pixel as u32 / 160).map(|truth| [truth.x, truth.y])
+        let width = self.view.size_px()[0];
+        self.view.truth(pixel as u32 % width, pixel as u32 / width).map(|truth| [truth.x, truth.y])
     }
 
     /// The image of the image that was shown at a time.
@@ -262,7 +267,7 @@ impl ScanCamera for SimulatedCamera {
                 });
             }
             if world.now > after {
-                let size_px = world.faults.frame_px.unwrap_or([160, 120]);
+                let size_px = world.faults.frame_px.unwrap_or(world.view.size_px());
                 return Ok(CameraFrame { size_px, grey, received: world.now });
             }
         }
@@ -276,6 +281,6 @@ impl ScanCamera for SimulatedCamera {
         let world = self.0.borrow();
         let is_due = world.faults.depth_every.is_some_and(|every| world.frames.is_multiple_of(every));
         let depth_m = || world.depth[world.frames as usize % world.depth.len()].clone();
-        Ok(is_due.then(|| DepthFrame { size_px: [160, 120], depth_m: depth_m() }))
+        Ok(is_due.then(|| DepthFrame { size_px: world.view.size_px(), depth_m: depth_m() }))
     }
 }
